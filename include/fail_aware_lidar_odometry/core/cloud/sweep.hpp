@@ -1,0 +1,32 @@
+// One revolution of a spinning lidar.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace fail_aware {
+
+/// A sweep's points. `points_lidar` (m, sensor frame) is always there and finite; the other arrays are empty or as
+/// long as `points_lidar`.
+struct Sweep {
+  double stamp_s = 0.0;                       ///< header stamp, s; which instant it means: sweep timing's `stamp_reference`
+  std::vector<Eigen::Vector3f> points_lidar;  ///< m
+  std::vector<float> intensities;             ///< sensor units
+  std::vector<float> times_s;                 ///< as the driver gave them: s relative to some instant of the sweep
+  std::vector<std::uint16_t> rings;           ///< laser number, 0 = lowest beam
+  std::size_t points_dropped = 0;             ///< points not finite in the source, left out here
+
+  std::size_t size() const { return points_lidar.size(); }
+  bool empty() const { return points_lidar.empty(); }
+};
+
+/// A sweep whose points were all moved to one instant (its stamp).
+struct CorrectedSweep {
+  double stamp_s = 0.0;
+  std::vector<Eigen::Vector3f> points_lidar;  ///< m, sensor frame at the stamp
+  std::vector<float> times_s;                 ///< s relative to the stamp; empty: all zero (no timing)
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,119 @@
+// The reference against which sweeps are registered: a flat voxel hash map in odom with, per voxel, a few points (for
+// point to point) and a plane fitted to all that fell into it (for point to plane).
+//
+// A voxel's points and statistics are floats relative to its own centre, so precision does not depend on how far the
+// vehicle has driven. Statistics are summed over every inserted point until `max_samples`, then frozen: the first
+// observations, made where drift was least, stay the reference. Insertion costs about 40 ns a point, a plane query one
+// to eight probes of about 15 ns, a nearest-point query eight probes and at most 8 * max_points distances.
+// Reading from several threads at once is safe; inserting is not.
+#pragma once
+
+#include <tsl/robin_map.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+/// A plane patch. `centre_odom` is the mean of the points it was fitted to.
+struct PlanePatch {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();    ///< m, relative to the voxel's centre
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, odom axes
+  float variance = 0.0f;    ///< m^2, of the points along the normal
+  float samples = 0.0f;     ///< points fitted; 0: no plane here
+};
+
+class VoxelMap {
+ public:
+  struct Params {
+    double voxel_size_m = 1.0;
+    int max_points = 12;               ///< kept a voxel for nearest-point queries
+    double min_point_spacing_m = 0.15;
+    int min_plane_samples = 8;
+    int max_samples = 200;             ///< statistics are frozen from here on
+    double max_plane_sigma_m = 0.12;   ///< thicker patches are no planes
+    double min_plane_flatness = 5.0;   ///< middle over smallest eigenvalue: a line is no plane
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("voxel_size_m", self.voxel_size_m);
+      v("max_points", self.max_points);
+      v("min_point_spacing_m", self.min_point_spacing_m);
+      v("min_plane_samples", self.min_plane_samples);
+      v("max_samples", self.max_samples);
+      v("max_plane_sigma_m", self.max_plane_sigma_m);
+      v("min_plane_flatness", self.min_plane_flatness);
+    }
+    void validate() const;
+  };
+
+  static constexpr int kMaxPoints = 20;  ///< upper limit of Params::max_points
+
+  VoxelMap() : VoxelMap(Params{}) {}
+  explicit VoxelMap(const Params& params);
+
+  /// Adds points, moved into odom by T_odom_points, and refits the planes that changed.
+  void insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_odom_points);
+
+  /// Forgets voxels whose centre is farther than range_m from the position (horizontally and vertically alike).
+  void removeFartherThan(double range_m, const Eigen::Vector3d& position_odom);
+
+  void clear();
+  bool empty() const { return voxels_.empty(); }
+  std::size_t size() const { return voxels_.size(); }
+
+  struct PlaneMatch {
+    float distance_m;         ///< signed, along the normal: n . (query - mean)
+    Eigen::Vector3f normal;   ///< odom axes
+    float variance;           ///< m^2 along the normal
+    float samples;
+    std::uint32_t voxel;      ///< index, valid until the map changes
+  };
+  /// The plane of the query's own voxel, or, if that has none, of the nearest of the neighbours that share a face
+  /// with the query's octant (3 voxels). False when there is none.
+  bool findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const;
+
+  struct PointMatch {
+    Eigen::Vector3f offset_m;  ///< neighbour - query
+    float distance2_m2;
+  };
+  /// The nearest stored point within max_distance_m; exact for distances up to half a voxel, beyond that among the
+  /// eight voxels nearest to the query.
+  bool findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match) const;
+
+  /// All stored points in odom (for display and for files).
+  std::vector<Eigen::Vector3d> points() const;
+
+ private:
+  struct Statistics {
+    float n = 0.0f;
+    float fitted_n = 0.0f;
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  };
+  struct Voxel {
+    VoxelKey key;
+    std::int32_t x, y, z;
+    PlanePatch plane;
+    Statistics statistics;
+    int points_count = 0;
+    bool touched = false;
+  };
+
+  std::uint32_t findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z);
+  void fitPlane(Voxel& voxel) const;
+  Eigen::Vector3d centreOf(const Voxel& voxel) const;
+
+  Params params_;
+  double inverse_size_;
+  tsl::robin_map<VoxelKey, std::uint32_t, VoxelHash> index_;
+  std::vector<Voxel> voxels_;
+  std::vector<Eigen::Vector3f> points_;  ///< max_points a voxel, in the order of voxels_
+  std::vector<std::uint32_t> touched_;
+};
+
+}  // namespace fail_aware

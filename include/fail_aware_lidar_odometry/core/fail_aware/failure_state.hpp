@@ -1,0 +1,86 @@
+// From a time to failure and reasons to the state that the planner acts on. Pure functions, and the hysteresis.
+//
+// state        condition (the first that holds)
+// FAILED       reason STALE, or time to failure reached
+// FAILING      reason FROZEN_CLOUD, or time to failure <= failing_s
+// UNKNOWN      time to failure unknown
+// DEGRADED     any of kDegradedReasons, or time to failure <= degraded_s
+// OK           otherwise
+// A time beyond the horizon counts as the horizon, so keep the horizon > degraded_s.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/fail_aware/time_to_failure.hpp"
+
+namespace fail_aware {
+
+enum class FailAwareState : std::uint8_t { kUnknown = 0, kOk = 1, kDegraded = 2, kFailing = 3, kFailed = 4 };
+
+const char* toString(FailAwareState state);
+
+enum ReasonBit : std::uint32_t {
+  kReasonStale = 1u << 0,                 ///< no filter state for several sweep periods
+  kReasonNoMeasurement = 1u << 1,         ///< no algorithm gave a usable measurement
+  kReasonPredictionOnly = 1u << 2,        ///< the estimate is the prediction, for whatever cause
+  kReasonPredictionOverruled = 1u << 3,   ///< the measurements agreed that the prediction was wrong
+  kReasonMeasurementsDisagree = 1u << 4,
+  kReasonWeakDirection = 1u << 5,         ///< some horizontal direction is hardly observable
+  kReasonSweepIncomplete = 1u << 6,       ///< part of the revolution is missing
+  kReasonSweepEmpty = 1u << 7,
+  kReasonMissingIcpPoint = 1u << 8,
+  kReasonMissingIcpPlane = 1u << 9,
+  kReasonMissingCorners = 1u << 10,       ///< usual away from buildings: information, does not degrade
+  kReasonEtaThreshold = 1u << 11,         ///< eta is past its threshold: explains, the time to failure decides
+  kReasonCovarianceLimit = 1u << 12,      ///< the confidence radius is past the alert limit; likewise
+  kReasonFrozenCloud = 1u << 13,          ///< the sensor repeats itself
+  kReasonTimeJump = 1u << 14,
+  kReasonDroppedSweeps = 1u << 15,
+  kReasonLowVisibility = 1u << 16         ///< ranges cut short (fog, spray)
+};
+
+constexpr std::uint32_t kFailedReasons = kReasonStale;
+constexpr std::uint32_t kFailingReasons = kReasonFrozenCloud;
+constexpr std::uint32_t kDegradedReasons =
+    kReasonNoMeasurement | kReasonPredictionOnly | kReasonPredictionOverruled | kReasonMeasurementsDisagree |
+    kReasonWeakDirection | kReasonSweepIncomplete | kReasonSweepEmpty | kReasonMissingIcpPoint |
+    kReasonMissingIcpPlane | kReasonTimeJump | kReasonDroppedSweeps | kReasonLowVisibility;
+
+/// "STALE|NO_MEASUREMENT"; empty for none; a bit without a name as "BIT_n".
+std::string reasonText(std::uint32_t reasons);
+
+struct FailureThresholds {
+  double failing_s = 3.0;    ///< a safe stop must start now
+  double degraded_s = 10.0;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("failing_s", self.failing_s);
+    v("degraded_s", self.degraded_s);
+  }
+  void validate() const;
+};
+
+FailAwareState stateFor(const TimeToFailure& time_to_failure, const FailureThresholds& thresholds,
+                        std::uint32_t reasons);
+
+/// Gets worse at once (OK < UNKNOWN < DEGRADED < FAILING < FAILED), better only after `sweeps_to_recover` better sweeps
+/// in a row, and then to the worst of those. UNKNOWN is left at once, whichever way.
+class StateHysteresis {
+ public:
+  /// Throws ParameterError if sweeps_to_recover < 1.
+  explicit StateHysteresis(int sweeps_to_recover);
+
+  FailAwareState update(FailAwareState now);
+  FailAwareState state() const { return state_; }
+  void reset();
+
+ private:
+  int sweeps_to_recover_;
+  FailAwareState state_ = FailAwareState::kUnknown;
+  FailAwareState worst_of_better_ = FailAwareState::kOk;
+  int better_sweeps_ = 0;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,89 @@
+// The fail-aware indicator eta and its time to failure (paper, section "Fail-Aware Odometry System", equation of eta).
+//
+// Article: eta = sum from t1 on of |d2 sigma_psi / dt2|; failure at eta = 0.001. It gives neither the unit nor the
+// discrete formula. Here, for samples (t_k, s_k), s = the filter's heading standard deviation in rad:
+//   slope_k = (s_k - s_k-1) / (t_k - t_k-1)                               rad/s, any spacing of the stamps
+//   eta    += reference_period_s * |slope_k - slope_k-1|                  rad
+// That is sum |s''_k| dt_k T: s'' the divided second difference, dt_k = (t_k - t_k-2) / 2, T = reference_period_s. At
+// sweeps T apart it is sum |s_k - 2 s_k-1 + s_k-2|: the article's sum with time counted in sweeps, the scale on which
+// 0.001 is a sensible number at 10 Hz. Dependence on the sampling: for a smooth sigma none (total variation of its
+// slope); for noise in sigma, eta's growth per second goes with the sweep rate squared. So a threshold belongs to one
+// sweep rate.
+//
+// eta_rate = (eta_k - eta_k-n) / (t_k - t_k-n), n = rate_window_sweeps (article: 1); time to failure =
+// (threshold - eta) / eta_rate. Three samples after t1 are needed; before: unknown. eta >= threshold: reached.
+// eta_rate = 0: beyond the horizon.
+// Failure: samples that cannot be used are ignored, with a status; eta never falls and is never NaN. Cost: O(1).
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+
+#include "fail_aware_lidar_odometry/core/fail_aware/time_to_failure.hpp"
+
+namespace fail_aware {
+
+enum class IndicatorStatus {
+  kAccepted,
+  kNotStarted,         ///< start() was not called
+  kBeforeStart,        ///< stamp before t1
+  kStampNotAdvancing,  ///< back, the same, or less than min_interval_s after the last; start() anew if time jumped back
+  kAcceptedAfterGap,   ///< more than max_gap_s: taken as a first sample again; eta is kept, the rate is unknown
+  kInvalid             ///< stamp or sigma not finite, sigma negative or absurd (> 1e6 rad)
+};
+
+const char* toString(IndicatorStatus status);
+
+class FailAwareIndicator {
+ public:
+  struct Params {
+    double threshold = 0.001;         ///< rad, on the scale above
+    int rate_window_sweeps = 20;
+    double horizon_s = 60.0;
+    double reference_period_s = 0.1;  ///< T above: the sweep period that the threshold belongs to
+    double min_interval_s = 0.01;
+    double max_gap_s = 1.0;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("threshold", self.threshold);
+      v("rate_window_sweeps", self.rate_window_sweeps);
+      v("horizon_s", self.horizon_s);
+      v("reference_period_s", self.reference_period_s);
+      v("min_interval_s", self.min_interval_s);
+      v("max_gap_s", self.max_gap_s);
+    }
+    void validate() const;
+  };
+
+  /// Throws ParameterError.
+  explicit FailAwareIndicator(const Params& params);
+
+  /// Sets t1 and clears everything. A stamp that is not finite leaves the indicator not started.
+  void start(double stamp_s);
+  void stop();
+  bool started() const { return start_stamp_s_.has_value(); }
+
+  IndicatorStatus update(double stamp_s, double sigma_yaw_rad);
+
+  double eta() const { return eta_; }                ///< rad; 0 until three samples came
+  std::optional<double> etaRate() const;             ///< rad/s, >= 0; nothing: unknown
+  TimeToFailure timeToFailure() const;
+
+ private:
+  struct EtaAt {
+    double stamp_s;
+    double eta;
+  };
+
+  Params params_;
+  std::optional<double> start_stamp_s_;
+  std::optional<double> last_stamp_s_;
+  std::optional<double> last_slope_;
+  double last_sigma_rad_ = 0.0;
+  double eta_ = 0.0;
+  std::deque<EtaAt> window_;  ///< at most rate_window_sweeps + 1; starts where the first slope is known
+};
+
+}  // namespace fail_aware

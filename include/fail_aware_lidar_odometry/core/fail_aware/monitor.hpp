@@ -1,0 +1,95 @@
+// The fail-aware monitor of one sweep (paper, section "Fail-Aware Odometry System"): eta with its time to failure, the
+// covariance's time to failure, their combination, state and reasons. What the FailAwareMonitor nodelet holds.
+//
+// Before start() (t1, when the odometry begins to serve as the localisation) times are unknown. Cost: < 0.1 ms.
+#pragma once
+
+#include <cstdint>
+
+#include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/indicator.hpp"
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+
+namespace fail_aware {
+
+struct MonitorParameters {
+  FailAwareIndicator::Params indicator;
+  CovariancePredictor::Params predictor;
+  FailureThresholds thresholds;
+  double rate_window_s = 3.0;     ///< over which the increments' covariance rate is averaged
+  int sweeps_to_recover = 10;
+  double disagreement_m = 0.3;    ///< measurements farther apart than this disagree
+  double min_information_share = 0.01;  ///< less in the weakest horizontal direction: reason WEAK_DIRECTION
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("indicator", self.indicator);
+    v("predictor", self.predictor);
+    v("thresholds", self.thresholds);
+    v("rate_window_s", self.rate_window_s);
+    v("sweeps_to_recover", self.sweeps_to_recover);
+    v("disagreement_m", self.disagreement_m);
+    v("min_information_share", self.min_information_share);
+  }
+  void validate() const;
+};
+
+/// What is known of a sweep beside the filter's state.
+struct SweepCondition {
+  bool empty = false;         ///< no usable point
+  bool incomplete = false;    ///< part of the revolution is missing
+  int dropped_before = 0;     ///< sweeps lost since the last one
+  bool point_missing = false;
+  bool plane_missing = false;
+  bool corners_missing = false;
+  double min_information_share = 1.0;  ///< weakest horizontal direction, the ICPs' smaller; 1: not known
+};
+
+struct MonitorOutput {
+  double stamp_s = 0.0;
+  FailAwareState state = FailAwareState::kUnknown;
+  std::uint32_t reasons = 0;
+  TimeToFailure time_to_failure;             ///< what the planner acts on: the earlier of the two
+  TimeToFailure time_to_failure_indicator;   ///< from eta
+  TimeToFailure time_to_failure_covariance;  ///< from the covariance's growth
+  double eta = 0.0;
+  double eta_rate_per_s = -1.0;  ///< -1: unknown
+  double sigma_yaw_rad = 0.0;    ///< the filter's
+  double sigma_x_m = 0.0;        ///< accumulated since t1, in the frame at t1
+  double sigma_y_m = 0.0;
+};
+
+class FailAwareMonitor {
+ public:
+  explicit FailAwareMonitor(const MonitorParameters& params);
+
+  /// t1 = the stamp of the next update().
+  void start() { start_pending_ = true; }
+  bool started() const { return indicator_.started() || start_pending_; }
+
+  MonitorOutput update(const FilterState& state, const SweepCondition& condition);
+
+  /// The covariance of T_odom_cog since the first sweep (published with the odometry), geometry/pose.hpp's convention.
+  const Matrix6d& odometryCovariance() const { return covariance_.covariance(); }
+
+  void reset();
+
+ private:
+  std::uint32_t reasonsFor(const FilterState& state, const SweepCondition& condition) const;
+  CovarianceGrowth growth(const FilterState& state) const;
+
+  MonitorParameters params_;
+  FailAwareIndicator indicator_;
+  CovariancePredictor predictor_;
+  IncrementRate rate_;
+  OdometryCovariance covariance_;
+  StateHysteresis hysteresis_;
+  Pose T_odom_mark_ = Pose::Identity();
+  Pose T_odom_previous_ = Pose::Identity();
+  bool has_previous_ = false;
+  bool start_pending_ = false;
+};
+
+}  // namespace fail_aware

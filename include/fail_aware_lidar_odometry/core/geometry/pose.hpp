@@ -1,0 +1,50 @@
+// Poses, their tangent space and their covariances.
+//
+// Naming: T_a_b maps points given in frame b into frame a (p_a = T_a_b p_b).
+//
+// Covariance convention (that of nav_msgs/Odometry): order x y z, rotation about the fixed axes x y z of the parent
+// frame; the true pose is (t + dt, Exp(dr) R) with (dt, dr) ~ N(0, C). Units m and rad.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace fail_aware {
+
+using Pose = Eigen::Isometry3d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// Exponential and logarithm of SE(3); twist = (translation part, rotation part), in the body frame: T Exp(twist).
+Pose expSe3(const Vector6d& twist);
+Vector6d logSe3(const Pose& T);
+
+/// The constant-twist motion from `begin` to `end`, at `fraction` (0 = begin, 1 = end; outside extrapolates).
+Pose interpolate(const Pose& begin, const Pose& end, double fraction);
+
+/// State vector (x, y, z, roll, pitch, yaw) <-> pose.
+Pose poseFromVector(const Vector6d& x_y_z_roll_pitch_yaw);
+Vector6d vectorFromPose(const Pose& T);
+
+/// Difference of two state vectors, angles wrapped: a - b.
+Vector6d stateDifference(const Vector6d& a, const Vector6d& b);
+
+/// J with (dt, dr about fixed axes) = J d(x, y, z, roll, pitch, yaw), at the given angles.
+Matrix6d poseFromStateJacobian(const Eigen::Vector3d& rpy_rad);
+
+/// Covariance of T_a_c = T_a_b T_b_c where only T_a_b is uncertain (covariance_ab in this file's convention).
+Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b, const Pose& T_b_c);
+
+/// Covariance of T_a_c = T_a_b T_b_c with independent errors in both; covariance_bc is about b's axes.
+Matrix6d composeCovariance(const Matrix6d& covariance_ab, const Pose& T_a_b, const Matrix6d& covariance_bc,
+                           const Pose& T_b_c);
+
+/// Rotates a covariance into another frame of axes: blockdiag(R, R) C blockdiag(R, R)^T.
+Matrix6d rotateCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& R);
+
+/// The nearest rotation, so that products of thousands of poses stay rigid.
+Pose orthonormalized(const Pose& T);
+
+bool isFinite(const Pose& T);
+
+}  // namespace fail_aware

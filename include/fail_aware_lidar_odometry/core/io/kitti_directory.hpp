@@ -1,0 +1,81 @@
+// A recorded drive in KITTI's folder layout.
+//
+//   DIR/velodyne/NNNNNN.bin                       float32 x y z intensity per point, sensor frame, m (needed)
+//     or DIR/velodyne_points/data/NNNNNNNNNN.bin  (KITTI raw), or DIR/NNNNNN.bin
+//   DIR/times.txt                                 stamp of each scan, s, one a line
+//   DIR/stamps/NNNNNN.f32                         float32 per point: s from the sweep's start
+//   DIR/rings/NNNNNN.u16                          uint16 per point: laser number
+//
+// One row per scan file, in the order of their numbers; row i of times.txt belongs to file i, even where numbers are
+// missing (dropped sweeps). Without times.txt the stamp is number * nominal period (row * period when a name is not a
+// number). KITTI's times are those of facing forward: sweep timing needs stamp_reference = mid, which turns the stamps
+// from the sweep's start into [-T/2, T/2].
+//
+// open() throws InputError with one line naming file, line or counts. read() reports per scan, as data, and can be
+// called from several threads.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+
+namespace fail_aware {
+
+enum class ReadStatus {
+  kOk,
+  kSideFileUnusable,  ///< points are good, but stamps or rings are missing or of another count, and left out
+  kUnreadable,
+  kTruncated,     ///< the size is not a multiple of a point's
+  kEmpty,         ///< zero bytes
+  kNoFinitePoint  ///< every point was dropped
+};
+
+const char* toString(ReadStatus status);
+
+struct ReadResult {
+  ReadStatus status = ReadStatus::kOk;
+  std::string message;  ///< one line naming the file; empty when kOk
+
+  bool hasPoints() const { return status == ReadStatus::kOk || status == ReadStatus::kSideFileUnusable; }
+};
+
+struct KittiDirectoryParams {
+  double nominal_period_s = 0.1;  ///< used without times.txt
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("nominal_period_s", self.nominal_period_s);
+  }
+  void validate() const;
+};
+
+class KittiDirectory {
+ public:
+  using Params = KittiDirectoryParams;
+
+  static KittiDirectory open(const std::string& directory, const Params& params = Params());
+
+  std::size_t size() const { return scan_paths_.size(); }
+  const std::vector<std::string>& scanPaths() const { return scan_paths_; }
+  const std::vector<double>& stamps() const { return stamps_s_; }
+  bool hasTimesFile() const { return has_times_file_; }
+  bool hasPointTimes() const { return !stamps_folder_.empty(); }
+  bool hasRings() const { return !rings_folder_.empty(); }
+
+  /// Scan i. Points that are not finite, or exactly (0, 0, 0) (no return), are dropped with their stamps and rings, and
+  /// counted. Whatever the status, the sweep has its stamp; without points its arrays are empty.
+  ReadResult read(std::size_t i, Sweep& sweep) const;
+
+ private:
+  KittiDirectory() = default;
+
+  std::vector<std::string> scan_paths_;
+  std::vector<double> stamps_s_;
+  bool has_times_file_ = false;
+  std::string stamps_folder_;  ///< empty: there is none
+  std::string rings_folder_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,27 @@
+// Finds and reads the parameter files: profile, vehicle and sensor make one PipelineParameters.
+//
+// A name is either a path to a yaml file (it contains a '/' or ends in .yaml) or the stem of a file in the package's
+// cfg/profiles, cfg/vehicles or cfg/sensors. Every file must name every key of its part, and no other.
+#pragma once
+
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+
+namespace fail_aware {
+
+struct ProfileFiles {
+  std::string cfg;  ///< folder with profiles/, vehicles/, sensors/; empty: findCfg()
+  std::string profile = "default";
+  std::string vehicle = "passat_b6";
+  std::string sensor = "hdl64e";
+};
+
+/// The cfg folder that belongs to the running program: beside the source tree it was built from, or installed with it.
+/// Throws InputError if there is none.
+std::string findCfg();
+
+/// Throws InputError (no such file; lists what there is) or ParameterError (key, value, rule).
+PipelineParameters loadPipelineParameters(const ProfileFiles& files);
+
+}  // namespace fail_aware

@@ -1,0 +1,77 @@
+// The odometry, sweep by sweep: the stages of the article's architecture in order. This is the offline twin of the
+// nodelets; both are made of the same objects.
+//
+//   predict -> correct the sweep -> three measurements -> fuse, correct the filter -> place the reference -> monitor
+//
+// Deterministic: the same sweeps give the same bits for any number of threads (threads only run whole measurements
+// beside each other). Failure is data: SweepResult says what a sweep gave; every sweep whose stamp advances has a pose.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+
+namespace fail_aware {
+
+enum class SweepStatus {
+  kFirst,              ///< defines odom; nothing to register against
+  kCorrected,          ///< measured and fused
+  kPredicted,          ///< no usable measurement: the pose is the prediction
+  kStampNotAdvancing,  ///< duplicate, or back in time: refused, the pose is the last one
+};
+
+const char* toString(SweepStatus status);
+
+struct StageTimes {
+  double correction_ms = 0.0;  ///< prediction, timing, sweep correction, thinning
+  double point_ms = 0.0;
+  double plane_ms = 0.0;
+  double corners_ms = 0.0;
+  double fusion_ms = 0.0;
+  double reference_ms = 0.0;
+  double total_ms = 0.0;
+};
+
+struct SweepResult {
+  SweepStatus status = SweepStatus::kFirst;
+  FilterState state;
+  Pose T_odom_base = Pose::Identity();
+  Measurement point;
+  Measurement plane;
+  Measurement corners;
+  MonitorOutput monitor;
+  StageTimes times;
+};
+
+class OdometryPipeline {
+ public:
+  static constexpr std::size_t kPoint = 0, kPlane = 1, kCorners = 2;  ///< order of the fusion's inputs and weights
+
+  /// Validates; throws ParameterError. threads >= 1.
+  OdometryPipeline(const PipelineParameters& params, int threads);
+  ~OdometryPipeline();
+
+  /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model carries the pose. It is used up.
+  SweepResult step(Sweep& sweep);
+
+  /// t1: from the next step on the odometry serves as the localisation.
+  void startRedundant();
+
+  /// Everything anew; the next sweep is the first.
+  void reset();
+
+  /// The reference's points in odom, for display and files.
+  std::vector<Eigen::Vector3d> referencePoints() const;
+
+ private:
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
+};
+
+}  // namespace fail_aware

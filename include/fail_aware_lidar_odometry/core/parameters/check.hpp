@@ -1,0 +1,40 @@
+// Checks for the `validate()` of parameter structs: they throw, naming field, value and rule.
+#pragma once
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace fail_aware {
+
+/// A parameter that cannot be used. what() is one line: name, value, rule.
+class ParameterError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+template <class T>
+void requireParameter(bool holds, const char* name, const T& value, const char* rule) {
+  if (holds) return;
+  std::ostringstream text;
+  text << std::boolalpha << name << " = " << value << ": must be " << rule;
+  throw ParameterError(text.str());
+}
+
+inline void requirePositive(const char* name, double value) {
+  requireParameter(std::isfinite(value) && value > 0.0, name, value, "finite and > 0");
+}
+
+inline void requireNotNegative(const char* name, double value) {
+  requireParameter(std::isfinite(value) && value >= 0.0, name, value, "finite and >= 0");
+}
+
+inline void requireWithin(const char* name, double value, double low, double high) {
+  if (std::isfinite(value) && value >= low && value <= high) return;
+  std::ostringstream rule;
+  rule << "in [" << low << ", " << high << "]";
+  requireParameter(false, name, value, rule.str().c_str());
+}
+
+}  // namespace fail_aware

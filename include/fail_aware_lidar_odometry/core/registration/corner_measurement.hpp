@@ -1,0 +1,38 @@
+// The corner measurement as one object: extraction, alignment with the reference, keeping the reference. What the
+// CornerSvd nodelet holds.
+//
+// measure() and place() are called once a sweep, in this order. Corners are taken from the sweep as it was corrected;
+// the refined motion moves them by millimetres. While no motion is known there is no measurement, only a reference.
+#pragma once
+
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/registration/corner_alignment.hpp"
+#include "fail_aware_lidar_odometry/core/registration/corner_extraction.hpp"
+#include "fail_aware_lidar_odometry/core/registration/corner_reference.hpp"
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+
+namespace fail_aware {
+
+class CornerMeasurement {
+ public:
+  CornerMeasurement(const CornerExtractor::Params& extraction, const CornerReference::Params& reference,
+                    const CornerAlignment::Params& alignment);
+
+  Measurement measure(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
+  void place(const FilterState& state);
+  void reset();
+
+  const std::vector<Corner>& cornersCog() const { return corners_cog_; }
+  const std::vector<Corner>& referenceOdom() const { return reference_.corners(); }
+
+ private:
+  CornerExtractor extractor_;
+  CornerReference reference_;
+  CornerAlignment alignment_;
+  std::vector<Corner> corners_cog_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,53 @@
+// The corners that a sweep's corners are aligned with, in odom.
+//
+// `sweeps` = 1 is the article: the corners of the last sweep alone. With more, a corner stays for that many sweeps after
+// it was last seen, at the mean of where it was seen: the n-th sighting weighs 1/n, so the first ones hold it in place
+// and it does not creep along with the odometry's drift.
+// Cost: microseconds.
+#pragma once
+
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/registration/corner.hpp"
+
+namespace fail_aware {
+
+class CornerReference {
+ public:
+  struct Params {
+    int sweeps = 20;
+    double merge_distance_m = 0.3;
+    double max_normal_difference_deg = 15.0;  ///< of sightings of one corner
+    double max_range_m = 60.0;                ///< corners further from the vehicle are forgotten
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("sweeps", self.sweeps);
+      v("merge_distance_m", self.merge_distance_m);
+      v("max_normal_difference_deg", self.max_normal_difference_deg);
+      v("max_range_m", self.max_range_m);
+    }
+    void validate() const;
+  };
+
+  explicit CornerReference(const Params& params);
+
+  /// Takes in a sweep's corners, placed by the estimate of its pose. An estimate that is not finite is passed over.
+  void update(const std::vector<Corner>& corners_cog, const Pose& T_odom_cog);
+  void clear();
+  const std::vector<Corner>& corners() const { return corners_odom_; }
+
+ private:
+  void forget(const Pose& T_odom_cog);
+
+  Params params_;
+  std::vector<Corner> corners_odom_;
+  struct History {
+    int sightings;
+    int sweeps_unseen;
+  };
+  std::vector<History> histories_;  ///< one per corner
+};
+
+}  // namespace fail_aware

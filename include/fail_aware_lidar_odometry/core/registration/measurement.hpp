@@ -1,0 +1,39 @@
+// What every measurement algorithm returns (paper, section "Measurements Algorithms and Data Fusion").
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+enum class MeasurementStatus {
+  kOk,            ///< pose and covariance may be used
+  kNoReference,   ///< nothing to register against yet (first sweep, after a reset)
+  kTooFewPoints,  ///< the sweep or its overlap with the reference is too small
+  kNotConverged,  ///< the iteration limit came before the step limit
+  kDegenerate,    ///< no direction was observable
+  kTooFewCorners  ///< corner alignment only: fewer than the required associated corners
+};
+
+const char* toString(MeasurementStatus status);
+
+/// A pose of the vehicle's centre of gravity in odom, at the sweep's stamp. Failure is data: `status`.
+struct Measurement {
+  MeasurementStatus status = MeasurementStatus::kNoReference;
+  Pose T_odom_cog = Pose::Identity();
+  Matrix6d covariance = Matrix6d::Identity();  ///< geometry/pose.hpp's convention, m and rad, about odom's axes
+  double rms_residual_m = 0.0;    ///< of the inliers, at the solution
+  double inlier_share = 0.0;      ///< of the points used
+  std::size_t inliers = 0;
+  int iterations = 0;
+  double seed_spread_m = 0.0;     ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
+  int weak_directions = 0;        ///< directions left at the prediction, of 6
+  double min_information_share = 0.0;  ///< weakest horizontal direction's share of a well-conditioned sweep's information, 0..1
+
+  bool ok() const { return status == MeasurementStatus::kOk; }
+};
+
+}  // namespace fail_aware

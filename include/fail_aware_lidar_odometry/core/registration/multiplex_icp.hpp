@@ -1,0 +1,95 @@
+// Multiplex ICP, point to point (paper, section "Multiplex General ICP").
+//
+// Eight seeds are the off-centre sigma points of the predicted pose over body x, y, z and yaw, x~ +- spread * sigma_i.
+// All seeds descend in lockstep on a thinned cloud; seeds that meet are merged, so that in the usual case, one basin,
+// they cost little more than one. The survivors are refined on the whole cloud and compared on equal terms: the same
+// points, the same cut-off, a minimum inlier share; the smallest mean squared error wins. R comes from the winner's
+// information matrix and residual, and grows with the spread of the refined seeds' results.
+//
+// Cost: (seeds alive) * points * iterations nearest-point queries.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+
+namespace fail_aware {
+
+class MultiplexIcp {
+ public:
+  struct Params {
+    int seeds = 8;                       ///< 8: +- over x, y, z, yaw; 1: the prediction alone
+    double spread = 1.0;                 ///< seeds lie that many sigma from the prediction
+    double min_spread_m = 0.05;          ///< but at least that far, and
+    double min_spread_deg = 0.1;
+    double max_spread_m = 1.0;           ///< at most that far
+    double max_spread_deg = 3.0;
+    int thinned_points = 500;            ///< points used while seeds descend together
+    double max_distance_m = 0.5;         ///< cut-off of correspondences
+    double kernel_m = 0.2;                   ///< Geman-McClure scale at the end
+    double initial_kernel_m = 0.4;           ///< and at the start; halved every iteration
+    double merge_translation_m = 0.02;   ///< seeds nearer than both are one
+    double merge_rotation_deg = 0.1;
+    int max_joint_iterations = 12;
+    int max_refined_seeds = 3;
+    int max_iterations = 30;
+    double step_translation_m = 2e-3;       ///< converged below both steps; at the last iteration
+    double step_rotation_deg = 0.02;        ///< `usable_steps` times as much will do, at R's cost
+    double usable_steps = 10.0;
+    double min_inlier_share = 0.3;
+    int min_inliers = 100;
+    double correlation_inflation = 20.0;  ///< R is that much larger than for independent residuals
+    ObservabilityParams observability;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("seeds", self.seeds);
+      v("spread", self.spread);
+      v("min_spread_m", self.min_spread_m);
+      v("min_spread_deg", self.min_spread_deg);
+      v("max_spread_m", self.max_spread_m);
+      v("max_spread_deg", self.max_spread_deg);
+      v("thinned_points", self.thinned_points);
+      v("max_distance_m", self.max_distance_m);
+      v("kernel_m", self.kernel_m);
+      v("initial_kernel_m", self.initial_kernel_m);
+      v("merge_translation_m", self.merge_translation_m);
+      v("merge_rotation_deg", self.merge_rotation_deg);
+      v("max_joint_iterations", self.max_joint_iterations);
+      v("max_refined_seeds", self.max_refined_seeds);
+      v("max_iterations", self.max_iterations);
+      v("step_translation_m", self.step_translation_m);
+      v("step_rotation_deg", self.step_rotation_deg);
+      v("usable_steps", self.usable_steps);
+      v("min_inlier_share", self.min_inlier_share);
+      v("min_inliers", self.min_inliers);
+      v("correlation_inflation", self.correlation_inflation);
+      v("observability", self.observability);
+    }
+    void validate() const;
+  };
+
+  explicit MultiplexIcp(const Params& params);
+
+  /// The seed poses for a prediction whose state (x, y, z, roll, pitch, yaw) has covariance P.
+  std::vector<Pose> seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;
+
+  /// points_cog: m, frame of the centre of gravity at the sweep's stamp.
+  Measurement align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+                    const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;
+
+  const Params& params() const { return params_; }
+
+ private:
+  NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride, const VoxelMap& map,
+                            const Pose& T_odom_cog, double kernel_m) const;
+  bool stepWithin(const Vector6d& dx, double factor) const;
+
+  Params params_;
+};
+
+}  // namespace fail_aware

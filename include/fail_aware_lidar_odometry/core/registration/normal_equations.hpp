@@ -1,0 +1,54 @@
+// Normal equations of a pose, with the directions that the data do not observe left out.
+//
+// The unknown is a small motion of the vehicle about its own position: dx = (dt, dr) in odom's axes,
+// p -> p + dt + dr x (p - t). Rotation is compared with translation at the lever `lever_m`.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+struct ObservabilityParams {
+  double lever_m = 10.0;              ///< a rotation dr moves points at this distance by lever_m * dr
+  double min_information_share = 0.01;  ///< a direction with a smaller share of the total weight is not observed
+  double weak_sigma_m = 3.0;          ///< standard deviation put into R along an unobserved direction
+  double weak_sigma_deg = 5.0;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("lever_m", self.lever_m);
+    v("min_information_share", self.min_information_share);
+    v("weak_sigma_m", self.weak_sigma_m);
+    v("weak_sigma_deg", self.weak_sigma_deg);
+  }
+  void validate() const;
+};
+
+/// H dx = b, with H = sum w J^T J / sigma^2, b = -sum w J^T r / sigma^2.
+struct NormalEquations {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d b = Vector6d::Zero();
+  double weight = 0.0;        ///< sum of w / sigma^2
+  double squared_error = 0.0;  ///< sum of w r^2, m^2
+  double weight_unscaled = 0.0;  ///< sum of w
+  std::size_t inliers = 0;
+};
+
+struct Solution {
+  Vector6d dx = Vector6d::Zero();
+  int weak_directions = 0;
+  double min_horizontal_share = 0.0;
+};
+
+/// The step along observed directions only.
+Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params);
+
+/// The covariance of the solution: `scale` * H^-1 along observed directions, the weak sigmas along the others.
+Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params);
+
+/// Applies dx to a pose: t + dt, Exp(dr) R.
+Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx);
+
+}  // namespace fail_aware

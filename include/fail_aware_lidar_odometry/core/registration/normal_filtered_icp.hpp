@@ -1,0 +1,84 @@
+// Normal-filtered ICP, point to plane (paper, section "Normal Filtering ICP").
+//
+// Minimises sum w ((p - (R q + t)) . n)^2 over the pose of the centre of gravity, by Gauss-Newton with a robust kernel.
+// A correspondence is the plane patch of the voxel that a point falls into, so an iteration costs about one hash probe
+// a point. The article's filter keeps patches whose normal, seen from above, lies within a tolerance of the predicted
+// heading + k pi/2; the tolerance is the predicted heading's sigma, but at least `heading_tolerance_deg`. With vertical
+// patches only, z, roll and pitch are unobservable: `keep_ground` also keeps ground-like patches.
+//
+// A head whose beams are off by an elevation error e sees flat ground as a cone of slope e; matched at distance d that
+// turns into a false pitch of about 2 e / d a metre driven, the same way on every metre. So ground counts less than walls
+// (`ground_weight`), and what is far counts more (`range_weight_m`): the lever is longer.
+//
+// Directions that the patches do not observe stay at the prediction and get `weak_sigma` in R (status says how many).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+
+namespace fail_aware {
+
+class NormalFilteredIcp {
+ public:
+  struct Params {
+    bool filter_normals = true;
+    double heading_tolerance_deg = 45.0;     ///< floor of the tolerance; 45 keeps every vertical patch
+    bool keep_ground = true;
+    double ground_tolerance_deg = 30.0;      ///< a patch is ground-like if its normal is that near to the vertical
+    double vertical_tolerance_deg = 30.0;    ///< a patch is wall-like if its normal is that near to the horizontal
+    double max_distance_m = 0.5;             ///< correspondences farther from their plane are left out
+    double kernel_m = 0.1;                   ///< Geman-McClure scale at the end
+    double initial_kernel_m = 0.4;           ///< and at the start; halved every iteration
+    double point_sigma_m = 0.03;             ///< of one point along the normal, added to the patch's own scatter
+    double ground_weight = 0.1;              ///< of ground-like patches against the others, see below
+    double range_weight_m = 20.0;            ///< weights grow as range / this; 0: all alike
+    int max_iterations = 15;
+    double step_translation_m = 1e-3;       ///< converged below both steps; at the last iteration
+    double step_rotation_deg = 0.01;        ///< `usable_steps` times as much will do, at R's cost
+    double usable_steps = 10.0;
+    int min_inliers = 100;
+    double correlation_inflation = 20.0;     ///< R is that much larger than for independent residuals
+    ObservabilityParams observability;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("filter_normals", self.filter_normals);
+      v("heading_tolerance_deg", self.heading_tolerance_deg);
+      v("keep_ground", self.keep_ground);
+      v("ground_tolerance_deg", self.ground_tolerance_deg);
+      v("vertical_tolerance_deg", self.vertical_tolerance_deg);
+      v("max_distance_m", self.max_distance_m);
+      v("kernel_m", self.kernel_m);
+      v("initial_kernel_m", self.initial_kernel_m);
+      v("point_sigma_m", self.point_sigma_m);
+      v("ground_weight", self.ground_weight);
+      v("range_weight_m", self.range_weight_m);
+      v("max_iterations", self.max_iterations);
+      v("step_translation_m", self.step_translation_m);
+      v("step_rotation_deg", self.step_rotation_deg);
+      v("usable_steps", self.usable_steps);
+      v("min_inliers", self.min_inliers);
+      v("correlation_inflation", self.correlation_inflation);
+      v("observability", self.observability);
+    }
+    void validate() const;
+  };
+
+  explicit NormalFilteredIcp(const Params& params);
+
+  /// points_cog: m, frame of the centre of gravity at the sweep's stamp; sigma_yaw_rad: of the prediction.
+  Measurement align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+                    const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const;
+
+  const Params& params() const { return params_; }
+
+ private:
+  Params params_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,57 @@
+// The vertical plane with the most support among points, by RANSAC and least squares (paper, section "SVD Cornering
+// Algorithm", Corner Detection).
+//
+// A hypothesis is the vertical plane through two points that differ horizontally; it is scored on a random part of
+// the points (the article's "quarter of the total points") by truncated squared distances. The best one is then
+// refined by total least squares in 3-D on all points' inliers, where it may tilt by up to `max_tilt_deg`.
+// Two points and not three: walls are vertical, half the inlier share squared needs half the draws of its cube.
+// Reading the "quarter" as the size of each hypothesis' fit would average both walls of a corner, so it is not done.
+//
+// Failure: `found` is false (too few points, too few inliers, tilted). Cost: iterations x scored points x 0.25 ns,
+// plus a few passes over all points.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace fail_aware {
+
+struct RansacPlane {
+  struct Params {
+    int iterations = 500;            ///< hypotheses at most
+    bool stop_early = true;          ///< stop when `confidence` is reached; false: always all iterations (article)
+    double confidence = 0.999;       ///< that one hypothesis had only inliers
+    double inlier_distance_m = 0.1;
+    double sample_share = 0.25;      ///< of the points that hypotheses are drawn from and scored on
+    int max_sample_points = 400;     ///< and at most so many
+    int min_inliers = 60;            ///< of all points, after refinement
+    double max_tilt_deg = 10.0;      ///< of the refined plane against `up`
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("iterations", self.iterations);
+      v("stop_early", self.stop_early);
+      v("confidence", self.confidence);
+      v("inlier_distance_m", self.inlier_distance_m);
+      v("sample_share", self.sample_share);
+      v("max_sample_points", self.max_sample_points);
+      v("min_inliers", self.min_inliers);
+      v("max_tilt_deg", self.max_tilt_deg);
+    }
+    void validate() const;
+  };
+
+  bool found = false;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();  ///< unit, towards the frame's origin; normal . p + d = 0
+  double d_m = 0.0;                                   ///< >= 0
+  std::vector<int> inliers;                           ///< indices, ascending
+  double rms_m = 0.0;                                 ///< of the inliers' distances
+  int iterations = 0;
+};
+
+/// `points`: m, finite, in a frame whose upward direction is `up` (unit). Same seed, same result, on any platform.
+RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& up,
+                        const RansacPlane::Params& params, std::uint32_t seed);
+
+}  // namespace fail_aware

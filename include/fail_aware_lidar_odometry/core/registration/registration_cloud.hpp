@@ -1,0 +1,65 @@
+// What the measurement algorithms take from a corrected sweep: three thinned clouds in the frame of the centre of
+// gravity, from one pass over the sweep.
+//
+// `map` (finest) goes into the reference, `plane` is registered point to plane, `point` point to point; each is a
+// subset of the one before. Deterministic: the first point of each voxel in the sweep's order. Cost: about 10 ns a point.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+struct RegistrationCloud {
+  double stamp_s = 0.0;
+  std::vector<Eigen::Vector3f> map_points_cog;
+  std::vector<float> map_times_s;  ///< relative to the stamp; empty: no timing
+  std::vector<Eigen::Vector3f> plane_points_cog;
+  std::vector<float> plane_times_s;
+  std::vector<Eigen::Vector3f> point_points_cog;
+  std::vector<float> point_times_s;
+
+  /// Moves all points for a refined motion: delta_twist_cog (m/s, rad/s) is what the correction had missed.
+  void recorrect(const Vector6d& delta_twist_cog);
+};
+
+class RegistrationCloudBuilder {
+ public:
+  struct Params {
+    double min_range_m = 3.0;  ///< nearer points are the vehicle's own
+    double max_range_m = 100.0;
+    double map_voxel_m = 0.3;
+    double plane_voxel_m = 1.0;
+    double point_voxel_m = 1.5;
+    int min_points = 500;      ///< a sweep with fewer points in range is not registered
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("min_range_m", self.min_range_m);
+      v("max_range_m", self.max_range_m);
+      v("map_voxel_m", self.map_voxel_m);
+      v("plane_voxel_m", self.plane_voxel_m);
+      v("point_voxel_m", self.point_voxel_m);
+      v("min_points", self.min_points);
+    }
+    void validate() const;
+  };
+
+  explicit RegistrationCloudBuilder(const Params& params);
+
+  /// `cloud` is reused: no allocation once its arrays have grown.
+  void build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud);
+
+  const Params& params() const { return params_; }
+
+ private:
+  Params params_;
+  VoxelFilter filter_;
+  std::vector<std::uint32_t> all_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,52 @@
+// What the two ICPs share in a sweep: the thinned clouds, the reference map, the search for the first motion.
+//
+// Offline one front serves both ICPs; on the vehicle each ICP nodelet holds its own and, since everything here is a
+// function of the corrected sweeps and the filter's states alone, both hold the same.
+// A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
+// (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
+#pragma once
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
+#include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+
+namespace fail_aware {
+
+class RegistrationFront {
+ public:
+  RegistrationFront(const RegistrationCloudBuilder::Params& cloud, const ReferenceMap::Params& reference,
+                    const MotionInitialization::Params& initialization, bool refine_correction);
+
+  /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
+  bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
+
+  const RegistrationCloud& cloud() const { return cloud_; }
+  const VoxelMap& map() const { return reference_.map(); }
+  /// Where registration starts: the prediction, or, while no motion is known, what the search found.
+  const Pose& T_odom_cog_start() const { return T_odom_cog_start_; }
+
+  /// Takes the prepared sweep into the reference, at the estimate, corrected for the motion that was estimated.
+  void place(const FilterState& state);
+
+  void reset();
+
+ private:
+  void initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
+  void recorrectFor(const Vector6d& twist_cog);
+
+  RegistrationCloudBuilder builder_;
+  ReferenceMap reference_;
+  MotionInitialization initialization_;
+  bool refine_correction_;
+  RegistrationCloud cloud_;
+  RegistrationCloud first_cloud_;     ///< the only sweep in the reference so far, at T_odom_cog_first_
+  Pose T_odom_cog_first_ = Pose::Identity();
+  bool only_first_placed_ = false;
+  Pose T_odom_cog_start_ = Pose::Identity();
+  Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
+  bool prepared_ = false;
+};
+
+}  // namespace fail_aware

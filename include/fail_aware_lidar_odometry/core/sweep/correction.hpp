@@ -1,0 +1,79 @@
+// Sweep correction: moves every point of a sweep to where the sensor would have seen it at the stamp (paper, section
+// "LiDAR Sweep Correction").
+//
+// Begin pose: the last estimate, at its stamp. End pose: the prediction, at this sweep's stamp, dt later. Between them
+// (and, where the sweep reaches past its stamp, beyond) the twist v is constant, so a point measured at time s relative
+// to the stamp becomes p' = Exp(s v) p, v = log(T_begin^-1 T_end) / dt, all in the lidar frame.
+//
+// Exp is summed as a power series to the order that leaves less than the tolerance at 200 m (order 3 at a car's usual
+// rates); when order 8 would not do, the closed form is used. Poses: of the centre of gravity. Points: m, sensor frame.
+//
+// Failure is data: without times or a usable motion the points come out as they came in, and the status says so.
+// Cost: 0.4 ms for 120 000 points at order 3; nothing is allocated once `out` has grown.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+enum class CorrectionStatus {
+  kCorrected,
+  kOff,       ///< `enabled` is false, or there are no times
+  kBadTimes,  ///< not one per point, or not finite
+  kNoMotion   ///< poses not finite, dt not > 0, or faster than 1000 m/s or 100 rad/s
+};
+
+const char* toString(CorrectionStatus status);
+
+struct CorrectionResult {
+  CorrectionStatus status = CorrectionStatus::kOff;
+  Vector6d twist_lidar = Vector6d::Zero();  ///< (m/s, rad/s), the motion that was taken out
+
+  bool corrected() const { return status == CorrectionStatus::kCorrected; }
+};
+
+struct SweepCorrectionParams {
+  bool enabled = true;
+  double max_truncation_m = 1e-4;  ///< of the power series, for a point 200 m away
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("enabled", self.enabled);
+    v("max_truncation_m", self.max_truncation_m);
+  }
+  void validate() const;
+};
+
+/// The lidar's constant twist (m/s, rad/s, lidar frame) that takes it from begin to end in dt (> 0).
+Vector6d lidarTwist(const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, const Pose& T_cog_lidar, double dt_s);
+
+class SweepCorrection {
+ public:
+  using Params = SweepCorrectionParams;
+
+  SweepCorrection() : SweepCorrection(Params()) {}
+  explicit SweepCorrection(const Params& params);
+
+  /// `out` has the sweep's points in its order; its times are the ones given, or none (kOff, kBadTimes). With kNoMotion
+  /// the times are kept: `recorrect` can still take the motion out once it is known.
+  CorrectionResult correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
+                           const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, double dt_s,
+                           const Pose& T_cog_lidar, CorrectedSweep& out) const;
+
+  /// Takes out what motion is left in points already corrected, when a better estimate of it is there:
+  /// p'' = Exp(s delta) p', delta = refined twist - twist used. Exact to first order: it leaves about
+  /// s^2/2 (|delta_w| |u| + |w| |delta_u|), under 1 mm in a half sweep for 20 m/s and a refinement of 0.02 rad/s.
+  /// (Recorrecting by minus the used twist, then by the refined one, is exact.)
+  /// False, points untouched, if times or twist cannot be used.
+  bool recorrect(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
+                 const Vector6d& delta_twist_lidar) const;
+
+ private:
+  Params params_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,78 @@
+#include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
+
+#include <cmath>
+
+namespace fail_aware {
+
+namespace {
+
+VoxelKey keyOf(const Eigen::Vector3f& p, float inverse_size) {
+  return packVoxel(fastFloor(static_cast<double>(p.x() * inverse_size)),
+                   fastFloor(static_cast<double>(p.y() * inverse_size)),
+                   fastFloor(static_cast<double>(p.z() * inverse_size)));
+}
+
+}  // namespace
+
+void VoxelFilter::prepare(std::size_t points) {
+  std::size_t wanted = 1024;
+  while (wanted < points) wanted *= 2;  // kept points are far fewer than points: load stays low
+  if (table_.size() < wanted) {
+    table_.assign(wanted, Slot{0, 0});
+    mask_ = wanted - 1;
+    generation_ = 0;
+  }
+  if (++generation_ == 0) {
+    table_.assign(table_.size(), Slot{0, 0});
+    generation_ = 1;
+  }
+  kept_.clear();
+}
+
+bool VoxelFilter::insert(VoxelKey key) {
+  for (std::size_t i = VoxelHash{}(key)&mask_;; i = (i + 1) & mask_) {
+    Slot& slot = table_[i];
+    if (slot.generation != generation_) {
+      slot = {key, generation_};
+      return true;
+    }
+    if (slot.key == key) return false;
+  }
+}
+
+const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
+                                                      double min_range_m, double max_range_m) {
+  prepare(2 * points.size());
+  const auto min2 = static_cast<float>(min_range_m * min_range_m), max2 = static_cast<float>(max_range_m * max_range_m);
+  const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
+  VoxelKey last = ~VoxelKey{0};
+  for (std::uint32_t i = 0; i < points.size(); ++i) {
+    const float range2 = points[i].squaredNorm();
+    if (!(range2 >= min2 && range2 <= max2)) continue;  // also refuses NaN
+    if (voxel_size_m > 0.0) {
+      const VoxelKey key = keyOf(points[i], inverse_size);
+      if (key == last) continue;
+      last = key;
+      if (!insert(key)) continue;
+    }
+    kept_.push_back(i);
+  }
+  return kept_;
+}
+
+const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points,
+                                                      const std::vector<std::uint32_t>& candidates,
+                                                      double voxel_size_m) {
+  prepare(2 * candidates.size());
+  if (voxel_size_m <= 0.0) {
+    kept_ = candidates;
+    return kept_;
+  }
+  const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
+  for (const std::uint32_t i : candidates) {
+    if (insert(keyOf(points[i], inverse_size))) kept_.push_back(i);
+  }
+  return kept_;
+}
+
+}  // namespace fail_aware

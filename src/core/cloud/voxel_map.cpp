@@ -1,0 +1,212 @@
+#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+void VoxelMap::Params::validate() const {
+  requirePositive("voxel_size_m", voxel_size_m);
+  requireWithin("max_points", max_points, 1, kMaxPoints);
+  requireNotNegative("min_point_spacing_m", min_point_spacing_m);
+  requireWithin("min_plane_samples", min_plane_samples, 3, 1e6);
+  requireWithin("max_samples", max_samples, min_plane_samples, 1e6);
+  requirePositive("max_plane_sigma_m", max_plane_sigma_m);
+  requireWithin("min_plane_flatness", min_plane_flatness, 1.0, 1e6);
+}
+
+VoxelMap::VoxelMap(const Params& params) : params_(params), inverse_size_(1.0 / params.voxel_size_m) {
+  params_.validate();
+}
+
+Eigen::Vector3d VoxelMap::centreOf(const Voxel& voxel) const {
+  return params_.voxel_size_m * Eigen::Vector3d(voxel.x + 0.5, voxel.y + 0.5, voxel.z + 0.5);
+}
+
+std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z) {
+  const VoxelKey key = packVoxel(x, y, z);
+  const auto [it, added] = index_.try_emplace(key, static_cast<std::uint32_t>(voxels_.size()));
+  if (added) {
+    Voxel voxel;
+    voxel.key = key;
+    voxel.x = x;
+    voxel.y = y;
+    voxel.z = z;
+    voxels_.push_back(voxel);
+    points_.resize(points_.size() + static_cast<std::size_t>(params_.max_points));
+  }
+  return it->second;
+}
+
+void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_odom_points) {
+  const auto max_points = static_cast<std::size_t>(params_.max_points);
+  const auto spacing2 = static_cast<float>(params_.min_point_spacing_m * params_.min_point_spacing_m);
+  const auto max_samples = static_cast<float>(params_.max_samples);
+  const Eigen::Matrix3d R = T_odom_points.linear();
+  const Eigen::Vector3d t = T_odom_points.translation();
+  touched_.clear();
+  for (const Eigen::Vector3f& point : points) {
+    const Eigen::Vector3d p = R * point.cast<double>() + t;
+    const std::int32_t x = fastFloor(p.x() * inverse_size_), y = fastFloor(p.y() * inverse_size_),
+                       z = fastFloor(p.z() * inverse_size_);
+    const std::uint32_t i = findOrAdd(x, y, z);
+    Voxel& voxel = voxels_[i];
+    Statistics& s = voxel.statistics;
+    if (s.n >= max_samples) continue;
+    const Eigen::Vector3f local = (p - centreOf(voxel)).cast<float>();
+    s.n += 1.0f;
+    s.sum += local;
+    s.xx += local.x() * local.x();
+    s.xy += local.x() * local.y();
+    s.xz += local.x() * local.z();
+    s.yy += local.y() * local.y();
+    s.yz += local.y() * local.z();
+    s.zz += local.z() * local.z();
+    if (!voxel.touched) {
+      voxel.touched = true;
+      touched_.push_back(i);
+    }
+    const auto count = static_cast<std::size_t>(voxel.points_count);
+    if (count < max_points) {
+      Eigen::Vector3f* stored = &points_[i * max_points];
+      bool spaced = true;
+      for (std::size_t k = 0; k < count && spaced; ++k) spaced = (stored[k] - local).squaredNorm() >= spacing2;
+      if (spaced) {
+        stored[count] = local;
+        ++voxel.points_count;
+      }
+    }
+  }
+  for (const std::uint32_t i : touched_) {
+    Voxel& voxel = voxels_[i];
+    voxel.touched = false;
+    const Statistics& s = voxel.statistics;
+    if (s.n >= static_cast<float>(params_.min_plane_samples) && (s.n >= 1.25f * s.fitted_n || s.n >= max_samples)) {
+      fitPlane(voxel);
+    }
+  }
+}
+
+void VoxelMap::fitPlane(Voxel& voxel) const {
+  Statistics& s = voxel.statistics;
+  s.fitted_n = s.n;
+  const Eigen::Vector3f mean = s.sum / s.n;
+  Eigen::Matrix3f C;
+  C(0, 0) = s.xx / s.n - mean.x() * mean.x();
+  C(1, 0) = s.xy / s.n - mean.x() * mean.y();
+  C(2, 0) = s.xz / s.n - mean.x() * mean.z();
+  C(1, 1) = s.yy / s.n - mean.y() * mean.y();
+  C(2, 1) = s.yz / s.n - mean.y() * mean.z();
+  C(2, 2) = s.zz / s.n - mean.z() * mean.z();
+  C(0, 1) = C(1, 0);
+  C(0, 2) = C(2, 0);
+  C(1, 2) = C(2, 1);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(C.cast<double>());
+  const Eigen::Vector3d& lambda = solver.eigenvalues();
+  const double smallest = std::max(lambda[0], 1e-6);
+  const bool plane = smallest <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
+                     lambda[1] >= params_.min_plane_flatness * smallest;
+  voxel.plane.samples = plane ? s.n : 0.0f;
+  voxel.plane.mean = mean;
+  voxel.plane.normal = solver.eigenvectors().col(0).cast<float>();
+  voxel.plane.variance = static_cast<float>(smallest);
+}
+
+void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position_odom) {
+  const auto max_points = static_cast<std::size_t>(params_.max_points);
+  const double range2 = range_m * range_m;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < voxels_.size(); ++i) {
+    if ((centreOf(voxels_[i]) - position_odom).squaredNorm() > range2) continue;
+    if (kept != i) {
+      voxels_[kept] = voxels_[i];
+      std::copy_n(points_.begin() + static_cast<std::ptrdiff_t>(i * max_points), max_points,
+                  points_.begin() + static_cast<std::ptrdiff_t>(kept * max_points));
+    }
+    ++kept;
+  }
+  if (kept == voxels_.size()) return;
+  voxels_.resize(kept);
+  points_.resize(kept * max_points);
+  index_.clear();
+  for (std::size_t i = 0; i < kept; ++i) index_.emplace(voxels_[i].key, static_cast<std::uint32_t>(i));
+}
+
+void VoxelMap::clear() {
+  index_.clear();
+  voxels_.clear();
+  points_.clear();
+}
+
+bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const {
+  const Eigen::Vector3d scaled = query_odom * inverse_size_;
+  const std::int32_t x = fastFloor(scaled.x()), y = fastFloor(scaled.y()), z = fastFloor(scaled.z());
+  const auto consider = [&](std::int32_t vx, std::int32_t vy, std::int32_t vz) {
+    const auto it = index_.find(packVoxel(vx, vy, vz));
+    if (it == index_.end()) return false;
+    const Voxel& voxel = voxels_[it->second];
+    if (voxel.plane.samples <= 0.0f) return false;
+    const Eigen::Vector3f local = (query_odom - centreOf(voxel)).cast<float>();
+    match.normal = voxel.plane.normal;
+    match.distance_m = voxel.plane.normal.dot(local - voxel.plane.mean);
+    match.variance = voxel.plane.variance;
+    match.samples = voxel.plane.samples;
+    match.voxel = it->second;
+    return true;
+  };
+  if (consider(x, y, z)) return true;
+  // neighbours across the nearest face of each axis, nearest first
+  const Eigen::Vector3d f = scaled - Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
+  int order[3] = {0, 1, 2};
+  const auto nearer = [&](int a, int b) { return std::abs(f[a]) > std::abs(f[b]); };
+  if (nearer(order[1], order[0])) std::swap(order[0], order[1]);
+  if (nearer(order[2], order[1])) std::swap(order[1], order[2]);
+  if (nearer(order[1], order[0])) std::swap(order[0], order[1]);
+  for (const int axis : order) {
+    const int step = f[axis] > 0.0 ? 1 : -1;
+    if (consider(x + (axis == 0 ? step : 0), y + (axis == 1 ? step : 0), z + (axis == 2 ? step : 0))) return true;
+  }
+  return false;
+}
+
+bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match) const {
+  const Eigen::Vector3d scaled = query_odom * inverse_size_;
+  const std::int32_t x = fastFloor(scaled.x() - 0.5), y = fastFloor(scaled.y() - 0.5), z = fastFloor(scaled.z() - 0.5);
+  const auto max_points = static_cast<std::size_t>(params_.max_points);
+  float best = static_cast<float>(max_distance_m * max_distance_m);
+  bool found = false;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto it = index_.find(packVoxel(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2)));
+    if (it == index_.end()) continue;
+    const Voxel& voxel = voxels_[it->second];
+    const Eigen::Vector3f local = (query_odom - centreOf(voxel)).cast<float>();
+    const Eigen::Vector3f* stored = &points_[it->second * max_points];
+    for (int k = 0; k < voxel.points_count; ++k) {
+      const Eigen::Vector3f offset = stored[k] - local;
+      const float d2 = offset.squaredNorm();
+      if (d2 < best) {
+        best = d2;
+        match.offset_m = offset;
+        match.distance2_m2 = d2;
+        found = true;
+      }
+    }
+  }
+  return found;
+}
+
+std::vector<Eigen::Vector3d> VoxelMap::points() const {
+  const auto max_points = static_cast<std::size_t>(params_.max_points);
+  std::vector<Eigen::Vector3d> all;
+  for (std::size_t i = 0; i < voxels_.size(); ++i) {
+    for (int k = 0; k < voxels_[i].points_count; ++k) {
+      all.push_back(centreOf(voxels_[i]) + points_[i * max_points + static_cast<std::size_t>(k)].cast<double>());
+    }
+  }
+  return all;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,93 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
+
+#include <cmath>
+#include <iterator>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+// By bit number.
+constexpr const char* kReasonNames[] = {
+    "STALE",         "NO_MEASUREMENT",    "PREDICTION_ONLY",   "PREDICTION_OVERRULED", "MEASUREMENTS_DISAGREE",
+    "WEAK_DIRECTION", "SWEEP_INCOMPLETE", "SWEEP_EMPTY",       "MISSING_ICP_POINT",    "MISSING_ICP_PLANE",
+    "MISSING_CORNERS", "ETA_THRESHOLD",   "COVARIANCE_LIMIT",  "FROZEN_CLOUD",         "TIME_JUMP",
+    "DROPPED_SWEEPS", "LOW_VISIBILITY"};
+
+int severity(FailAwareState state) {
+  switch (state) {
+    case FailAwareState::kOk: return 0;
+    case FailAwareState::kUnknown: return 1;
+    case FailAwareState::kDegraded: return 2;
+    case FailAwareState::kFailing: return 3;
+    case FailAwareState::kFailed: return 4;
+  }
+  return 4;
+}
+
+}  // namespace
+
+const char* toString(FailAwareState state) {
+  switch (state) {
+    case FailAwareState::kUnknown: return "UNKNOWN";
+    case FailAwareState::kOk: return "OK";
+    case FailAwareState::kDegraded: return "DEGRADED";
+    case FailAwareState::kFailing: return "FAILING";
+    case FailAwareState::kFailed: return "FAILED";
+  }
+  return "UNKNOWN";
+}
+
+std::string reasonText(std::uint32_t reasons) {
+  std::string text;
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    if ((reasons & (1u << bit)) == 0) continue;
+    if (!text.empty()) text += '|';
+    text += bit < std::size(kReasonNames) ? kReasonNames[bit] : "BIT_" + std::to_string(bit);
+  }
+  return text;
+}
+
+void FailureThresholds::validate() const {
+  requireNotNegative("failing_s", failing_s);
+  requireParameter(std::isfinite(degraded_s) && degraded_s >= failing_s, "degraded_s", degraded_s,
+                   "finite and >= failing_s");
+}
+
+FailAwareState stateFor(const TimeToFailure& time_to_failure, const FailureThresholds& thresholds,
+                        std::uint32_t reasons) {
+  const bool known = time_to_failure.isKnown();
+  const double seconds = time_to_failure.seconds;
+  if ((reasons & kFailedReasons) || (known && seconds <= 0.0)) return FailAwareState::kFailed;
+  if ((reasons & kFailingReasons) || (known && seconds <= thresholds.failing_s)) return FailAwareState::kFailing;
+  if (!known) return FailAwareState::kUnknown;
+  if ((reasons & kDegradedReasons) || seconds <= thresholds.degraded_s) return FailAwareState::kDegraded;
+  return FailAwareState::kOk;
+}
+
+StateHysteresis::StateHysteresis(int sweeps_to_recover) : sweeps_to_recover_(sweeps_to_recover) {
+  requireParameter(sweeps_to_recover >= 1, "sweeps_to_recover", sweeps_to_recover, ">= 1");
+}
+
+FailAwareState StateHysteresis::update(FailAwareState now) {
+  if (state_ == FailAwareState::kUnknown || severity(now) >= severity(state_)) {
+    state_ = now;
+    better_sweeps_ = 0;
+    return state_;
+  }
+  if (better_sweeps_ == 0 || severity(now) > severity(worst_of_better_)) worst_of_better_ = now;
+  if (++better_sweeps_ >= sweeps_to_recover_) {
+    state_ = worst_of_better_;
+    better_sweeps_ = 0;
+  }
+  return state_;
+}
+
+void StateHysteresis::reset() {
+  state_ = FailAwareState::kUnknown;
+  better_sweeps_ = 0;
+}
+
+}  // namespace fail_aware

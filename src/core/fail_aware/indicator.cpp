@@ -1,0 +1,94 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/indicator.hpp"
+
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+constexpr double kLargestSigma = 1e6;  // rad
+}
+
+const char* toString(IndicatorStatus status) {
+  switch (status) {
+    case IndicatorStatus::kAccepted: return "ACCEPTED";
+    case IndicatorStatus::kNotStarted: return "NOT_STARTED";
+    case IndicatorStatus::kBeforeStart: return "BEFORE_START";
+    case IndicatorStatus::kStampNotAdvancing: return "STAMP_NOT_ADVANCING";
+    case IndicatorStatus::kAcceptedAfterGap: return "ACCEPTED_AFTER_GAP";
+    case IndicatorStatus::kInvalid: return "INVALID";
+  }
+  return "INVALID";
+}
+
+void FailAwareIndicator::Params::validate() const {
+  requirePositive("threshold", threshold);
+  requireParameter(rate_window_sweeps >= 1 && rate_window_sweeps <= 100000, "rate_window_sweeps", rate_window_sweeps,
+                   "in [1, 100000]");
+  requirePositive("horizon_s", horizon_s);
+  requireWithin("reference_period_s", reference_period_s, 1e-6, 1e3);
+  requireWithin("min_interval_s", min_interval_s, 1e-6, 1e3);
+  requireParameter(std::isfinite(max_gap_s) && max_gap_s > min_interval_s, "max_gap_s", max_gap_s,
+                   "finite and > min_interval_s");
+}
+
+FailAwareIndicator::FailAwareIndicator(const Params& params) : params_(params) { params_.validate(); }
+
+void FailAwareIndicator::start(double stamp_s) {
+  stop();
+  if (std::isfinite(stamp_s)) start_stamp_s_ = stamp_s;
+}
+
+void FailAwareIndicator::stop() {
+  start_stamp_s_.reset();
+  last_stamp_s_.reset();
+  last_slope_.reset();
+  eta_ = 0.0;
+  window_.clear();
+}
+
+IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad) {
+  if (!std::isfinite(stamp_s)) return IndicatorStatus::kInvalid;
+  if (!(sigma_yaw_rad >= 0.0 && sigma_yaw_rad <= kLargestSigma)) return IndicatorStatus::kInvalid;
+  if (!start_stamp_s_) return IndicatorStatus::kNotStarted;
+  if (stamp_s < *start_stamp_s_) return IndicatorStatus::kBeforeStart;
+
+  IndicatorStatus status = IndicatorStatus::kAccepted;
+  if (last_stamp_s_) {
+    const double dt_s = stamp_s - *last_stamp_s_;
+    if (dt_s < params_.min_interval_s) return IndicatorStatus::kStampNotAdvancing;
+    if (dt_s > params_.max_gap_s) {
+      status = IndicatorStatus::kAcceptedAfterGap;
+      last_slope_.reset();
+      window_.clear();
+    } else {
+      const double slope = (sigma_yaw_rad - last_sigma_rad_) / dt_s;
+      if (last_slope_) {
+        eta_ += params_.reference_period_s * std::abs(slope - *last_slope_);
+      }
+      last_slope_ = slope;
+      window_.push_back({stamp_s, eta_});
+      if (window_.size() > static_cast<std::size_t>(params_.rate_window_sweeps) + 1) window_.pop_front();
+    }
+  }
+  last_stamp_s_ = stamp_s;
+  last_sigma_rad_ = sigma_yaw_rad;
+  return status;
+}
+
+std::optional<double> FailAwareIndicator::etaRate() const {
+  if (window_.size() < 2) return std::nullopt;
+  return (window_.back().eta - window_.front().eta) / (window_.back().stamp_s - window_.front().stamp_s);
+}
+
+TimeToFailure FailAwareIndicator::timeToFailure() const {
+  if (!started()) return TimeToFailure::unknown();
+  if (eta_ >= params_.threshold) return TimeToFailure::reached();
+  const std::optional<double> rate = etaRate();
+  if (!rate) return TimeToFailure::unknown();
+  if (*rate <= 0.0) return TimeToFailure::fromSeconds(params_.horizon_s, params_.horizon_s);
+  return TimeToFailure::fromSeconds((params_.threshold - eta_) / *rate, params_.horizon_s);
+}
+
+}  // namespace fail_aware

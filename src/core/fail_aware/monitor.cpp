@@ -1,0 +1,106 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+void MonitorParameters::validate() const {
+  indicator.validate();
+  predictor.validate();
+  thresholds.validate();
+  requirePositive("rate_window_s", rate_window_s);
+  requireWithin("sweeps_to_recover", sweeps_to_recover, 1, 10000);
+  requirePositive("disagreement_m", disagreement_m);
+  requireWithin("min_information_share", min_information_share, 0.0, 1.0);
+}
+
+FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
+    : params_(params),
+      indicator_(params.indicator),
+      predictor_(params.predictor),
+      rate_(params.rate_window_s),
+      hysteresis_(params.sweeps_to_recover) {
+  params_.validate();
+}
+
+void FailAwareMonitor::reset() {
+  const bool serving = started();
+  indicator_.stop();
+  rate_.reset();
+  covariance_.reset();
+  hysteresis_.reset();
+  has_previous_ = false;
+  start_pending_ = serving;
+}
+
+std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const SweepCondition& condition) const {
+  std::uint32_t reasons = 0;
+  const auto add = [&](bool holds, ReasonBit bit) { reasons |= holds ? static_cast<std::uint32_t>(bit) : 0u; };
+  const bool first = state.dt_s <= 0.0;  // nothing to register against yet
+  add(condition.empty, kReasonSweepEmpty);
+  add(condition.incomplete, kReasonSweepIncomplete);
+  add(condition.dropped_before > 0, kReasonDroppedSweeps);
+  if (first) return reasons;
+  add(state.fusion.valid_inputs == 0, kReasonNoMeasurement);
+  add(!state.corrected, kReasonPredictionOnly);
+  add(state.fusion.prediction_overruled, kReasonPredictionOverruled);
+  add(state.fusion.disagreement_m > params_.disagreement_m, kReasonMeasurementsDisagree);
+  add(condition.min_information_share < params_.min_information_share, kReasonWeakDirection);
+  add(condition.point_missing, kReasonMissingIcpPoint);
+  add(condition.plane_missing, kReasonMissingIcpPlane);
+  add(condition.corners_missing, kReasonMissingCorners);
+  return reasons;
+}
+
+CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
+  CovarianceGrowth growth;
+  growth.covariance = horizontalBlock(covariance_.sinceMark());
+  growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
+  const Eigen::Matrix3d R_mark_cog = T_odom_mark_.linear().transpose() * state.T_odom_cog.linear();
+  growth.course_rad = rpyFromRotation(R_mark_cog).z();
+  if (state.dt_s > 0.0) {
+    growth.speed_mps = state.T_previous_now.translation().x() / state.dt_s;
+    growth.yaw_rate_rps = rpyFromRotation(state.T_previous_now.linear()).z() / state.dt_s;
+  }
+  return growth;
+}
+
+MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
+  if (has_previous_ && state.dt_s > 0.0) {
+    covariance_.propagate(T_odom_previous_, state.T_odom_cog, state.increment_covariance);
+    rate_.update(state.increment_covariance, state.dt_s);
+  }
+  T_odom_previous_ = state.T_odom_cog;
+  has_previous_ = true;
+  if (start_pending_) {
+    start_pending_ = false;
+    indicator_.start(state.stamp_s);
+    covariance_.mark(state.T_odom_cog);
+    T_odom_mark_ = state.T_odom_cog;
+  }
+  indicator_.update(state.stamp_s, state.sigma_yaw_rad);
+
+  MonitorOutput output;
+  output.stamp_s = state.stamp_s;
+  output.sigma_yaw_rad = state.sigma_yaw_rad;
+  output.reasons = reasonsFor(state, condition);
+  output.eta = indicator_.eta();
+  output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);
+  if (indicator_.started()) {
+    output.time_to_failure_indicator = indicator_.timeToFailure();
+    output.sigma_x_m = std::sqrt(std::max(0.0, covariance_.sinceMark()(0, 0)));
+    output.sigma_y_m = std::sqrt(std::max(0.0, covariance_.sinceMark()(1, 1)));
+    if (rate_.rate()) output.time_to_failure_covariance = predictor_.predict(growth(state)).time_to_failure;
+  }
+  output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
+  const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };
+  if (reached(output.time_to_failure_indicator)) output.reasons |= kReasonEtaThreshold;
+  if (reached(output.time_to_failure_covariance)) output.reasons |= kReasonCovarianceLimit;
+  output.state = hysteresis_.update(stateFor(output.time_to_failure, params_.thresholds, output.reasons));
+  return output;
+}
+
+}  // namespace fail_aware

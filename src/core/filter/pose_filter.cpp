@@ -1,0 +1,157 @@
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
+  const Matrix6d J = poseFromStateJacobian(state.tail<3>());
+  return J * state_covariance * J.transpose();
+}
+
+}  // namespace
+
+void PoseFilter::Params::validate() const {
+  requireNotNegative("initial_speed_sigma_mps", initial_speed_sigma_mps);
+  requirePositive("initial_sigma_m", initial_sigma_m);
+  requirePositive("initial_sigma_deg", initial_sigma_deg);
+  requirePositive("max_unobserved_sigma_m", max_unobserved_sigma_m);
+  requirePositive("max_speed_mps", max_speed_mps);
+  requirePositive("max_yaw_rate_rps", max_yaw_rate_rps);
+  requirePositive("increment_scale", increment_scale);
+  requireNotNegative("increment_floor_m", increment_floor_m);
+  requireNotNegative("increment_per_metre_m", increment_per_metre_m);
+  requireNotNegative("increment_floor_deg", increment_floor_deg);
+}
+
+PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
+                       const MotionHistory::Params& history, const RoadPlaneEstimator::Params& road,
+                       const MeasurementFusion::Params& fusion)
+    : params_(params),
+      model_(model),
+      ukf_(ukf),
+      history_(history),
+      road_(model.vehicle(), road),
+      fusion_(fusion) {
+  params_.validate();
+  reset(Pose::Identity());
+}
+
+void PoseFilter::reset(const Pose& T_odom_cog) {
+  Vector6d sigmas;
+  sigmas.head<3>().setConstant(params_.initial_sigma_m);
+  sigmas.tail<3>().setConstant(params_.initial_sigma_deg * kDegree);
+  ukf_.reset(vectorFromPose(T_odom_cog), sigmas.cwiseAbs2().asDiagonal());
+  history_.clear();
+  motion_ = MotionDerivatives();
+  road_.clear();
+  started_ = false;
+  corrected_sweeps_ = 0;
+  prediction_ = SweepPrediction();
+  state_ = FilterState();
+  state_.T_odom_cog = T_odom_cog;
+  state_.covariance = ukf_.covariance();
+}
+
+bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
+  if (!std::isfinite(stamp_s) || (started_ && stamp_s <= state_.stamp_s)) return false;
+  prediction_ = SweepPrediction();
+  prediction_.stamp_s = stamp_s;
+  prediction_.T_odom_cog_previous = state_.T_odom_cog;
+  if (started_) {
+    const double dt = stamp_s - state_.stamp_s;
+    prediction_.dt_s = dt;
+    prediction_.motion_known = corrected_sweeps_ >= 2;
+    Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
+    if (!prediction_.motion_known) {
+      // only the speed along the road is that uncertain
+      const double sigma = params_.initial_speed_sigma_mps * dt;
+      const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
+      Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
+    }
+    process_noise_ = Q;
+    ukf_.predict([&](const Vector6d& x) { return model_.predict(x, motion_, dt, road_.plane()); }, Q);
+  }
+  prediction_.T_odom_cog = poseFromVector(ukf_.state());
+  prediction_.covariance = toPoseCovariance(ukf_.covariance(), ukf_.state());
+  prediction_.sigma_yaw_rad = std::sqrt(ukf_.covariance()(5, 5));
+  prediction = prediction_;
+  return true;
+}
+
+const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements) {
+  const Pose T_odom_cog_previous = state_.T_odom_cog;
+  FilterState next;
+  next.stamp_s = prediction_.stamp_s;
+  next.dt_s = prediction_.dt_s;
+  next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), measurements);
+  if (next.fusion.has_measurement) {
+    next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
+    next.filter_nis = ukf_.nis();
+  }
+  next.T_odom_cog = poseFromVector(ukf_.state());
+  next.covariance = ukf_.covariance();
+  next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
+  if (started_) {
+    next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
+    next.increment_covariance = incrementCovariance(next, prediction_);
+  }
+  if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
+  const bool measured = next.corrected || !started_;
+  started_ = true;
+  state_ = next;
+  if (measured) history_.push(next.stamp_s, next.T_odom_cog);
+  updateMotion();
+  road_.update(next.stamp_s, ukf_.state(), motion_);
+  return state_;
+}
+
+void PoseFilter::updateMotion() {
+  const MotionDerivatives last = motion_;
+  if (state_.corrected) motion_ = history_.derivatives();
+  bool hold_speed = !state_.corrected;
+  if (!state_.corrected) {
+    motion_.rpy_accelerations_rad_s2.setZero();
+    motion_.rpy_rates_rad_s.head<2>().setZero();
+  } else if (last.valid) {
+    const Eigen::Vector3d forward = state_.T_odom_cog.linear().col(0);
+    const double variance = forward.dot(state_.fusion.R.topLeftCorner<3, 3>() * forward);
+    hold_speed = variance > params_.max_unobserved_sigma_m * params_.max_unobserved_sigma_m;
+    if (hold_speed) motion_.velocity_body_mps.x() = last.velocity_body_mps.x();
+  }
+  if (hold_speed) motion_.acceleration_body_mps2.setZero();
+  const double speed = motion_.velocity_body_mps.norm();
+  if (speed > params_.max_speed_mps) motion_.velocity_body_mps *= params_.max_speed_mps / speed;
+  double& yaw_rate = motion_.rpy_rates_rad_s.z();
+  yaw_rate = std::clamp(yaw_rate, -params_.max_yaw_rate_rps, params_.max_yaw_rate_rps);
+}
+
+Matrix6d PoseFilter::incrementCovariance(const FilterState& state, const SweepPrediction& prediction) const {
+  // What this sweep adds to a pose known exactly before: along observed directions the measurement's R, along the
+  // others the model's Q, as in one Kalman step from zero covariance: Q - Q (Q + R)^-1 Q = Q (Q + R)^-1 R.
+  const Matrix6d& Q = process_noise_;
+  Matrix6d added = Q;
+  if (state.corrected) {
+    const Matrix6d sum = Q + state.fusion.R;
+    added = Q - Q * sum.ldlt().solve(Q);
+    added = (0.5 * (added + added.transpose())).eval();
+  }
+  const Matrix6d in_odom = toPoseCovariance(params_.increment_scale * added, vectorFromPose(state.T_odom_cog));
+  Matrix6d covariance = rotateCovariance(in_odom, prediction.T_odom_cog_previous.linear().transpose());
+  const double floor_m =
+      params_.increment_floor_m + params_.increment_per_metre_m * state.T_previous_now.translation().norm();
+  const double floor_rad = params_.increment_floor_deg * kDegree;
+  covariance.diagonal().head<3>().array() += floor_m * floor_m;
+  covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
+  return covariance;
+}
+
+}  // namespace fail_aware

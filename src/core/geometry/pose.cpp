@@ -1,0 +1,102 @@
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+// V with t = V rho for SE(3): V = I + b W + c W^2, b = (1 - cos t)/t^2, c = (t - sin t)/t^3.
+Eigen::Matrix3d leftJacobianSo3(const Eigen::Vector3d& w) {
+  const double theta2 = w.squaredNorm();
+  const Eigen::Matrix3d W = skew(w);
+  double b, c;
+  if (theta2 < 1e-8) {
+    b = 0.5 - theta2 / 24.0;
+    c = 1.0 / 6.0 - theta2 / 120.0;
+  } else {
+    const double theta = std::sqrt(theta2);
+    b = (1.0 - std::cos(theta)) / theta2;
+    c = (theta - std::sin(theta)) / (theta2 * theta);
+  }
+  return Eigen::Matrix3d::Identity() + b * W + c * W * W;
+}
+
+}  // namespace
+
+Pose expSe3(const Vector6d& twist) {
+  Pose T = Pose::Identity();
+  const Eigen::Vector3d w = twist.tail<3>();
+  T.linear() = expSo3(w);
+  T.translation() = leftJacobianSo3(w) * twist.head<3>();
+  return T;
+}
+
+Vector6d logSe3(const Pose& T) {
+  Vector6d twist;
+  const Eigen::Vector3d w = logSo3(T.linear());
+  twist.tail<3>() = w;
+  twist.head<3>() = leftJacobianSo3(w).inverse() * T.translation();
+  return twist;
+}
+
+Pose interpolate(const Pose& begin, const Pose& end, double fraction) {
+  return begin * expSe3(fraction * logSe3(begin.inverse() * end));
+}
+
+Pose poseFromVector(const Vector6d& v) {
+  Pose T = Pose::Identity();
+  T.translation() = v.head<3>();
+  T.linear() = rotationFromRpy(v[3], v[4], v[5]);
+  return T;
+}
+
+Vector6d vectorFromPose(const Pose& T) {
+  Vector6d v;
+  v.head<3>() = T.translation();
+  v.tail<3>() = rpyFromRotation(T.linear());
+  return v;
+}
+
+Vector6d stateDifference(const Vector6d& a, const Vector6d& b) {
+  Vector6d d = a - b;
+  for (int i = 3; i < 6; ++i) d[i] = wrapAngle(d[i]);
+  return d;
+}
+
+Matrix6d poseFromStateJacobian(const Eigen::Vector3d& rpy_rad) {
+  Matrix6d J = Matrix6d::Identity();
+  J.bottomRightCorner<3, 3>() = fixedAxisFromRpyRates(rpy_rad);
+  return J;
+}
+
+Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b, const Pose& T_b_c) {
+  // t_ac = t_ab + R_ab t_bc, so dt_ac = dt_ab + dr x (R_ab t_bc)
+  Matrix6d A = Matrix6d::Identity();
+  A.topRightCorner<3, 3>() = -skew(T_a_b.linear() * T_b_c.translation());
+  return A * covariance_ab * A.transpose();
+}
+
+Matrix6d composeCovariance(const Matrix6d& covariance_ab, const Pose& T_a_b, const Matrix6d& covariance_bc,
+                           const Pose& T_b_c) {
+  return covarianceAfterOffset(covariance_ab, T_a_b, T_b_c) + rotateCovariance(covariance_bc, T_a_b.linear());
+}
+
+Matrix6d rotateCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& R) {
+  Matrix6d A = Matrix6d::Zero();
+  A.topLeftCorner<3, 3>() = R;
+  A.bottomRightCorner<3, 3>() = R;
+  return A * covariance * A.transpose();
+}
+
+Pose orthonormalized(const Pose& T) {
+  Pose out = T;
+  out.linear() = Eigen::Quaterniond(T.linear()).normalized().toRotationMatrix();
+  return out;
+}
+
+bool isFinite(const Pose& T) { return T.matrix().allFinite(); }
+
+}  // namespace fail_aware

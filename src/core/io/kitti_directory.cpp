@@ -1,0 +1,220 @@
+#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <locale>
+#include <sstream>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kPointBytes = 4 * sizeof(float);
+constexpr std::size_t kMaxDigits = 18;  // of a file's number: fits 64 bits
+
+bool isNumber(const std::string& name) {
+  return !name.empty() && name.size() <= kMaxDigits &&
+         std::all_of(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+std::vector<fs::path> scansIn(const fs::path& folder) {
+  std::vector<fs::path> scans;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() == ".bin") scans.push_back(it->path());
+  }
+  return scans;
+}
+
+/// The scans' numbers, in ascending order like `scans` afterwards; empty, and names sorted, when a name is no number.
+std::vector<std::uint64_t> sortScans(std::vector<fs::path>& scans) {
+  std::sort(scans.begin(), scans.end());
+  std::vector<std::pair<std::uint64_t, fs::path>> numbered;
+  for (const fs::path& scan : scans) {
+    const std::string stem = scan.stem().string();
+    if (!isNumber(stem)) return {};
+    numbered.emplace_back(std::stoull(stem), scan);
+  }
+  std::sort(numbered.begin(), numbered.end());
+  std::vector<std::uint64_t> numbers;
+  for (std::size_t i = 0; i < numbered.size(); ++i) {
+    if (i > 0 && numbered[i].first == numbers.back()) {
+      throw InputError(scans[i - 1].string() + " and " + numbered[i].second.string() + " have the same number");
+    }
+    numbers.push_back(numbered[i].first);
+    scans[i] = numbered[i].second;
+  }
+  return numbers;
+}
+
+std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path.string() + ": cannot be read");
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
+    lines.push_back(line);
+  }
+  while (!lines.empty() && lines.back().empty()) lines.pop_back();
+  if (lines.size() != scan_count) {
+    throw InputError(path.string() + ": " + std::to_string(lines.size()) + " lines for " + std::to_string(scan_count) +
+                     " scans");
+  }
+
+  std::vector<double> times_s;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const std::string where = path.string() + ", line " + std::to_string(i + 1) + ": '" + lines[i] + "' ";
+    std::istringstream text(lines[i]);
+    text.imbue(std::locale::classic());
+    double time_s = 0.0;
+    if (!(text >> time_s) || text.peek() != std::istringstream::traits_type::eof() || !std::isfinite(time_s)) {
+      throw InputError(where + "is not a number of seconds");
+    }
+    if (!times_s.empty() && time_s <= times_s.back()) throw InputError(where + "is not after the line before");
+    times_s.push_back(time_s);
+  }
+  return times_s;
+}
+
+bool readBytes(const std::string& path, std::vector<char>& bytes) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return false;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return false;
+  const std::streamoff size = file.tellg();
+  if (size < 0) return false;
+  bytes.resize(static_cast<std::size_t>(size));
+  file.seekg(0);
+  return bytes.empty() || static_cast<bool>(file.read(bytes.data(), size));
+}
+
+/// One T per point of the scan; otherwise `values` is empty and the message says why.
+template <class T>
+std::string readSideFile(const std::string& path, std::size_t point_count, std::vector<T>& values) {
+  values.clear();
+  std::vector<char> bytes;
+  if (!readBytes(path, bytes)) return path + ": missing or cannot be read";
+  if (bytes.size() != point_count * sizeof(T)) {
+    return path + ": " + std::to_string(bytes.size()) + " bytes, but " + std::to_string(point_count) +
+           " points need " + std::to_string(point_count * sizeof(T));
+  }
+  values.resize(point_count);
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return {};
+}
+
+/// Moves the finite returns to the front and drops the rest, in all arrays alike.
+void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
+  const std::size_t count = bytes.size() / kPointBytes;
+  sweep.points_lidar.reserve(count);
+  sweep.intensities.reserve(count);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    float v[4];
+    std::memcpy(v, &bytes[i * kPointBytes], kPointBytes);
+    if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2])) continue;
+    if (v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f) continue;
+    sweep.points_lidar.emplace_back(v[0], v[1], v[2]);
+    sweep.intensities.push_back(std::isfinite(v[3]) ? v[3] : 0.0f);
+    if (!sweep.times_s.empty()) sweep.times_s[kept] = sweep.times_s[i];
+    if (!sweep.rings.empty()) sweep.rings[kept] = sweep.rings[i];
+    ++kept;
+  }
+  if (!sweep.times_s.empty()) sweep.times_s.resize(kept);
+  if (!sweep.rings.empty()) sweep.rings.resize(kept);
+  sweep.points_dropped = count - kept;
+}
+
+}  // namespace
+
+const char* toString(ReadStatus status) {
+  switch (status) {
+    case ReadStatus::kOk: return "ok";
+    case ReadStatus::kSideFileUnusable: return "side_file_unusable";
+    case ReadStatus::kUnreadable: return "unreadable";
+    case ReadStatus::kTruncated: return "truncated";
+    case ReadStatus::kEmpty: return "empty";
+    case ReadStatus::kNoFinitePoint: return "no_finite_point";
+  }
+  return "unknown";
+}
+
+void KittiDirectoryParams::validate() const { requirePositive("nominal_period_s", nominal_period_s); }
+
+KittiDirectory KittiDirectory::open(const std::string& directory, const Params& params) {
+  params.validate();
+  const fs::path root(directory);
+  std::error_code error;
+  if (!fs::is_directory(root, error)) throw InputError(directory + ": no such directory");
+
+  std::vector<fs::path> scans;
+  for (const fs::path& folder : {root / "velodyne", root / "velodyne_points" / "data", root}) {
+    scans = scansIn(folder);
+    if (!scans.empty()) break;
+  }
+  if (scans.empty()) {
+    throw InputError(directory + ": no scans (*.bin) in velodyne/, velodyne_points/data/ or the directory itself");
+  }
+
+  KittiDirectory kitti;
+  const std::vector<std::uint64_t> numbers = sortScans(scans);
+  for (const fs::path& scan : scans) kitti.scan_paths_.push_back(scan.string());
+  kitti.has_times_file_ = fs::exists(root / "times.txt", error);
+  if (kitti.has_times_file_) {
+    kitti.stamps_s_ = readTimes(root / "times.txt", scans.size());
+  } else {
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      const double number = static_cast<double>(numbers.empty() ? i : numbers[i]);
+      kitti.stamps_s_.push_back(number * params.nominal_period_s);
+    }
+  }
+  if (fs::is_directory(root / "stamps", error)) kitti.stamps_folder_ = (root / "stamps").string();
+  if (fs::is_directory(root / "rings", error)) kitti.rings_folder_ = (root / "rings").string();
+  return kitti;
+}
+
+ReadResult KittiDirectory::read(std::size_t i, Sweep& sweep) const {
+  sweep.stamp_s = i < size() ? stamps_s_[i] : 0.0;
+  sweep.points_lidar.clear();
+  sweep.intensities.clear();
+  sweep.times_s.clear();
+  sweep.rings.clear();
+  sweep.points_dropped = 0;
+  if (i >= size()) {
+    return {ReadStatus::kUnreadable, "scan " + std::to_string(i) + ": there are only " + std::to_string(size())};
+  }
+
+  const std::string& path = scan_paths_[i];
+  std::vector<char> bytes;
+  if (!readBytes(path, bytes)) return {ReadStatus::kUnreadable, path + ": cannot be read"};
+  if (bytes.empty()) return {ReadStatus::kEmpty, path + ": empty file"};
+  if (bytes.size() % kPointBytes != 0) {
+    return {ReadStatus::kTruncated, path + ": " + std::to_string(bytes.size()) + " bytes is not a multiple of " +
+                                        std::to_string(kPointBytes)};
+  }
+
+  const std::size_t count = bytes.size() / kPointBytes;
+  const std::string stem = fs::path(path).stem().string();
+  std::string message;
+  if (hasPointTimes()) message = readSideFile(stamps_folder_ + "/" + stem + ".f32", count, sweep.times_s);
+  if (hasRings()) {
+    const std::string rings_message = readSideFile(rings_folder_ + "/" + stem + ".u16", count, sweep.rings);
+    if (message.empty()) message = rings_message;
+  }
+  keepReturns(bytes, sweep);
+  if (sweep.empty()) {
+    return {ReadStatus::kNoFinitePoint, path + ": none of " + std::to_string(count) + " points is finite and a return"};
+  }
+  return {message.empty() ? ReadStatus::kOk : ReadStatus::kSideFileUnusable, message};
+}
+
+}  // namespace fail_aware

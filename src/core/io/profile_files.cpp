@@ -1,0 +1,61 @@
+#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isPath(const std::string& name) {
+  return name.find('/') != std::string::npos || fs::path(name).extension() == ".yaml";
+}
+
+std::string resolve(const fs::path& folder, const std::string& name, const std::string& what) {
+  const fs::path file = isPath(name) ? fs::path(name) : folder / (name + ".yaml");
+  if (fs::is_regular_file(file)) return file.string();
+  std::vector<std::string> known;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".yaml") known.push_back(entry.path().stem().string());
+  }
+  std::sort(known.begin(), known.end());
+  std::string list;
+  for (const std::string& stem : known) list += (list.empty() ? "" : ", ") + stem;
+  throw InputError("no " + what + " " + name + "; there are: " + list + "; or give the path of a yaml file");
+}
+
+bool isCfg(const fs::path& folder) { return fs::is_directory(folder / "profiles"); }
+
+}  // namespace
+
+std::string findCfg() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  // installed: PREFIX/lib/PACKAGE/tool with PREFIX/share/PACKAGE/cfg
+  const fs::path installed = program.parent_path().parent_path().parent_path() / "share" / "fail_aware_lidar_odometry" / "cfg";
+  for (const fs::path& candidate : {installed, fs::path(FAIL_AWARE_SOURCE_CFG)}) {
+    if (isCfg(candidate)) return candidate.string();
+  }
+  throw InputError("the package's cfg folder was not found; give it with --cfg");
+}
+
+PipelineParameters loadPipelineParameters(const ProfileFiles& files) {
+  const fs::path cfg = files.cfg.empty() ? findCfg() : files.cfg;
+  if (!isCfg(cfg)) throw InputError("no cfg folder: " + cfg.string() + " has no profiles/");
+  PipelineParameters params;
+  loadYaml(resolve(cfg / "profiles", files.profile, "profile"), params.profile);
+  loadYaml(resolve(cfg / "vehicles", files.vehicle, "vehicle"), params.vehicle);
+  loadYaml(resolve(cfg / "sensors", files.sensor, "sensor"), params.sensor);
+  params.validate();
+  return params;
+}
+
+}  // namespace fail_aware

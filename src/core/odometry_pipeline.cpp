@@ -1,0 +1,178 @@
+#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+class Stopwatch {
+ public:
+  double lapMs() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+PipelineParameters validated(const PipelineParameters& params) {
+  params.validate();
+  return params;
+}
+
+}  // namespace
+
+const char* toString(SweepStatus status) {
+  switch (status) {
+    case SweepStatus::kFirst: return "first";
+    case SweepStatus::kCorrected: return "corrected";
+    case SweepStatus::kPredicted: return "predicted";
+    case SweepStatus::kStampNotAdvancing: return "stamp_not_advancing";
+  }
+  return "unknown";
+}
+
+struct OdometryPipeline::Stages {
+  Stages(const PipelineParameters& p, int threads)
+      : params(validated(p)),
+        T_base_cog(p.vehicle.T_base_cog()),
+        T_cog_lidar(T_base_cog.inverse() * p.sensor.T_base_lidar()),
+        corrector(p.sensor.vertical_angle, p.sensor.timing, p.profile.sweep_correction),
+        filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
+               p.profile.road, p.profile.fusion),
+        front(p.profile.registration.cloud, p.profile.registration.reference, p.profile.registration.initialization,
+              p.profile.registration.refine_correction),
+        multiplex(p.profile.registration.point),
+        normal_filtered(p.profile.registration.plane),
+        corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
+                           p.profile.registration.corner_alignment),
+        monitor(p.profile.monitor),
+        arena(threads) {
+    filter.reset(T_base_cog);  // odom begins at base_link
+  }
+
+  SweepResult step(Sweep& sweep);
+  void measure(const SweepPrediction& prediction, SweepResult& result);
+  SweepCondition condition(const Sweep& sweep, const SweepResult& result) const;
+
+  PipelineParameters params;
+  Pose T_base_cog;
+  Pose T_cog_lidar;
+  SweepCorrector corrector;
+  PoseFilter filter;
+  RegistrationFront front;
+  MultiplexIcp multiplex;
+  NormalFilteredIcp normal_filtered;
+  CornerMeasurement corner_measurement;
+  FailAwareMonitor monitor;
+  tbb::task_arena arena;
+  CorrectedSweep corrected;
+};
+
+void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
+  const RegistrationParameters& use = params.profile.registration;
+  const bool registrable = front.prepare(corrected, prediction, T_cog_lidar);
+  const auto point = [&] {
+    Stopwatch watch;
+    if (use.use_point && registrable) {
+      result.point = multiplex.align(front.cloud().point_points_cog, front.map(), front.T_odom_cog_start(),
+                                     prediction.covariance);
+    }
+    result.times.point_ms = watch.lapMs();
+  };
+  const auto plane = [&] {
+    Stopwatch watch;
+    if (use.use_plane && registrable) {
+      result.plane = normal_filtered.align(front.cloud().plane_points_cog, front.map(), front.T_odom_cog_start(),
+                                           prediction.sigma_yaw_rad);
+    }
+    result.times.plane_ms = watch.lapMs();
+  };
+  const auto corners = [&] {
+    Stopwatch watch;
+    if (use.use_corners) result.corners = corner_measurement.measure(corrected, prediction, T_cog_lidar);
+    result.times.corners_ms = watch.lapMs();
+  };
+  arena.execute([&] {
+    tbb::parallel_invoke(point, [&] {
+      plane();
+      corners();
+    });
+  });
+}
+
+SweepCondition OdometryPipeline::Stages::condition(const Sweep& sweep, const SweepResult& result) const {
+  SweepCondition condition;
+  const RegistrationParameters& use = params.profile.registration;
+  condition.empty = sweep.empty();
+  condition.point_missing = use.use_point && !result.point.ok();
+  condition.plane_missing = use.use_plane && !result.plane.ok();
+  condition.corners_missing = use.use_corners && !result.corners.ok();
+  if (result.plane.ok()) condition.min_information_share = result.plane.min_information_share;
+  return condition;
+}
+
+SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
+  SweepResult result;
+  Stopwatch total, stage;
+  SweepPrediction prediction;
+  if (!filter.predict(sweep.stamp_s, prediction)) {
+    result.status = SweepStatus::kStampNotAdvancing;
+    result.state = filter.state();
+    result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
+    return result;
+  }
+  corrector.correct(sweep, prediction, T_cog_lidar, corrected);
+  result.times.correction_ms = stage.lapMs();
+  measure(prediction, result);
+  stage.lapMs();
+  const bool first = prediction.dt_s <= 0.0;
+  result.state = filter.correct(
+      {{"icp_point_to_point", &result.point}, {"icp_point_to_plane", &result.plane}, {"corner_svd", &result.corners}});
+  result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
+  result.status = first ? SweepStatus::kFirst : result.state.corrected ? SweepStatus::kCorrected : SweepStatus::kPredicted;
+  result.times.fusion_ms = stage.lapMs();
+  front.place(result.state);
+  corner_measurement.place(result.state);
+  result.times.reference_ms = stage.lapMs();
+  result.monitor = monitor.update(result.state, condition(sweep, result));
+  result.times.total_ms = total.lapMs();
+  return result;
+}
+
+OdometryPipeline::OdometryPipeline(const PipelineParameters& params, int threads) {
+  requireWithin("threads", threads, 1, 256);
+  stages_ = std::make_unique<Stages>(params, threads);
+}
+
+OdometryPipeline::~OdometryPipeline() = default;
+
+SweepResult OdometryPipeline::step(Sweep& sweep) { return stages_->step(sweep); }
+
+void OdometryPipeline::startRedundant() { stages_->monitor.start(); }
+
+void OdometryPipeline::reset() {
+  Stages& s = *stages_;
+  s.corrector.reset();
+  s.filter.reset(s.T_base_cog);
+  s.front.reset();
+  s.corner_measurement.reset();
+  s.monitor.reset();
+}
+
+std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->front.map().points(); }
+
+}  // namespace fail_aware

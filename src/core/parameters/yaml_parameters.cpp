@@ -1,0 +1,185 @@
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+namespace fail_aware {
+namespace {
+
+std::string place(const std::string& source, const YAML::Mark& mark) {
+  return mark.line < 0 ? source + ": " : source + ':' + std::to_string(mark.line + 1) + ": ";
+}
+
+bool isOneOf(const std::string& text, std::initializer_list<const char*> words) {
+  return std::find(words.begin(), words.end(), text) != words.end();
+}
+
+/// The type that YAML 1.1, and so rosparam, gives to an unquoted scalar.
+ParameterValue plainScalar(const std::string& text) {
+  static const std::regex kInt("[-+]?(0|[1-9][0-9]*)");
+  static const std::regex kFloat(R"(([-+]?[0-9]+\.[0-9]*|\.[0-9]+)([eE][-+][0-9]+)?)");
+  static const std::regex kInf(R"([-+]?\.(inf|Inf|INF))");
+  // What one of the two readers takes for a number, or a person might, and the other does not.
+  static const std::regex kDoubtful(R"([-+]?[0-9.][0-9_.:]*([eE][-+]?[0-9]+)?|[-+]?0[xXbBoO][0-9a-fA-F_]+)");
+
+  if (isOneOf(text, {"true", "True", "TRUE", "yes", "Yes", "YES", "on", "On", "ON"})) return true;
+  if (isOneOf(text, {"false", "False", "FALSE", "no", "No", "NO", "off", "Off", "OFF"})) return false;
+  if (isOneOf(text, {".nan", ".NaN", ".NAN"})) throw ParameterError("must not be NaN");
+  if (std::regex_match(text, kInt)) {
+    int value = 0;
+    if (!parseInt(text, value)) throw ParameterError(text + " is out of an int's range");
+    return value;
+  }
+  if (std::regex_match(text, kFloat)) {
+    double value = 0.0;
+    if (!parseDouble(text, value)) throw ParameterError(text + " is out of a double's range");
+    return value;
+  }
+  if (std::regex_match(text, kInf)) return text[0] == '-' ? -HUGE_VAL : HUGE_VAL;
+  if (std::regex_match(text, kDoubtful)) {
+    throw ParameterError(text +
+                         " is not read as a number everywhere: write 12, 0.5 or 1.0e-3, or quote it if it is text");
+  }
+  return text;
+}
+
+ParameterValue scalar(const YAML::Node& node) {
+  const bool quoted = node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str";
+  return quoted ? ParameterValue(node.Scalar()) : plainScalar(node.Scalar());
+}
+
+std::vector<double> numbers(const YAML::Node& node) {
+  std::vector<double> list;
+  for (const YAML::Node& item : node) {
+    const ParameterValue value = item.IsScalar() ? scalar(item) : ParameterValue(std::string());
+    if (const int* whole = std::get_if<int>(&value)) {
+      list.push_back(*whole);
+    } else if (const double* number = std::get_if<double>(&value)) {
+      list.push_back(*number);
+    } else {
+      throw ParameterError("a list may hold numbers only");
+    }
+  }
+  return list;
+}
+
+void flatten(const YAML::Node& map, const std::string& prefix, YamlParameters& yaml) {
+  for (const auto& item : map) {
+    const std::string at = place(yaml.source, item.first.Mark());
+    if (!item.first.IsScalar()) throw ParameterError(at + "a key must be a name");
+    const std::string& name = item.first.Scalar();
+    const std::string key = prefix + name;
+    const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+    if (name.empty() || !std::all_of(name.begin(), name.end(), is_word)) {
+      throw ParameterError(at + key + ": a key is made of letters, digits and _; groups are nested");
+    }
+    const YAML::Node& value = item.second;
+    if (value.IsNull()) throw ParameterError(at + key + ": has no value");
+    if (!yaml.lines.emplace(key, item.first.Mark().line + 1).second) throw ParameterError(at + key + ": given twice");
+    if (value.IsMap()) {
+      flatten(value, key + '.', yaml);
+      continue;
+    }
+    try {
+      yaml.values[key] = value.IsSequence() ? ParameterValue(numbers(value)) : scalar(value);
+    } catch (const ParameterError& error) {
+      throw ParameterError(at + key + ": " + error.what());
+    }
+  }
+}
+
+std::vector<std::string> split(const std::string& key) {
+  std::vector<std::string> names(1);
+  for (const char c : key) {
+    if (c == '.') {
+      names.emplace_back();
+    } else {
+      names.back() += c;
+    }
+  }
+  return names;
+}
+
+struct FormatYaml {
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(int value) const { return std::to_string(value); }
+  std::string operator()(double value) const {
+    const std::string text = formatDouble(value);
+    if (std::isfinite(value)) return text;
+    return text[0] == '-' ? "-.inf" : '.' + text;
+  }
+  std::string operator()(const std::string& value) const {
+    YAML::Emitter emitter;
+    emitter << YAML::DoubleQuoted << value;
+    return emitter.c_str();
+  }
+  std::string operator()(const std::vector<double>& list) const {
+    std::string text;
+    for (const double value : list) text += (text.empty() ? "" : ", ") + (*this)(value);
+    return '[' + text + ']';
+  }
+};
+
+}  // namespace
+
+YamlParameters parseYaml(const std::string& text, const std::string& source) {
+  YamlParameters yaml;
+  yaml.source = source;
+  std::vector<YAML::Node> documents;
+  try {
+    documents = YAML::LoadAll(text);
+  } catch (const YAML::Exception& error) {
+    throw ParameterError(place(source, error.mark) + error.msg);
+  }
+  if (documents.size() > 1) throw ParameterError(source + ": must hold one yaml document");
+  if (documents.empty() || documents[0].IsNull()) return yaml;
+  if (!documents[0].IsMap()) throw ParameterError(place(source, documents[0].Mark()) + "must be a map of parameters");
+  flatten(documents[0], "", yaml);
+  return yaml;
+}
+
+YamlParameters readYaml(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  const bool has_text = file.peek() != std::ifstream::traits_type::eof();
+  if (has_text) text << file.rdbuf();
+  if (!file.is_open() || file.bad() || !text) throw ParameterError(path + ": cannot be read");
+  return parseYaml(text.str(), path);
+}
+
+ParameterError located(const YamlParameters& yaml, const ParameterKeyError& error) {
+  const auto line = yaml.lines.find(error.key());
+  const std::string where = line == yaml.lines.end() ? yaml.source : yaml.source + ':' + std::to_string(line->second);
+  return ParameterError(where + ": " + error.what());
+}
+
+std::string formatYaml(const ParameterList& list) {
+  std::string text;
+  std::vector<std::string> open_groups;
+  for (const auto& [key, value] : list) {
+    std::vector<std::string> groups = split(key);
+    const std::string name = groups.back();
+    groups.pop_back();
+    const auto common = std::mismatch(groups.begin(), groups.end(), open_groups.begin(), open_groups.end()).first;
+    for (auto group = common; group != groups.end(); ++group) {
+      text.append(2 * static_cast<std::size_t>(group - groups.begin()), ' ').append(*group + ":\n");
+    }
+    text.append(2 * groups.size(), ' ').append(name + ": " + std::visit(FormatYaml{}, value) + '\n');
+    open_groups = std::move(groups);
+  }
+  return text;
+}
+
+void writeYaml(const std::string& path, const ParameterList& list) {
+  std::ofstream file(path, std::ios::binary);
+  file << formatYaml(list);
+  file.close();
+  if (!file) throw ParameterError(path + ": cannot be written");
+}
+
+}  // namespace fail_aware

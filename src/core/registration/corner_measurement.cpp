@@ -1,0 +1,28 @@
+#include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
+
+namespace fail_aware {
+
+CornerMeasurement::CornerMeasurement(const CornerExtractor::Params& extraction,
+                                     const CornerReference::Params& reference,
+                                     const CornerAlignment::Params& alignment)
+    : extractor_(extraction), reference_(reference), alignment_(alignment) {}
+
+Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepPrediction& prediction,
+                                       const Pose& T_cog_lidar) {
+  corners_cog_.clear();
+  const Eigen::Matrix3d R_odom_lidar = prediction.T_odom_cog.linear() * T_cog_lidar.linear();
+  for (const Corner& corner : extractor_.extract(sweep.points_lidar, R_odom_lidar)) {
+    corners_cog_.push_back(movedCorner(T_cog_lidar, corner));
+  }
+  if (!prediction.motion_known) return Measurement();
+  return alignment_.align(corners_cog_, reference_.corners(), prediction.T_odom_cog, prediction.covariance);
+}
+
+void CornerMeasurement::place(const FilterState& state) { reference_.update(corners_cog_, state.T_odom_cog); }
+
+void CornerMeasurement::reset() {
+  reference_.clear();
+  corners_cog_.clear();
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,149 @@
+#include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+VoxelMap::Params denseMap(const MotionInitialization::Params& params) {
+  VoxelMap::Params map;
+  map.voxel_size_m = 4.0 * params.thinning_m;
+  map.max_points = VoxelMap::kMaxPoints;
+  map.min_point_spacing_m = 1.2 * params.thinning_m;
+  return map;
+}
+
+}  // namespace
+
+void MotionInitialization::Params::validate() const {
+  requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
+  requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
+  requireWithin("step_mps", step_mps, 0.1, 100.0);
+  requireWithin("max_yaw_rate_rps", max_yaw_rate_rps, 0.0, 10.0);
+  requireWithin("step_yaw_rate_rps", step_yaw_rate_rps, 0.01, 10.0);
+  requirePositive("max_lateral_acceleration_mps2", max_lateral_acceleration_mps2);
+  requirePositive("max_range_m", max_range_m);
+  requirePositive("thinning_m", thinning_m);
+  requirePositive("kernel_m", kernel_m);
+  requirePositive("cell_m", cell_m);
+  requirePositive("column_m", column_m);
+  requireNotNegative("min_height_m", min_height_m);
+}
+
+MotionInitialization::MotionInitialization(const Params& params) : params_(params), first_(denseMap(params)) {
+  params_.validate();
+}
+
+std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep& sweep,
+                                                           const Pose& T_cog_lidar) const {
+  constexpr double kOwnVehicle_m = 3.0;
+  VoxelFilter filter;
+  const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
+  std::vector<Eigen::Vector3f> points_cog;
+  for (const std::uint32_t i :
+       filter.select(sweep.points_lidar, params_.thinning_m, kOwnVehicle_m, params_.max_range_m)) {
+    points_cog.push_back(R * sweep.points_lidar[i] + t);
+  }
+  return points_cog;
+}
+
+std::vector<MotionInitialization::StandingPoint> MotionInitialization::standingPoints(
+    const std::vector<Eigen::Vector3f>& points_cog, std::size_t& cells) const {
+  const auto cellOf = [](const Eigen::Vector3f& p, double size_m) {
+    return packVoxel(fastFloor(static_cast<double>(p.x()) / size_m), fastFloor(static_cast<double>(p.y()) / size_m), 0);
+  };
+  std::unordered_map<VoxelKey, float, VoxelHash> lowest;
+  for (const Eigen::Vector3f& p : points_cog) {
+    const auto [it, added] = lowest.try_emplace(cellOf(p, params_.column_m), p.z());
+    if (!added) it->second = std::min(it->second, p.z());
+  }
+  std::vector<std::size_t> standing;
+  for (std::size_t i = 0; i < points_cog.size(); ++i) {
+    const Eigen::Vector3f& p = points_cog[i];
+    if (static_cast<double>(p.z() - lowest[cellOf(p, params_.column_m)]) >= params_.min_height_m) standing.push_back(i);
+  }
+  constexpr std::size_t kEnough = 2000;
+  const std::size_t stride = 1 + standing.size() / kEnough;
+  std::unordered_map<VoxelKey, std::size_t, VoxelHash> numbers;
+  std::vector<StandingPoint> points;
+  for (std::size_t k = 0; k < standing.size(); k += stride) {
+    const Eigen::Vector3f& p = points_cog[standing[k]];
+    const auto number = numbers.try_emplace(cellOf(p, params_.cell_m), numbers.size()).first->second;
+    points.push_back({p.cast<double>(), number});
+  }
+  cells = numbers.size();
+  return points;
+}
+
+void MotionInitialization::setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar) {
+  first_.clear();
+  first_.insert(thinned(sweep, T_cog_lidar), Pose::Identity());
+}
+
+double MotionInitialization::votes(const std::vector<StandingPoint>& points, std::size_t cells, const Pose& motion,
+                                   double kernel_m) const {
+  const double kernel2 = kernel_m * kernel_m, max_distance = 3.0 * kernel_m;
+  std::vector<double> fit(cells, 0.0);
+  std::vector<int> count(cells, 0);
+  VoxelMap::PointMatch match;
+  for (const StandingPoint& point : points) {
+    ++count[point.cell];
+    if (!first_.findNearest(motion * point.point_cog, max_distance, match)) continue;
+    const double kernel = kernel2 / (kernel2 + static_cast<double>(match.distance2_m2));
+    fit[point.cell] += kernel * kernel;
+  }
+  double sum = 0.0;
+  for (std::size_t k = 0; k < cells; ++k) sum += count[k] > 0 ? fit[k] / count[k] : 0.0;
+  return sum;
+}
+
+std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
+                                                        double dt_s) const {
+  if (first_.empty()) return std::nullopt;
+  std::size_t cells = 0;
+  const std::vector<StandingPoint> points = standingPoints(thinned(sweep, T_cog_lidar), cells);
+  Vector6d best = Vector6d::Zero();
+  double best_votes = -1.0;
+  const auto consider = [&](double speed_mps, double yaw_rate_rps, double kernel_m) {
+    if (speed_mps < params_.min_speed_mps || speed_mps > params_.max_speed_mps ||
+        std::abs(speed_mps * yaw_rate_rps) > params_.max_lateral_acceleration_mps2) {
+      return;
+    }
+    Vector6d twist = Vector6d::Zero();
+    twist[0] = speed_mps;
+    twist[5] = yaw_rate_rps;
+    const double v = votes(points, cells, expSe3(twist * dt_s), kernel_m);
+    if (v > best_votes) {
+      best_votes = v;
+      best = twist;
+    }
+  };
+  const int speeds = static_cast<int>((params_.max_speed_mps - params_.min_speed_mps) / params_.step_mps);
+  const int yaws = static_cast<int>(params_.max_yaw_rate_rps / params_.step_yaw_rate_rps);
+  for (int i = 0; i <= speeds; ++i) {
+    for (int k = -yaws; k <= yaws; ++k) {
+      consider(params_.min_speed_mps + i * params_.step_mps, k * params_.step_yaw_rate_rps, params_.kernel_m);
+    }
+  }
+  // once more, four times finer, around the best
+  const Vector6d coarse = best;
+  best_votes = -1.0;
+  for (int i = -4; i <= 4; ++i) {
+    for (int k = -4; k <= 4; ++k) {
+      consider(coarse[0] + 0.25 * i * params_.step_mps, coarse[5] + 0.25 * k * params_.step_yaw_rate_rps,
+               0.5 * params_.kernel_m);
+    }
+  }
+  return best;
+}
+
+void MotionInitialization::reset() { first_.clear(); }
+
+}  // namespace fail_aware

@@ -1,0 +1,229 @@
+#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+struct Descent {
+  Pose T;
+  bool settled = false;
+};
+
+bool sameBasin(const Pose& a, const Pose& b, const MultiplexIcp::Params& params) {
+  return (a.translation() - b.translation()).norm() < params.merge_translation_m &&
+         logSo3(a.linear().transpose() * b.linear()).norm() < params.merge_rotation_deg * kDegree;
+}
+
+}  // namespace
+
+void MultiplexIcp::Params::validate() const {
+  requireWithin("seeds", seeds, 1, 8);
+  requirePositive("spread", spread);
+  requireNotNegative("min_spread_m", min_spread_m);
+  requireNotNegative("min_spread_deg", min_spread_deg);
+  requireParameter(max_spread_m >= min_spread_m, "max_spread_m", max_spread_m, ">= min_spread_m");
+  requireParameter(max_spread_deg >= min_spread_deg, "max_spread_deg", max_spread_deg, ">= min_spread_deg");
+  requireWithin("thinned_points", thinned_points, 10, 1e9);
+  requirePositive("max_distance_m", max_distance_m);
+  requirePositive("kernel_m", kernel_m);
+  requirePositive("initial_kernel_m", initial_kernel_m);
+  requireNotNegative("merge_translation_m", merge_translation_m);
+  requireNotNegative("merge_rotation_deg", merge_rotation_deg);
+  requireWithin("max_joint_iterations", max_joint_iterations, 1, 1000);
+  requireWithin("max_refined_seeds", max_refined_seeds, 1, 8);
+  requireWithin("max_iterations", max_iterations, 1, 1000);
+  requirePositive("step_translation_m", step_translation_m);
+  requirePositive("step_rotation_deg", step_rotation_deg);
+  requireWithin("usable_steps", usable_steps, 1.0, 1e6);
+  requireWithin("min_inlier_share", min_inlier_share, 0.0, 1.0);
+  requireWithin("min_inliers", min_inliers, 6, 1e9);
+  requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
+  observability.validate();
+}
+
+MultiplexIcp::MultiplexIcp(const Params& params) : params_(params) { params_.validate(); }
+
+std::vector<Pose> MultiplexIcp::seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
+  if (params_.seeds == 1) return {T_odom_cog_predicted};
+  const Eigen::Matrix3d body_covariance = T_odom_cog_predicted.linear().transpose() *
+                                          predicted_covariance.topLeftCorner<3, 3>() * T_odom_cog_predicted.linear();
+  const auto spreadOf = [&](double variance, double low, double high) {
+    return std::clamp(params_.spread * std::sqrt(std::max(variance, 0.0)), low, high);
+  };
+  std::vector<Pose> seeds;
+  for (const int axis : {0, 1, 3, 2}) {  // x, y, yaw, z: with fewer than eight seeds the likelier errors come first
+    for (const double sign : {1.0, -1.0}) {
+      if (static_cast<int>(seeds.size()) == params_.seeds) return seeds;
+      Vector6d offset = Vector6d::Zero();
+      if (axis < 3) {
+        offset[axis] = sign * spreadOf(body_covariance(axis, axis), params_.min_spread_m, params_.max_spread_m);
+      } else {
+        offset[5] = sign * spreadOf(predicted_covariance(5, 5), params_.min_spread_deg * kDegree,
+                                    params_.max_spread_deg * kDegree);
+      }
+      seeds.push_back(T_odom_cog_predicted * poseFromVector(offset));
+    }
+  }
+  return seeds;
+}
+
+bool MultiplexIcp::stepWithin(const Vector6d& dx, double factor) const {
+  return dx.head<3>().norm() < factor * params_.step_translation_m &&
+         dx.tail<3>().norm() < factor * params_.step_rotation_deg * kDegree;
+}
+
+NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride,
+                                        const VoxelMap& map, const Pose& T_odom_cog, double kernel_m) const {
+  NormalEquations equations;
+  const Eigen::Matrix3d R = T_odom_cog.linear();
+  const Eigen::Vector3d t = T_odom_cog.translation();
+  const double kernel2 = kernel_m * kernel_m;
+  // residual e = p - (R q + t); moved by -dt - dr x arm, so J = [I, -[arm]x] acts on -e
+  double w_sum = 0.0;
+  Eigen::Vector3d w_arm = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d w_arm_arm = Eigen::Matrix3d::Zero();
+  VoxelMap::PointMatch match;
+  for (std::size_t i = 0; i < points_cog.size(); i += stride) {
+    const Eigen::Vector3d arm = R * points_cog[i].cast<double>();
+    if (!map.findNearest(arm + t, params_.max_distance_m, match)) continue;
+    const double e2 = match.distance2_m2;
+    const Eigen::Vector3d e = match.offset_m.cast<double>();
+    const double kernel = kernel2 / (kernel2 + e2);
+    const double w = kernel * kernel;
+    w_sum += w;
+    w_arm += w * arm;
+    w_arm_arm.selfadjointView<Eigen::Lower>().rankUpdate(arm, w);
+    equations.b.head<3>() += w * e;
+    equations.b.tail<3>() += w * arm.cross(e);
+    equations.squared_error += w * e2;
+    ++equations.inliers;
+  }
+  w_arm_arm = w_arm_arm.selfadjointView<Eigen::Lower>();
+  equations.H.topLeftCorner<3, 3>().diagonal().setConstant(w_sum);
+  equations.H.topRightCorner<3, 3>() = -skew(w_arm);
+  equations.H.bottomLeftCorner<3, 3>() = skew(w_arm);
+  equations.H.bottomRightCorner<3, 3>() = w_arm_arm.trace() * Eigen::Matrix3d::Identity() - w_arm_arm;
+  equations.weight = w_sum;
+  equations.weight_unscaled = w_sum;
+  return equations;
+}
+
+Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+                                const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
+  Measurement result;
+  result.T_odom_cog = T_odom_cog_predicted;
+  if (map.empty()) return result;
+
+  std::vector<Descent> descents;
+  for (const Pose& seed : seeds(T_odom_cog_predicted, predicted_covariance)) descents.push_back({seed, false});
+
+  // together, on few points, until settled or merged
+  if (descents.size() > 1) {
+    const std::size_t stride = std::max<std::size_t>(1, points_cog.size() / static_cast<std::size_t>(params_.thinned_points));
+    double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
+    for (int iteration = 0; iteration < params_.max_joint_iterations; ++iteration) {
+      bool all_settled = true;
+      for (Descent& descent : descents) {
+        if (descent.settled) continue;
+        const Solution step = solveObserved(linearize(points_cog, stride, map, descent.T, kernel_m), params_.observability);
+        descent.T = applyStep(descent.T, step.dx);
+        descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, 5.0);  // refinement follows
+        all_settled = all_settled && descent.settled;
+      }
+      for (std::size_t i = 1; i < descents.size();) {
+        const bool met = std::any_of(descents.begin(), descents.begin() + static_cast<std::ptrdiff_t>(i),
+                                     [&](const Descent& other) { return sameBasin(other.T, descents[i].T, params_); });
+        if (met) {
+          descents.erase(descents.begin() + static_cast<std::ptrdiff_t>(i));
+        } else {
+          ++i;
+        }
+      }
+      if (all_settled || descents.size() == 1) break;
+      kernel_m = std::max(0.5 * kernel_m, params_.kernel_m);
+    }
+    // the most promising survivors, by mean squared error with misses counted at the cut-off
+    const auto score = [&](const Descent& d) {
+      const NormalEquations e = linearize(points_cog, stride, map, d.T, params_.kernel_m);
+      const double used = static_cast<double>((points_cog.size() + stride - 1) / stride);
+      return (e.squared_error + (used - e.weight_unscaled) * params_.max_distance_m * params_.max_distance_m) / used;
+    };
+    if (static_cast<int>(descents.size()) > params_.max_refined_seeds) {
+      std::vector<std::pair<double, std::size_t>> scores;
+      for (std::size_t i = 0; i < descents.size(); ++i) scores.emplace_back(score(descents[i]), i);
+      std::sort(scores.begin(), scores.end());
+      std::vector<Descent> best;
+      for (int i = 0; i < params_.max_refined_seeds; ++i) best.push_back(descents[scores[static_cast<std::size_t>(i)].second]);
+      descents.swap(best);
+    }
+  }
+
+  // each survivor on all points; the best mean squared error wins
+  double best_error = 0.0;
+  bool best_converged = false;
+  Vector6d best_step = Vector6d::Zero();
+  NormalEquations best_equations;
+  std::vector<Pose> solutions;
+  std::size_t most_inliers = 0;
+  for (Descent& descent : descents) {
+    NormalEquations equations;
+    bool converged = false;
+    Solution step;
+    int iteration = 0;
+    for (; iteration < params_.max_iterations && !converged; ++iteration) {
+      equations = linearize(points_cog, 1, map, descent.T, params_.kernel_m);
+      if (static_cast<int>(equations.inliers) < params_.min_inliers) break;
+      step = solveObserved(equations, params_.observability);
+      if (step.weak_directions == 6) break;
+      descent.T = applyStep(descent.T, step.dx);
+      converged = stepWithin(step.dx, 1.0);
+    }
+    result.iterations += iteration;
+    const double share = static_cast<double>(equations.inliers) / static_cast<double>(std::max<std::size_t>(points_cog.size(), 1));
+    most_inliers = std::max(most_inliers, equations.inliers);
+    if (static_cast<int>(equations.inliers) < params_.min_inliers || share < params_.min_inlier_share) continue;
+    solutions.push_back(descent.T);
+    const double cut2 = params_.max_distance_m * params_.max_distance_m;
+    const double all = static_cast<double>(points_cog.size());
+    const double error = (equations.squared_error + (all - equations.weight_unscaled) * cut2) / all;
+    if (solutions.size() > 1 && error >= best_error) continue;
+    best_error = error;
+    best_converged = converged;
+    best_step = step.dx;
+    best_equations = equations;
+    result.T_odom_cog = descent.T;
+    result.inliers = equations.inliers;
+    result.inlier_share = share;
+    result.weak_directions = step.weak_directions;
+    result.min_information_share = step.min_horizontal_share;
+    result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
+  }
+  if (solutions.empty()) {
+    result.T_odom_cog = T_odom_cog_predicted;
+    result.inliers = most_inliers;
+    result.status = MeasurementStatus::kTooFewPoints;
+    return result;
+  }
+  double spread2 = 0.0;
+  for (const Pose& T : solutions) spread2 += (T.translation() - result.T_odom_cog.translation()).squaredNorm();
+  spread2 /= static_cast<double>(solutions.size());
+  result.seed_spread_m = std::sqrt(spread2);
+  const double residual_variance = result.rms_residual_m * result.rms_residual_m / 3.0;
+  result.covariance = covarianceObserved(best_equations, params_.correlation_inflation * residual_variance,
+                                         params_.observability);
+  result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2 / 3.0;
+  if (!best_converged) result.covariance += best_step * best_step.transpose();
+  const bool usable = best_converged || stepWithin(best_step, params_.usable_steps);
+  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
+  return result;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,58 @@
+#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& times,
+            const std::vector<std::uint32_t>& indices, std::vector<Eigen::Vector3f>& out_points,
+            std::vector<float>& out_times) {
+  out_points.clear();
+  out_times.clear();
+  for (const std::uint32_t i : indices) out_points.push_back(points[i]);
+  if (times.empty()) return;
+  for (const std::uint32_t i : indices) out_times.push_back(times[i]);
+}
+
+}  // namespace
+
+void RegistrationCloud::recorrect(const Vector6d& delta_twist_cog) {
+  if (map_times_s.empty()) return;
+  const SweepCorrection correction;
+  correction.recorrect(map_points_cog, map_times_s, delta_twist_cog);
+  correction.recorrect(plane_points_cog, plane_times_s, delta_twist_cog);
+  correction.recorrect(point_points_cog, point_times_s, delta_twist_cog);
+}
+
+void RegistrationCloudBuilder::Params::validate() const {
+  requireNotNegative("min_range_m", min_range_m);
+  requireParameter(max_range_m > min_range_m && max_range_m <= 1000.0, "max_range_m", max_range_m,
+                   "> min_range_m and <= 1000");
+  requirePositive("map_voxel_m", map_voxel_m);
+  requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m");
+  requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m");
+  requireWithin("min_points", min_points, 1, 1e9);
+}
+
+RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params) : params_(params) { params_.validate(); }
+
+void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud) {
+  cloud.stamp_s = sweep.stamp_s;
+  gather(sweep.points_lidar, sweep.times_s,
+         filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m),
+         cloud.map_points_cog, cloud.map_times_s);
+  const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
+  for (Eigen::Vector3f& p : cloud.map_points_cog) p = (R * p + t).eval();
+  all_.resize(cloud.map_points_cog.size());
+  for (std::uint32_t i = 0; i < all_.size(); ++i) all_[i] = i;
+  gather(cloud.map_points_cog, cloud.map_times_s, filter_.select(cloud.map_points_cog, all_, params_.plane_voxel_m),
+         cloud.plane_points_cog, cloud.plane_times_s);
+  gather(cloud.map_points_cog, cloud.map_times_s, filter_.select(cloud.map_points_cog, all_, params_.point_voxel_m),
+         cloud.point_points_cog, cloud.point_times_s);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,70 @@
+#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+
+namespace fail_aware {
+
+RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& cloud,
+                                     const ReferenceMap::Params& reference,
+                                     const MotionInitialization::Params& initialization, bool refine_correction)
+    : builder_(cloud),
+      reference_(reference),
+      initialization_(initialization),
+      refine_correction_(refine_correction) {}
+
+bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
+                                const Pose& T_cog_lidar) {
+  builder_.build(sweep, T_cog_lidar, cloud_);
+  T_odom_cog_start_ = prediction.T_odom_cog;
+  prepared_ = static_cast<int>(cloud_.map_points_cog.size()) >= builder_.params().min_points;
+  corrected_twist_cog_.setZero();
+  if (prediction.dt_s > 0.0) {
+    corrected_twist_cog_ =
+        logSe3(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog) / prediction.dt_s;
+  }
+  if (!prepared_ || prediction.motion_known) return prepared_;
+  if (map().empty()) {
+    initialization_.setFirst(sweep, T_cog_lidar);
+  } else {
+    initializeMotion(sweep, prediction, T_cog_lidar);
+  }
+  return true;
+}
+
+void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
+                                         const Pose& T_cog_lidar) {
+  const std::optional<Vector6d> twist =
+      initialization_.findTwist(sweep, T_cog_lidar, prediction.stamp_s - first_cloud_.stamp_s);
+  if (!twist) return;
+  recorrectFor(*twist);
+  T_odom_cog_start_ = prediction.T_odom_cog_previous * expSe3(*twist * prediction.dt_s);
+  if (!only_first_placed_ || !refine_correction_) return;
+  RegistrationCloud first = first_cloud_;
+  first.recorrect(*twist);
+  reference_.clear();
+  reference_.add(first.map_points_cog, T_odom_cog_first_);
+}
+
+void RegistrationFront::recorrectFor(const Vector6d& twist_cog) {
+  cloud_.recorrect(twist_cog - corrected_twist_cog_);
+  corrected_twist_cog_ = twist_cog;
+}
+
+void RegistrationFront::place(const FilterState& state) {
+  if (!prepared_) return;
+  prepared_ = false;
+  if (refine_correction_ && state.dt_s > 0.0) recorrectFor(logSe3(state.T_previous_now) / state.dt_s);
+  only_first_placed_ = map().empty();
+  if (only_first_placed_) {
+    first_cloud_ = cloud_;
+    T_odom_cog_first_ = state.T_odom_cog;
+  }
+  reference_.add(cloud_.map_points_cog, state.T_odom_cog);
+}
+
+void RegistrationFront::reset() {
+  reference_.clear();
+  initialization_.reset();
+  only_first_placed_ = false;
+  prepared_ = false;
+}
+
+}  // namespace fail_aware

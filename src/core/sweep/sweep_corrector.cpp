@@ -1,0 +1,21 @@
+#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+
+namespace fail_aware {
+
+SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const SweepTimingParams& timing,
+                               const SweepCorrectionParams& correction)
+    : vertical_angle_(vertical_angle), timing_(timing), correction_(correction) {
+  vertical_angle_.validate();
+}
+
+SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
+                                             CorrectedSweep& corrected) {
+  SweepCorrectorReport report;
+  correctVerticalAngle(vertical_angle_, sweep.points_lidar);
+  report.timing = timing_.assign(sweep, times_s_);
+  report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
+                                          prediction.dt_s, T_cog_lidar, corrected);
+  return report;
+}
+
+}  // namespace fail_aware

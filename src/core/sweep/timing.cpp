@@ -1,0 +1,226 @@
+#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "point_block.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kNominalPeriod_s = 0.1;
+constexpr double kShortestPeriod_s = 0.02;  // 50 Hz and 1 Hz: no head turns faster or slower
+constexpr double kLongestPeriod_s = 1.0;
+constexpr std::size_t kPeriodWindow = 11;
+constexpr std::size_t kPeriodsNeeded = 3;
+constexpr double kFieldLimitUnknownPeriod_s = 0.5;
+constexpr double kFieldLimitPeriods = 2.5;           // two revolutions in one cloud are still timed by their field
+constexpr double kCoarsestFieldResolution_s = 1e-3;  // an absolute time in a float
+constexpr double kZeroTolerance = 0.1;  // of the spread: a packet's points lie to both sides of its stamp
+
+/// Of the sweep's period, counted from its start.
+double positionInSweep(StampReference reference) {
+  switch (reference) {
+    case StampReference::kStart: return 0.0;
+    case StampReference::kMid: return 0.5;
+    case StampReference::kEnd: break;
+  }
+  return 1.0;
+}
+
+StampReference referenceFromSign(double low, double high) {
+  const double tolerance = kZeroTolerance * (high - low);
+  if (low >= -tolerance) return StampReference::kStart;
+  return high <= tolerance ? StampReference::kEnd : StampReference::kMid;
+}
+
+/// atan on [-1, 1], minimax of degree 9, error 1.2e-5 rad.
+PointBlock::Array atanUnit(const PointBlock::Array& r) {
+  const PointBlock::Array r2 = r * r;
+  return r * (0.999866329f +
+              r2 * (-0.330304786f + r2 * (0.180159295f + r2 * (-0.0851563508f + r2 * 0.0208451142f))));
+}
+
+/// atan2(y, x) without a branch: with r = (|y| - |x|)/(|y| + |x|), atan2(|y|, |x|) = pi/4 + atan(r).
+PointBlock::Array atan2Fast(const PointBlock::Array& y, const PointBlock::Array& x) {
+  const PointBlock::Array abs_x = x.abs(), abs_y = y.abs();
+  const PointBlock::Array r = (abs_y - abs_x) / (abs_y + abs_x + 1e-30f);
+  const PointBlock::Array sign_x = (x * 1e30f).max(-1.0f).min(1.0f);
+  const PointBlock::Array sign_y = (y * 1e30f + 1.0f).max(-1.0f).min(1.0f);  // zero counts as positive
+  return sign_y * (static_cast<float>(M_PI / 2.0) + sign_x * (atanUnit(r) - static_cast<float>(M_PI / 4.0)));
+}
+
+}  // namespace
+
+const char* toString(TimingSource source) {
+  switch (source) {
+    case TimingSource::kNone: return "none";
+    case TimingSource::kField: return "field";
+    case TimingSource::kAzimuth: return "azimuth";
+  }
+  return "unknown";
+}
+
+const char* toString(StampReference reference) {
+  switch (reference) {
+    case StampReference::kStart: return "start";
+    case StampReference::kMid: return "mid";
+    case StampReference::kEnd: return "end";
+  }
+  return "unknown";
+}
+
+const char* toString(TimingStatus status) {
+  switch (status) {
+    case TimingStatus::kOk: return "ok";
+    case TimingStatus::kOff: return "off";
+    case TimingStatus::kEmptySweep: return "empty_sweep";
+    case TimingStatus::kNoField: return "no_field";
+  }
+  return "unknown";
+}
+
+const char* toString(TimeField field) {
+  switch (field) {
+    case TimeField::kNotRead: return "not_read";
+    case TimeField::kUsed: return "used";
+    case TimeField::kAbsent: return "absent";
+    case TimeField::kNotFinite: return "not_finite";
+    case TimeField::kNoSpread: return "no_spread";
+    case TimeField::kBadScale: return "bad_scale";
+  }
+  return "unknown";
+}
+
+void SweepTimingParams::validate() const {
+  requireParameter(source == "auto" || source == "field" || source == "azimuth" || source == "none", "source", source,
+                   "auto, field, azimuth or none");
+  requireParameter(
+      stamp_reference == "auto" || stamp_reference == "start" || stamp_reference == "mid" || stamp_reference == "end",
+      "stamp_reference", stamp_reference, "start, mid, end or auto");
+  requireWithin("start_azimuth_deg", start_azimuth_deg, -360.0, 360.0);
+  requireParameter(
+      sweep_period_s == 0.0 || (sweep_period_s >= kShortestPeriod_s && sweep_period_s <= kLongestPeriod_s),
+      "sweep_period_s", sweep_period_s, "0 (measured) or in [0.02, 1]");
+  requirePositive("min_field_spread_s", min_field_spread_s);
+}
+
+SweepTiming::SweepTiming(const Params& params) : params_(params) { params_.validate(); }
+
+void SweepTiming::reset() {
+  has_stamp_ = false;
+  periods_s_.clear();
+}
+
+void SweepTiming::observeStamp(double stamp_s) {
+  if (!std::isfinite(stamp_s)) return;
+  const double period_s = stamp_s - last_stamp_s_;
+  if (has_stamp_ && period_s >= kShortestPeriod_s && period_s <= kLongestPeriod_s) {
+    periods_s_.push_back(period_s);
+    if (periods_s_.size() > kPeriodWindow) periods_s_.pop_front();
+  }
+  has_stamp_ = true;
+  last_stamp_s_ = stamp_s;
+}
+
+StampReference SweepTiming::referenceOr(StampReference automatic) const {
+  if (params_.stamp_reference == "start") return StampReference::kStart;
+  if (params_.stamp_reference == "mid") return StampReference::kMid;
+  if (params_.stamp_reference == "end") return StampReference::kEnd;
+  return automatic;
+}
+
+TimingResult SweepTiming::assign(const Sweep& sweep, std::vector<float>& times_relative_to_stamp_s) {
+  observeStamp(sweep.stamp_s);
+  TimingResult result;
+  result.period_s = kNominalPeriod_s;
+  if (params_.sweep_period_s > 0.0) {
+    result.period_s = params_.sweep_period_s;
+    result.period_known = true;
+  } else if (periods_s_.size() >= kPeriodsNeeded) {
+    std::vector<double> sorted(periods_s_.begin(), periods_s_.end());
+    std::sort(sorted.begin(), sorted.end());
+    result.period_s = 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+    result.period_known = true;
+  }
+  result.reference = referenceOr(StampReference::kEnd);
+
+  if (params_.source == "none" || sweep.empty()) {
+    times_relative_to_stamp_s.clear();
+    result.status = sweep.empty() ? TimingStatus::kEmptySweep : TimingStatus::kOff;
+    return result;
+  }
+  if (params_.source != "azimuth") {
+    result.field = assignField(sweep, result, times_relative_to_stamp_s);
+    if (result.field == TimeField::kUsed) {
+      result.status = TimingStatus::kOk;
+      result.source = TimingSource::kField;
+      return result;
+    }
+    if (params_.source == "field") {
+      times_relative_to_stamp_s.clear();
+      result.status = TimingStatus::kNoField;
+      return result;
+    }
+  }
+  assignAzimuth(sweep, result, times_relative_to_stamp_s);
+  result.status = TimingStatus::kOk;
+  result.source = TimingSource::kAzimuth;
+  return result;
+}
+
+TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) const {
+  const std::size_t size = sweep.times_s.size();
+  if (size != sweep.size()) return TimeField::kAbsent;
+  const Eigen::Map<const Eigen::ArrayXf> field(sweep.times_s.data(), static_cast<Eigen::Index>(size));
+  if (!field.allFinite()) return TimeField::kNotFinite;
+  const double low = field.minCoeff(), high = field.maxCoeff();
+  if (high - low < params_.min_field_spread_s) return TimeField::kNoSpread;
+
+  const double limit = result.period_known ? kFieldLimitPeriods * result.period_s : kFieldLimitUnknownPeriod_s;
+  if (high - low > limit) return TimeField::kBadScale;
+
+  double offset = 0.0;
+  if (low >= -limit && high <= limit) {
+    const StampReference zero = referenceFromSign(low, high);
+    result.reference = referenceOr(zero);
+    offset = (positionInSweep(zero) - positionInSweep(result.reference)) * result.period_s;
+  } else {
+    const double resolution = std::max(std::abs(low), std::abs(high)) * 1.2e-7;
+    const bool of_this_sweep = low - sweep.stamp_s >= -limit && high - sweep.stamp_s <= limit;
+    if (!of_this_sweep || resolution > kCoarsestFieldResolution_s) return TimeField::kBadScale;
+    result.reference = referenceOr(referenceFromSign(low - sweep.stamp_s, high - sweep.stamp_s));
+    offset = -sweep.stamp_s;
+  }
+  times_s.resize(size);
+  for (std::size_t i = 0; i < size; ++i) times_s[i] = static_cast<float>(sweep.times_s[i] + offset);
+  return TimeField::kUsed;
+}
+
+void SweepTiming::assignAzimuth(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) const {
+  // Turned (and mirrored, for a counter-clockwise head) so that the sweep runs from yaw pi down to -pi.
+  const double turn = M_PI - params_.start_azimuth_deg * M_PI / 180.0;
+  const float c = static_cast<float>(std::cos(turn)), s = static_cast<float>(std::sin(turn));
+  const float mirror = params_.clockwise ? 1.0f : -1.0f;
+  const float period = static_cast<float>(result.period_s);
+  const float stamp_position = static_cast<float>(positionInSweep(result.reference));
+  const float per_rad = static_cast<float>(0.5 / M_PI);
+
+  times_s.resize(sweep.size());
+  PointBlock p;
+  forEachBlock(sweep.size(), [&](std::size_t first, std::size_t count) {
+    p.load(&sweep.points_lidar[first], count);
+    const PointBlock::Array x = c * p.x - s * p.y;
+    const PointBlock::Array y = mirror * (s * p.x + c * p.y);
+    const PointBlock::Array fraction = 0.5f - per_rad * atan2Fast(y, x);
+    for (std::size_t i = 0; i < count; ++i) {
+      const float f = fraction.data()[i];
+      const float bounded = f > 0.0f ? (f < 1.0f ? f : 1.0f) : 0.0f;
+      times_s[first + i] = (bounded - stamp_position) * period;
+    }
+  });
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,64 @@
+#include "fail_aware_lidar_odometry/core/vehicle/road_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+Eigen::Vector2d RoadPlane::rollPitch(double yaw_rad, double ahead_s) const {
+  // R = Rz(yaw) Ry(pitch) Rx(roll) takes e_z to the plane's normal; seen along the heading that normal is
+  // (sin pitch cos roll, -sin roll, cos pitch cos roll).
+  const Eigen::Vector2d gradient = slope + ahead_s * slope_rate_per_s;
+  const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
+  const double along = c * gradient.x() + s * gradient.y();
+  const double across = -s * gradient.x() + c * gradient.y();
+  return {std::atan2(across, std::hypot(1.0, along)), -std::atan(along)};
+}
+
+Eigen::Vector2d restingRollPitch(const SuspensionAxis& roll_axis, const SuspensionAxis& pitch_axis,
+                                 const MotionDerivatives& motion) {
+  const double lateral_mps2 =
+      motion.acceleration_body_mps2.y() + motion.rpy_rates_rad_s.z() * motion.velocity_body_mps.x();
+  const double longitudinal_mps2 =
+      motion.acceleration_body_mps2.x() - motion.rpy_rates_rad_s.z() * motion.velocity_body_mps.y();
+  return {restingAngle(roll_axis, lateral_mps2), restingAngle(pitch_axis, -longitudinal_mps2)};
+}
+
+void RoadPlaneEstimator::Params::validate() const { requirePositive("time_constant_s", time_constant_s); }
+
+RoadPlaneEstimator::RoadPlaneEstimator(const VehicleParameters& vehicle, const Params& params)
+    : params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {
+  params_.validate();
+}
+
+bool RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion) {
+  if (!std::isfinite(stamp_s) || !state.allFinite()) return false;
+  if (plane_.valid && stamp_s <= stamp_s_) return false;
+
+  const Eigen::Vector2d resting = restingRollPitch(roll_axis_, pitch_axis_, motion);
+  const Eigen::Vector3d normal =
+      rotationFromRpy(state[3] - resting[0], state[4] - resting[1], state[5]) * Eigen::Vector3d::UnitZ();
+  if (!(normal.z() > 0.5)) return false;
+  const Eigen::Vector2d observed = -normal.head<2>() / normal.z();
+
+  if (!plane_.valid) {
+    plane_.valid = true;
+    plane_.slope = observed;
+  } else {
+    const double dt_s = stamp_s - stamp_s_;
+    const double memory = std::exp(-dt_s / params_.time_constant_s);
+    plane_.slope += dt_s * plane_.slope_rate_per_s;
+    const Eigen::Vector2d surprise = observed - plane_.slope;
+    plane_.slope += (1.0 - memory * memory) * surprise;
+    plane_.slope_rate_per_s += (1.0 - memory) * (1.0 - memory) / dt_s * surprise;
+  }
+  stamp_s_ = stamp_s;
+  return true;
+}
+
+void RoadPlaneEstimator::clear() { plane_ = RoadPlane(); }
+
+}  // namespace fail_aware

@@ -1,0 +1,290 @@
+// Compares an estimated trajectory with the true one: JSON on stdout; with --output also files and plots.
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/evaluation/absolute_trajectory_error.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/kitti_metric.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/relative_step_error.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "tool_support.hpp"
+
+extern char** environ;
+
+namespace fail_aware {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "evaluate_trajectory";
+constexpr double kDegrees = 180.0 / M_PI;
+
+struct Options {
+  std::string ground_truth, estimate, calib, times, output;
+  std::vector<double> lengths_m;
+  std::optional<int> step;
+  double period_s = 0.1;
+  FailureEpisode::Params episodes;
+};
+
+struct Trajectories {
+  std::vector<Pose> truth, estimate;  // lidar frame, pose by pose
+  std::vector<double> stamps_s;
+};
+
+void declareOptions(CLI::App& app, Options& options) {
+  app.add_option("--ground-truth", options.ground_truth, "true poses, KITTI rows (12 numbers)")->required();
+  app.add_option("--estimate", options.estimate, "estimated poses, KITTI rows, lidar frame")->required();
+  app.add_option("--calib", options.calib,
+                 "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' brings it to the lidar's");
+  app.add_option("--output", options.output, "folder for evaluation.json, trajectory.csv and the plots");
+  app.add_option("--lengths", options.lengths_m,
+                 "segment lengths of the KITTI metric in m, comma-separated (default 100,200,...,800; "
+                 "5,10,20,40,80 and step 1 if no segment of 100 m fits)")
+      ->delimiter(',');
+  app.add_option("--step", options.step, "segments begin at every n-th pose (default 10)");
+  app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that is a failure, m")
+      ->capture_default_str();
+  app.add_option("--episode-every", options.episodes.episode_every_s, "time between the starts of episodes, s")
+      ->capture_default_str();
+  auto* times = app.add_option("--times", options.times, "stamps of the poses, one a row, s");
+  app.add_option("--period", options.period_s, "time between poses where --times is not given, s")
+      ->capture_default_str()
+      ->excludes(times);
+}
+
+Trajectories load(const Options& options) {
+  Trajectories in;
+  in.truth = readKittiTrajectory(options.ground_truth);
+  in.estimate = readKittiTrajectory(options.estimate);
+  if (!options.calib.empty()) in.truth = lidarFromCameraTrajectory(in.truth, readLidarToCamera(options.calib));
+  requirePosePairs(in.truth, in.estimate);
+  if (!options.times.empty()) {
+    in.stamps_s = readTimes(options.times);
+  } else {
+    requirePositive("--period", options.period_s);
+    for (std::size_t i = 0; i < in.truth.size(); ++i) {
+      in.stamps_s.push_back(static_cast<double>(i) * options.period_s);
+    }
+  }
+  return in;
+}
+
+/// The metric as asked for; with no lengths asked for and none of the usual ones fitting, that for short runs.
+std::pair<KittiMetric, KittiMetric::Params> kittiMetricFor(const Trajectories& in, const Options& options) {
+  KittiMetric::Params params;
+  if (!options.lengths_m.empty()) params.lengths_m = options.lengths_m;
+  if (options.step) params.step = *options.step;
+  KittiMetric metric = kittiMetric(in.truth, in.estimate, params);
+  if (metric.total.segments == 0 && options.lengths_m.empty()) {
+    params = KittiMetric::Params::forShortRuns();
+    if (options.step) params.step = *options.step;
+    metric = kittiMetric(in.truth, in.estimate, params);
+  }
+  return {metric, params};
+}
+
+void addAverage(Json& json, const KittiMetric::Average& average) {
+  json["segments"] = average.segments;
+  json["t_err_percent"] = average.segments > 0 ? Json(average.t_err_percent) : Json(nullptr);
+  json["r_err_deg_per_m"] = average.segments > 0 ? Json(average.r_err_deg_per_m) : Json(nullptr);
+}
+
+void addAbsoluteError(Json& json, const std::string& prefix, const AbsoluteTrajectoryError& error) {
+  json[prefix + "_rmse_m"] = error.rmse_m;
+  json[prefix + "_mean_m"] = error.mean_m;
+  json[prefix + "_max_m"] = error.max_m;
+  json[prefix + "_yaw_rmse_deg"] = error.yaw_rmse_rad * kDegrees;
+}
+
+/// Turns summed up with their sign, left positive: two rounds of a block are 720.
+double headingChange(const std::vector<Pose>& poses) {
+  double heading_rad = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    heading_rad += rpyFromRotation(poses[i - 1].linear().transpose() * poses[i].linear()).z();
+  }
+  return heading_rad * kDegrees;
+}
+
+Json episodesJson(const Trajectories& in, const FailureEpisode::Params& params) {
+  const std::vector<FailureEpisode> episodes = failureEpisodes(in.truth, in.estimate, in.stamps_s, params);
+  std::size_t failed = 0;
+  Json list = Json::array();
+  for (const FailureEpisode& episode : episodes) {
+    failed += episode.failed ? 1 : 0;
+    list.push_back({{"pose", episode.begin},
+                    {"begin_s", episode.begin_s},
+                    {"failed", episode.failed},
+                    {"time_s", episode.time_s}});
+  }
+  const std::optional<double> median_s = medianTimeToFailure(episodes);
+  return {{"alert_limit_m", params.alert_limit_m},
+          {"every_s", params.episode_every_s},
+          {"total", episodes.size()},
+          {"failed", failed},
+          {"median_time_to_failure_s", median_s ? Json(*median_s) : Json(nullptr)},
+          {"list", list}};
+}
+
+Json evaluate(const Trajectories& in, const Options& options, const AbsoluteTrajectoryError& ate,
+              const AbsoluteTrajectoryError& ate_aligned) {
+  const auto [metric, params] = kittiMetricFor(in, options);
+  const RelativeStepError step_error = relativeStepError(in.truth, in.estimate);
+  Json json;
+  json["poses"] = in.truth.size();
+  json["path_length_m"] = distancesAlong(in.truth).back();
+  json["estimate_path_length_m"] = distancesAlong(in.estimate).back();
+  json["heading_change_deg"] = headingChange(in.truth);
+  json["estimate_heading_change_deg"] = headingChange(in.estimate);
+  addAverage(json, metric.total);
+  json["lengths_m"] = params.lengths_m;
+  json["step"] = params.step;
+  json["per_length"] = Json::array();
+  for (const KittiMetric::Average& average : metric.per_length) {
+    Json row = {{"length_m", average.length_m}};
+    addAverage(row, average);
+    json["per_length"].push_back(row);
+  }
+  addAbsoluteError(json, "ate", ate);
+  addAbsoluteError(json, "ate_aligned", ate_aligned);
+  json["step_translation_rmse_m"] = step_error.translation_rmse_m;
+  json["step_rotation_rmse_deg"] = step_error.rotation_rmse_rad * kDegrees;
+  json["episodes"] = episodesJson(in, options.episodes);
+  return json;
+}
+
+std::ofstream create(const fs::path& path) {
+  errno = 0;
+  std::ofstream file(path);
+  if (!file) throw InputError(path.string() + ": cannot be written: " + std::strerror(errno));
+  return file;
+}
+
+void finish(std::ofstream& file, const fs::path& path) {
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+}
+
+/// Positions in the frame of the first pose, the estimate's laid on the truth there.
+void writeCsv(const fs::path& path, const Trajectories& in, const AbsoluteTrajectoryError& ate,
+              const AbsoluteTrajectoryError& ate_aligned) {
+  std::ofstream file = create(path);
+  file << "time_s,distance_m,truth_x_m,truth_y_m,truth_z_m,estimate_x_m,estimate_y_m,estimate_z_m,error_m,"
+          "error_aligned_m\n";
+  file.precision(10);
+  const std::vector<double> distances_m = distancesAlong(in.truth);
+  const Pose T_start_truth = in.truth.front().inverse();
+  const Pose T_start_estimate = in.estimate.front().inverse();
+  for (std::size_t i = 0; i < in.truth.size(); ++i) {
+    file << in.stamps_s[i] << ',' << distances_m[i];
+    const Eigen::Vector3d truth = T_start_truth * in.truth[i].translation();
+    const Eigen::Vector3d estimate = T_start_estimate * in.estimate[i].translation();
+    for (const double value : {truth.x(), truth.y(), truth.z(), estimate.x(), estimate.y(), estimate.z(),
+                               ate.position_error_m[i], ate_aligned.position_error_m[i]}) {
+      file << ',' << value;
+    }
+    file << '\n';
+  }
+  finish(file, path);
+}
+
+/// scripts/plot_trajectory: $FAIL_AWARE_SCRIPTS_DIR, else beside this executable, else where the build says.
+fs::path findPlotScript() {
+  std::vector<fs::path> folders;
+  if (const char* folder = std::getenv("FAIL_AWARE_SCRIPTS_DIR")) {
+    folders.emplace_back(folder);
+  } else {
+    std::error_code ignored;
+    folders.push_back(fs::read_symlink("/proc/self/exe", ignored).parent_path());
+#ifdef FAIL_AWARE_SCRIPTS_DIR
+    folders.emplace_back(FAIL_AWARE_SCRIPTS_DIR);
+#endif
+  }
+  for (const fs::path& folder : folders) {
+    const fs::path script = folder / "plot_trajectory";
+    if (access(script.c_str(), X_OK) == 0) return script;
+  }
+  return {};
+}
+
+/// Plots are a convenience: what keeps them from being drawn is said in one line and is no failure.
+void plot(const fs::path& folder) {
+  const std::string script = findPlotScript().string();
+  if (script.empty()) {
+    std::cerr << kName << ": no plots: plot_trajectory was not found\n";
+    return;
+  }
+  std::string argument = folder.string();
+  std::string program = script;
+  char* const arguments[] = {program.data(), argument.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);  // stdout is for the JSON
+  pid_t child = 0;
+  const int refused = posix_spawn(&child, script.c_str(), &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (refused != 0) {
+    std::cerr << kName << ": no plots: " << script << ": " << std::strerror(refused) << '\n';
+    return;
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  const bool already_said = WIFEXITED(status) && WEXITSTATUS(status) == 3;
+  if (status != 0 && !already_said) std::cerr << kName << ": no plots: " << script << " failed\n";
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Compares an estimated trajectory with the true one: KITTI metric, absolute error, time to failure.",
+               kName);
+  Options options;
+  declareOptions(app, options);
+  if (!parseArguments(app, argc, argv)) return kExitDone;
+
+  const fs::path folder = options.output;
+  if (!folder.empty()) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+  }
+  const Trajectories in = load(options);
+  const AbsoluteTrajectoryError ate =
+      absoluteTrajectoryError(in.truth, in.estimate, firstPoseAlignment(in.truth, in.estimate));
+  const AbsoluteTrajectoryError ate_aligned =
+      absoluteTrajectoryError(in.truth, in.estimate, bestAlignment(in.truth, in.estimate));
+  const Json json = evaluate(in, options, ate, ate_aligned);
+
+  std::cout << json.dump(2) << std::endl;
+  if (!std::cout) throw std::runtime_error("stdout: could not be written");
+  if (!folder.empty()) {
+    std::ofstream file = create(folder / "evaluation.json");
+    file << json.dump(2) << '\n';
+    finish(file, folder / "evaluation.json");
+    writeCsv(folder / "trajectory.csv", in, ate, ate_aligned);
+    plot(folder);
+  }
+  return kExitDone;
+}
+
+}  // namespace
+}  // namespace fail_aware
+
+int main(int argc, char** argv) {
+  return fail_aware::runTool("evaluate_trajectory", [&] { return fail_aware::run(argc, argv); });
+}

@@ -1,0 +1,163 @@
+// offline_odometry: runs the odometry over a recorded drive, every sweep in order, and writes trajectory and statistics.
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "sweep_log.hpp"
+#include "tool_support.hpp"
+
+namespace {
+
+using namespace fail_aware;
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "offline_odometry";
+
+struct Options {
+  std::string kitti, output, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg;
+  std::vector<std::string> set;
+  int threads = 2;
+  long first = 0;
+  long count = -1;
+  double redundant_at_s = 0.0;
+};
+
+void addOptions(CLI::App& app, Options& options) {
+  app.add_option("--kitti", options.kitti, "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32")
+      ->required();
+  app.add_option("--output", options.output, "folder for the results; made if it does not exist")->required();
+  app.add_option("--profile", options.profile, "default, paper, or a yaml file")->capture_default_str();
+  app.add_option("--vehicle", options.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
+  app.add_option("--sensor", options.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
+  app.add_option("--cfg", options.cfg, "the package's cfg folder (default: found from the tool's own place)");
+  app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
+  app.add_option("--threads", options.threads, "measurements run beside each other")->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);
+  app.add_option("--count", options.count, "number of scans (default: all)")->check(CLI::PositiveNumber);
+  app.add_option("--redundant-at", options.redundant_at_s, "t1: seconds from the first sweep at which the odometry "
+                 "begins to serve as the localisation")->check(CLI::NonNegativeNumber)->capture_default_str();
+}
+
+fs::path makeOutput(const std::string& output) {
+  std::error_code error;
+  fs::create_directories(output, error);
+  const fs::path probe = fs::path(output) / ".write_test";
+  if (error || !fs::is_directory(output) || !std::ofstream(probe)) {
+    throw InputError("cannot write in the output folder " + output);
+  }
+  fs::remove(probe, error);
+  return output;
+}
+
+double maxRssMb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+struct BadScan {
+  std::string file, reason;
+};
+
+int run(const Options& options) {
+  const KittiDirectory directory = KittiDirectory::open(options.kitti);
+  const auto all = static_cast<long>(directory.size());
+  if (options.first >= all) {
+    throw InputError("--first " + std::to_string(options.first) + ": " + options.kitti + " has " + std::to_string(all) +
+                     " scans");
+  }
+  const long last = options.count < 0 ? all : std::min(all, options.first + options.count);
+  PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
+  params.sensor.timing.stamp_reference = "mid";  // KITTI's stamps mean facing forward; --set can say otherwise
+  for (const std::string& assignment : options.set) setParameter(params, assignment);
+  params.validate();
+  const fs::path output = makeOutput(options.output);
+
+  OdometryPipeline pipeline(params, options.threads);
+  const Pose T_base_lidar = params.sensor.T_base_lidar();
+  std::vector<Pose> lidar_trajectory;
+  std::vector<StampedPose> base_trajectory;
+  SweepLog log(output / "per_sweep.csv");
+  std::vector<BadScan> bad_scans;
+  std::size_t side_file_problems = 0, points_dropped = 0;
+  Pose T_odom_lidar_first = Pose::Identity();
+  bool started = false;
+  Sweep sweep;
+  {
+    ProgressBar progress(static_cast<std::size_t>(last - options.first));
+    for (long i = options.first; i < last; ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      const ReadResult read = directory.read(index, sweep);
+      if (!read.hasPoints()) bad_scans.push_back({directory.scanPaths()[index], read.message});
+      if (read.status == ReadStatus::kSideFileUnusable && side_file_problems++ == 0) {
+        std::cerr << kName << ": warning: " << read.message << " (said once)" << std::endl;
+      }
+      points_dropped += sweep.points_dropped;
+      const double since_first_s = sweep.stamp_s - directory.stamps()[static_cast<std::size_t>(options.first)];
+      if (!started && since_first_s >= options.redundant_at_s - 1e-6) {
+        pipeline.startRedundant();
+        started = true;
+      }
+      const double stamp_s = sweep.stamp_s;
+      const SweepResult result = pipeline.step(sweep);
+      const Pose T_odom_lidar = result.T_odom_base * T_base_lidar;
+      if (i == options.first) T_odom_lidar_first = T_odom_lidar;
+      lidar_trajectory.push_back(orthonormalized(T_odom_lidar_first.inverse() * T_odom_lidar));
+      base_trajectory.push_back({stamp_s, result.T_odom_base});
+      log.add(stamp_s, result);
+      progress.update(static_cast<std::size_t>(i - options.first + 1));
+    }
+  }
+  for (const BadScan& bad : bad_scans) {
+    std::cerr << kName << ": warning: " << bad.reason << "; carried on as over a dropped sweep" << std::endl;
+  }
+  writeKittiTrajectory((output / "trajectory_kitti.txt").string(), lidar_trajectory);
+  writeTumTrajectory((output / "trajectory_tum.txt").string(), base_trajectory);
+  saveYaml((output / "parameters.yaml").string(), params);
+
+  nlohmann::ordered_json summary = log.summary();
+  summary["sweeps"] = lidar_trajectory.size();
+  summary["dropped"] = bad_scans.size();
+  summary["bad_scans"] = nlohmann::ordered_json::array();
+  for (const BadScan& bad : bad_scans) summary["bad_scans"].push_back({{"file", bad.file}, {"reason", bad.reason}});
+  summary["points_not_finite_or_zero"] = points_dropped;
+  summary["max_rss_mb"] = maxRssMb();
+  summary["threads"] = options.threads;
+  summary["profile"] = options.profile;
+  std::ofstream file(output / "summary.json");
+  file << summary.dump(2) << "\n";
+  if (!file.flush()) throw std::runtime_error("cannot write " + (output / "summary.json").string());
+  log.close();
+  std::cout << summary.dump(2) << std::endl;
+  if (bad_scans.size() == lidar_trajectory.size()) {
+    return reportError(kName, "no scan of " + options.kitti + " could be used", kExitFailed);
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runTool(kName, [&] {
+    CLI::App app("Runs the odometry over a recorded drive. Writes trajectory_kitti.txt (lidar frame, first pose identity), "
+                 "trajectory_tum.txt (base_link), per_sweep.csv, summary.json, parameters.yaml.\n"
+                 "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+                 kName);
+    Options options;
+    addOptions(app, options);
+    if (!parseArguments(app, argc, argv)) return kExitDone;
+    return run(options);
+  });
+}

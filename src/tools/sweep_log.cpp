@@ -1,0 +1,87 @@
+#include "sweep_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr std::size_t kStatuses = 4;
+
+double quantile(const std::vector<double>& sorted, double q) {
+  if (sorted.empty()) return 0.0;
+  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
+  return sorted[std::min(sorted.size() - 1, rank == 0 ? 0 : rank - 1)];
+}
+
+void writeMeasurement(std::ostream& out, const Measurement& m) {
+  out << ',' << toString(m.status) << ',' << m.iterations << ',' << m.inlier_share << ',' << m.rms_residual_m << ','
+      << m.weak_directions;
+}
+
+}  // namespace
+
+SweepLog::SweepLog(const std::filesystem::path& csv) : path_(csv.string()), out_(csv), by_status_(kStatuses, 0) {
+  if (!out_) throw InputError("cannot write " + path_);
+  out_ << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
+          "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
+          "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference";
+  for (const char* name : {"point", "plane", "corners"}) {
+    for (const char* column : {"status", "iterations", "inlier_share", "rms_m", "weak_directions"}) {
+      out_ << ',' << name << '_' << column;
+    }
+  }
+  out_ << ",seed_spread_m,min_information_share,disagreement_m\n";
+}
+
+void SweepLog::add(double stamp_s, const SweepResult& r) {
+  const MonitorOutput& m = r.monitor;
+  out_ << std::setprecision(std::numeric_limits<double>::max_digits10) << stamp_s << std::setprecision(9) << ','
+       << toString(r.status) << ',' << toString(m.state) << ',' << reasonText(m.reasons) << ','
+       << m.time_to_failure.seconds << ',' << m.time_to_failure_indicator.seconds << ','
+       << m.time_to_failure_covariance.seconds << ',' << m.eta << ',' << m.eta_rate_per_s << ',' << m.sigma_yaw_rad
+       << ',' << m.sigma_x_m << ',' << m.sigma_y_m;
+  const std::vector<double>& w = r.state.fusion.weights;
+  const std::vector<double>& nis = r.state.fusion.nis;
+  for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < w.size() ? w[i] : 0.0);
+  for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < nis.size() ? nis[i] : -1.0);
+  const StageTimes& t = r.times;
+  out_ << ',' << r.state.filter_nis << ',' << t.total_ms << ',' << t.correction_ms << ',' << t.point_ms << ','
+       << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ',' << t.reference_ms;
+  for (const Measurement* measurement : {&r.point, &r.plane, &r.corners}) writeMeasurement(out_, *measurement);
+  out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_share << ','
+       << r.state.fusion.disagreement_m << '\n';
+  total_ms_.push_back(t.total_ms);
+  ++by_status_[static_cast<std::size_t>(r.status)];
+}
+
+nlohmann::ordered_json SweepLog::summary() const {
+  std::vector<double> sorted = total_ms_;
+  std::sort(sorted.begin(), sorted.end());
+  nlohmann::ordered_json json;
+  const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
+  json["sweeps"] = sorted.size();
+  json["dropped"] = 0;
+  json["mean_ms"] = sorted.empty() ? 0.0 : sum / static_cast<double>(sorted.size());
+  json["median_ms"] = quantile(sorted, 0.5);
+  json["p95_ms"] = quantile(sorted, 0.95);
+  json["p99_ms"] = quantile(sorted, 0.99);
+  for (const SweepStatus status : {SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
+    json["by_status"][toString(status)] = by_status_[static_cast<std::size_t>(status)];
+  }
+  return json;
+}
+
+void SweepLog::close() {
+  out_.close();
+  if (!out_) throw std::runtime_error("cannot complete " + path_);
+}
+
+}  // namespace fail_aware

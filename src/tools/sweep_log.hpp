@@ -1,0 +1,34 @@
+// per_sweep.csv and the timing summary of a run.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+
+namespace fail_aware {
+
+class SweepLog {
+ public:
+  /// Throws InputError if the file cannot be opened.
+  explicit SweepLog(const std::filesystem::path& csv);
+
+  void add(double stamp_s, const SweepResult& result);
+
+  /// mean_ms, median_ms, p95_ms, p99_ms and counts by status.
+  nlohmann::ordered_json summary() const;
+
+  /// Throws std::runtime_error if the file could not be completed.
+  void close();
+
+ private:
+  std::string path_;
+  std::ofstream out_;
+  std::vector<double> total_ms_;
+  std::vector<std::size_t> by_status_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,217 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+using Status = TimeToFailureStatus;
+
+CovariancePredictor predictorWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
+  CovariancePredictor::Params params;
+  params.confidence = confidence;
+  params.horizon_s = horizon_s;
+  params.step_s = step_s;
+  return CovariancePredictor(params);
+}
+
+const double kConfidenceForK1 = 1.0 - std::exp(-0.5);  // k = 1
+
+TEST(CovariancePredictor, PositionVarianceAloneGrowsLinearly) {
+  CovarianceGrowth growth;
+  growth.covariance.diagonal() << 0.01, 0.04, 0.0;
+  growth.rate.diagonal() << 0.001, 0.02, 0.0;
+  growth.speed_mps = 10.0;
+  const CovariancePrediction p = predictorWith(kConfidenceForK1).predict(growth);
+  EXPECT_NEAR(p.radius_m, 0.2, 1e-12);
+  EXPECT_EQ(p.time_to_failure.status, Status::kWithinHorizon);
+  EXPECT_NEAR(p.time_to_failure.seconds, (0.36 - 0.04) / 0.02, 1e-9);
+
+  growth.course_rad = M_PI / 2;  // the body's lateral axis is now the mark's x
+  EXPECT_NEAR(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.seconds, (0.36 - 0.01) / 0.02, 1e-9);
+}
+
+TEST(CovariancePredictor, HeadingErrorAloneReachesTheLimitBySpeedTimesSigma) {
+  CovarianceGrowth growth;
+  growth.covariance(2, 2) = 1e-4;  // 0.01 rad
+  growth.speed_mps = 8.0;
+  growth.course_rad = 0.6;
+  const double k = std::sqrt(-2.0 * std::log(0.05));
+  const CovariancePrediction p = predictorWith(0.95).predict(growth);
+  EXPECT_EQ(p.radius_m, 0.0);
+  EXPECT_NEAR(p.time_to_failure.seconds, 0.6 / (k * 0.01 * 8.0), 1e-9);
+  growth.speed_mps = -8.0;
+  EXPECT_NEAR(predictorWith(0.95).predict(growth).time_to_failure.seconds, 0.6 / (k * 0.01 * 8.0), 1e-9);
+}
+
+TEST(CovariancePredictor, HeadingNoiseGrowsWithTheCubeOfTime) {
+  CovarianceGrowth growth;
+  growth.rate(2, 2) = 1e-6;
+  growth.speed_mps = 20.0;
+  // v^2 q t^3 / 3 = 0.36
+  const double expected = std::cbrt(3.0 * 0.36 / (400.0 * 1e-6));
+  for (const double step : {0.1, 0.25, 3.0}) {
+    EXPECT_NEAR(predictorWith(kConfidenceForK1, 60.0, step).predict(growth).time_to_failure.seconds, expected, 1e-6);
+  }
+}
+
+TEST(CovariancePredictor, AgreesWithTheAccumulatedCovarianceOnACurve) {
+  const double speed = 12.0, yaw_rate = 0.15, dt = 0.02;
+  Matrix6d increment = Matrix6d::Zero();
+  increment(0, 0) = 1e-3 * dt;
+  increment(1, 1) = 5e-4 * dt;
+  increment(5, 5) = 4e-6 * dt;
+  increment(1, 5) = increment(5, 1) = 1e-5 * dt;
+  Vector6d twist = Vector6d::Zero();
+  twist[0] = speed;
+  twist[5] = yaw_rate;
+  OdometryCovariance odometry;
+  Pose T = Pose::Identity();
+  double crossed_s = -1.0;
+  for (int i = 1; i <= 3000 && crossed_s < 0.0; ++i) {
+    const Pose next = T * expSe3(dt * twist);
+    odometry.propagate(T, next, increment);
+    T = next;
+    const Eigen::Matrix3d S = horizontalBlock(odometry.covariance());
+    const double largest =
+        0.5 * (S(0, 0) + S(1, 1)) + std::hypot(0.5 * (S(0, 0) - S(1, 1)), S(0, 1));
+    if (largest >= 0.36) crossed_s = i * dt;
+  }
+  ASSERT_GT(crossed_s, 5.0);
+  CovarianceGrowth growth;
+  growth.rate = horizontalBlock(increment) / dt;
+  growth.speed_mps = speed;
+  growth.yaw_rate_rps = yaw_rate;
+  EXPECT_NEAR(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.seconds, crossed_s, 0.02 * crossed_s);
+}
+
+TEST(CovariancePredictor, StandingStillIsBeyondTheHorizon) {
+  CovarianceGrowth growth;
+  growth.covariance.diagonal() << 0.01, 0.01, 0.01;
+  const CovariancePrediction p = predictorWith(0.95).predict(growth);
+  EXPECT_EQ(p.time_to_failure.status, Status::kBeyondHorizon);
+  EXPECT_EQ(p.time_to_failure.seconds, 60.0);
+  EXPECT_EQ(predictorWith(0.95).predict(CovarianceGrowth()).time_to_failure.status, Status::kBeyondHorizon);
+}
+
+TEST(CovariancePredictor, TheLimitsAndTheHorizonsEdges) {
+  CovarianceGrowth growth;
+  growth.covariance(0, 0) = 0.36 * (1.0 + 1e-12);
+  EXPECT_EQ(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.status, Status::kReached);
+  EXPECT_EQ(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.seconds, 0.0);
+  growth.covariance(0, 0) = 0.36 * (1.0 - 1e-12);
+  EXPECT_EQ(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
+
+  growth.covariance(0, 0) = 0.0;
+  growth.rate(0, 0) = 0.036;  // 10 s
+  EXPECT_EQ(predictorWith(kConfidenceForK1, 9.999).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
+  EXPECT_EQ(predictorWith(kConfidenceForK1, 9.999).predict(growth).time_to_failure.seconds, 9.999);
+  EXPECT_EQ(predictorWith(kConfidenceForK1, 10.001).predict(growth).time_to_failure.status, Status::kWithinHorizon);
+}
+
+TEST(CovariancePredictor, MoreConfidenceOrMoreNoiseNeverGivesMoreTime) {
+  CovarianceGrowth growth;
+  growth.covariance.diagonal() << 0.001, 0.001, 1e-6;
+  growth.rate.diagonal() << 1e-3, 1e-3, 1e-6;
+  growth.speed_mps = 10.0;
+  double last = 1e9;
+  for (const double confidence : {0.3, 0.5, 0.9, 0.99, 0.9999}) {
+    const double seconds = predictorWith(confidence).predict(growth).time_to_failure.seconds;
+    EXPECT_LT(seconds, last);
+    last = seconds;
+  }
+  CovariancePredictor::Params params;
+  params.rate_scale = 4.0;
+  EXPECT_LT(CovariancePredictor(params).predict(growth).time_to_failure.seconds,
+            predictorWith(0.95).predict(growth).time_to_failure.seconds);
+}
+
+TEST(CovariancePredictor, UnusableInputIsUnknown) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CovarianceGrowth good;
+  good.rate.diagonal() << 1e-3, 1e-3, 1e-6;
+  std::vector<CovarianceGrowth> bad(6, good);
+  bad[0].covariance(0, 1) = nan;
+  bad[1].rate(2, 2) = -1e-3;
+  bad[2].speed_mps = nan;
+  bad[3].course_rad = std::numeric_limits<double>::infinity();
+  bad[4].yaw_rate_rps = nan;
+  bad[5].covariance(0, 1) = bad[5].covariance(1, 0) = 0.1;  // zero variances with correlation
+  for (const CovarianceGrowth& growth : bad) {
+    const CovariancePrediction p = predictorWith(0.95).predict(growth);
+    EXPECT_EQ(p.time_to_failure.status, Status::kUnknown);
+    EXPECT_EQ(p.time_to_failure.seconds, -1.0);
+    EXPECT_EQ(p.radius_m, -1.0);
+  }
+}
+
+TEST(CovariancePredictor, NeverNan) {
+  std::mt19937 random(23);
+  std::uniform_int_distribution<int> kind(0, 9);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> exponent(-8.0, 8.0);
+  const double strange[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 0.0,
+                            -std::numeric_limits<double>::infinity(), 1e12, -1e12, 1e308};
+  const auto number = [&]() {
+    return kind(random) == 0 ? strange[kind(random) % 7] : normal(random) * std::pow(10.0, exponent(random));
+  };
+  const CovariancePredictor predictor = predictorWith(0.95);
+  int known = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    CovarianceGrowth growth;
+    const Eigen::Matrix3d A = Eigen::Matrix3d::NullaryExpr([&]() { return 1e-2 * normal(random); });
+    growth.covariance = A * A.transpose();
+    growth.rate = 0.01 * A.transpose() * A;
+    if (kind(random) < 2) growth.covariance(kind(random) % 3, kind(random) % 3) = number();
+    if (kind(random) < 2) growth.rate(kind(random) % 3, kind(random) % 3) = number();
+    growth.speed_mps = number();
+    growth.course_rad = number();
+    growth.yaw_rate_rps = number();
+    const CovariancePrediction p = predictor.predict(growth);
+    const double seconds = p.time_to_failure.seconds;
+    ASSERT_TRUE(p.time_to_failure.isKnown() ? seconds >= 0.0 && seconds <= 60.0 : seconds == -1.0);
+    ASSERT_TRUE(p.radius_m == -1.0 || (p.radius_m >= 0.0 && std::isfinite(p.radius_m)));
+    known += p.time_to_failure.isKnown();
+  }
+  EXPECT_GT(known, 300);
+}
+
+TEST(IncrementRate, AveragesOverItsWindowPerSecond) {
+  IncrementRate rate(1.0);
+  EXPECT_FALSE(rate.rate());
+  Matrix6d small = Matrix6d::Zero();
+  small(0, 0) = 0.01;
+  small(1, 5) = small(5, 1) = 0.001;
+  small(1, 1) = small(5, 5) = 0.002;
+  EXPECT_TRUE(rate.update(small, 0.125));
+  EXPECT_NEAR((*rate.rate())(0, 0), 0.08, 1e-15);
+  EXPECT_NEAR((*rate.rate())(1, 2), 0.008, 1e-15);
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(rate.update(3.0 * small, 0.125));
+  EXPECT_NEAR((*rate.rate())(0, 0), 0.24, 1e-12);  // the first one has left
+  EXPECT_TRUE(rate.update(small, 4.0));            // longer than the window: alone
+  EXPECT_NEAR((*rate.rate())(0, 0), 0.0025, 1e-15);
+  EXPECT_FALSE(rate.update(small, 0.0));
+  EXPECT_FALSE(rate.update(small, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_FALSE(rate.update(-small, 0.1));
+  EXPECT_NEAR((*rate.rate())(0, 0), 0.0025, 1e-15);
+  rate.reset();
+  EXPECT_FALSE(rate.rate());
+}
+
+TEST(CovariancePredictor, ParametersAreChecked) {
+  EXPECT_THROW(predictorWith(1.0), ParameterError);
+  EXPECT_THROW(predictorWith(0.0), ParameterError);
+  EXPECT_THROW(predictorWith(0.95, 60.0, 1e-6), ParameterError);
+  EXPECT_THROW(predictorWith(0.95, 60.0, 0.0), ParameterError);
+  EXPECT_THROW(IncrementRate(0.0), ParameterError);
+}
+
+}  // namespace
+}  // namespace fail_aware

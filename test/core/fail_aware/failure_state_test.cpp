@@ -1,0 +1,101 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+using State = FailAwareState;
+
+State stateAt(double seconds, std::uint32_t reasons = 0) {
+  return stateFor(TimeToFailure::fromSeconds(seconds, 60.0), FailureThresholds{3.0, 10.0}, reasons);
+}
+
+TEST(StateFor, ExactlyAtTheBoundaries) {
+  EXPECT_EQ(stateAt(0.0), State::kFailed);
+  EXPECT_EQ(stateAt(std::numeric_limits<double>::min()), State::kFailing);
+  EXPECT_EQ(stateAt(3.0), State::kFailing);
+  EXPECT_EQ(stateAt(std::nextafter(3.0, 4.0)), State::kDegraded);
+  EXPECT_EQ(stateAt(10.0), State::kDegraded);
+  EXPECT_EQ(stateAt(std::nextafter(10.0, 11.0)), State::kOk);
+  EXPECT_EQ(stateAt(1000.0), State::kOk);
+  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), 0), State::kUnknown);
+}
+
+TEST(StateFor, Reasons) {
+  EXPECT_EQ(stateAt(50.0, kReasonStale), State::kFailed);
+  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), kReasonStale), State::kFailed);
+  EXPECT_EQ(stateAt(50.0, kReasonFrozenCloud), State::kFailing);
+  EXPECT_EQ(stateAt(0.0, kReasonFrozenCloud), State::kFailed);
+  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), kReasonFrozenCloud), State::kFailing);
+  EXPECT_EQ(stateAt(50.0, kReasonPredictionOnly), State::kDegraded);
+  EXPECT_EQ(stateAt(2.0, kReasonPredictionOnly), State::kFailing);
+  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), kReasonPredictionOnly), State::kUnknown);
+  EXPECT_EQ(stateAt(50.0, kReasonMissingCorners | kReasonEtaThreshold | kReasonCovarianceLimit), State::kOk);
+}
+
+TEST(ReasonText, NamesJoined) {
+  EXPECT_EQ(reasonText(0), "");
+  EXPECT_EQ(reasonText(kReasonStale), "STALE");
+  EXPECT_EQ(reasonText(kReasonStale | kReasonMissingCorners | kReasonLowVisibility),
+            "STALE|MISSING_CORNERS|LOW_VISIBILITY");
+  EXPECT_EQ(reasonText(kReasonFrozenCloud | (1u << 31)), "FROZEN_CLOUD|BIT_31");
+  EXPECT_EQ(reasonText(kReasonNoMeasurement | kReasonPredictionOnly | kReasonPredictionOverruled |
+                       kReasonMeasurementsDisagree | kReasonWeakDirection | kReasonSweepIncomplete | kReasonSweepEmpty |
+                       kReasonMissingIcpPoint | kReasonMissingIcpPlane | kReasonEtaThreshold | kReasonCovarianceLimit |
+                       kReasonTimeJump | kReasonDroppedSweeps),
+            "NO_MEASUREMENT|PREDICTION_ONLY|PREDICTION_OVERRULED|MEASUREMENTS_DISAGREE|WEAK_DIRECTION|SWEEP_INCOMPLETE|"
+            "SWEEP_EMPTY|MISSING_ICP_POINT|MISSING_ICP_PLANE|ETA_THRESHOLD|COVARIANCE_LIMIT|TIME_JUMP|DROPPED_SWEEPS");
+}
+
+TEST(StateHysteresis, WorseAtOnceBetterOnlyAfterARow) {
+  StateHysteresis hysteresis(3);
+  EXPECT_EQ(hysteresis.state(), State::kUnknown);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kFailing), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kFailing), State::kFailing);  // the row begins anew
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kFailed), State::kFailed);
+}
+
+TEST(StateHysteresis, RecoversToTheWorstOfTheRow) {
+  StateHysteresis hysteresis(3);
+  hysteresis.update(State::kFailed);
+  hysteresis.update(State::kOk);
+  hysteresis.update(State::kDegraded);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kDegraded);
+  hysteresis.update(State::kOk);
+  hysteresis.update(State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+}
+
+TEST(StateHysteresis, Unknown) {
+  StateHysteresis hysteresis(2);
+  EXPECT_EQ(hysteresis.update(State::kFailed), State::kFailed);  // unknown is left at once
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kFailed);  // but does not hide a failure at once
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown);
+  hysteresis.update(State::kFailing);
+  hysteresis.reset();
+  EXPECT_EQ(hysteresis.state(), State::kUnknown);
+}
+
+TEST(FailureState, ParametersAreChecked) {
+  EXPECT_THROW(StateHysteresis(0), ParameterError);
+  EXPECT_THROW((FailureThresholds{5.0, 4.0}.validate()), ParameterError);
+  EXPECT_THROW((FailureThresholds{-1.0, 4.0}.validate()), ParameterError);
+  EXPECT_NO_THROW((FailureThresholds{4.0, 4.0}.validate()));
+}
+
+}  // namespace
+}  // namespace fail_aware

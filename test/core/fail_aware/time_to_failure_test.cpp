@@ -1,0 +1,51 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/time_to_failure.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace fail_aware {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+void expectIs(const TimeToFailure& t, TimeToFailureStatus status, double seconds) {
+  EXPECT_EQ(t.status, status) << toString(t.status);
+  EXPECT_EQ(t.seconds, seconds);
+}
+
+TEST(TimeToFailure, FromSecondsAtItsEdges) {
+  expectIs(TimeToFailure::fromSeconds(5.0, 30.0), TimeToFailureStatus::kWithinHorizon, 5.0);
+  expectIs(TimeToFailure::fromSeconds(0.0, 30.0), TimeToFailureStatus::kReached, 0.0);
+  expectIs(TimeToFailure::fromSeconds(-3.0, 30.0), TimeToFailureStatus::kReached, 0.0);
+  expectIs(TimeToFailure::fromSeconds(-kInfinity, 30.0), TimeToFailureStatus::kReached, 0.0);
+  expectIs(TimeToFailure::fromSeconds(30.0, 30.0), TimeToFailureStatus::kBeyondHorizon, 30.0);
+  expectIs(TimeToFailure::fromSeconds(kInfinity, 30.0), TimeToFailureStatus::kBeyondHorizon, 30.0);
+  expectIs(TimeToFailure::fromSeconds(kNan, 30.0), TimeToFailureStatus::kUnknown, -1.0);
+  expectIs(TimeToFailure::fromSeconds(1.0, kNan), TimeToFailureStatus::kUnknown, -1.0);
+}
+
+TEST(TimeToFailure, CombinationIsTheEarlierOfTheKnown) {
+  const TimeToFailure unknown = TimeToFailure::unknown();
+  const TimeToFailure reached = TimeToFailure::reached();
+  const TimeToFailure five = TimeToFailure::fromSeconds(5.0, 30.0);
+  const TimeToFailure eight = TimeToFailure::fromSeconds(8.0, 30.0);
+  const TimeToFailure beyond = TimeToFailure::fromSeconds(99.0, 30.0);
+  const TimeToFailure thirty_of_sixty = TimeToFailure::fromSeconds(30.0, 60.0);
+  const TimeToFailure beyond_sixty = TimeToFailure::fromSeconds(99.0, 60.0);
+  expectIs(combine(unknown, unknown), TimeToFailureStatus::kUnknown, -1.0);
+  for (const TimeToFailure& known : {reached, five, beyond}) {
+    expectIs(combine(unknown, known), known.status, known.seconds);
+    expectIs(combine(known, unknown), known.status, known.seconds);
+    expectIs(combine(reached, known), TimeToFailureStatus::kReached, 0.0);
+  }
+  expectIs(combine(eight, five), TimeToFailureStatus::kWithinHorizon, 5.0);
+  expectIs(combine(five, beyond), TimeToFailureStatus::kWithinHorizon, 5.0);
+  expectIs(combine(beyond, thirty_of_sixty), TimeToFailureStatus::kWithinHorizon, 30.0);
+  expectIs(combine(thirty_of_sixty, beyond), TimeToFailureStatus::kWithinHorizon, 30.0);
+  expectIs(combine(beyond_sixty, beyond), TimeToFailureStatus::kBeyondHorizon, 30.0);
+}
+
+}  // namespace
+}  // namespace fail_aware

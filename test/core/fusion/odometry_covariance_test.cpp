@@ -1,0 +1,234 @@
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+
+namespace fail_aware {
+namespace {
+
+Pose planarPose(double x, double y, double yaw) {
+  Vector6d v;
+  v << x, y, 0, 0, 0, yaw;
+  return poseFromVector(v);
+}
+
+Matrix6d incrementCovariance() {
+  Vector6d variances;
+  variances << 4e-4, 1e-4, 2e-4, 1e-6, 1e-6, 4e-6;
+  Matrix6d C = variances.asDiagonal();
+  C(1, 5) = C(5, 1) = 1e-5;
+  return C;
+}
+
+double smallestEigenvalue(const Matrix6d& C) { return Eigen::SelfAdjointEigenSolver<Matrix6d>(C).eigenvalues()[0]; }
+
+// The pose's right error (dt, dr) in geometry/pose.hpp's convention between a true pose and an estimate.
+Vector6d poseError(const Pose& T_true, const Pose& T_estimate) {
+  Vector6d e;
+  e.head<3>() = T_true.translation() - T_estimate.translation();
+  e.tail<3>() = logSo3(T_true.linear() * T_estimate.linear().transpose());
+  return e;
+}
+
+Pose perturbed(const Pose& T, const Vector6d& error) {
+  Pose out = T;
+  out.translation() += error.head<3>();
+  out.linear() = expSo3(error.tail<3>()) * T.linear();
+  return out;
+}
+
+TEST(OdometryCovariance, StraightDriveInClosedForm) {
+  OdometryCovariance odometry;
+  const int n = 500;
+  const double step = 1.0;
+  const Pose increment = planarPose(step, 0, 0);
+  Pose T = planarPose(100.0, -50.0, 0.0);
+  for (int i = 0; i < n; ++i) {
+    const Pose next = T * increment;
+    ASSERT_TRUE(odometry.propagate(T, next, incrementCovariance()));
+    T = next;
+  }
+  // The heading error of increment k acts over the n - k steps that follow it.
+  const Matrix6d q = incrementCovariance();
+  const double s1 = step * n * (n - 1) / 2.0;
+  const double s2 = step * step * (n - 1.0) * n * (2.0 * n - 1.0) / 6.0;
+  const Matrix6d& C = odometry.covariance();
+  EXPECT_NEAR(C(0, 0), n * q(0, 0), 1e-9);
+  EXPECT_NEAR(C(5, 5), n * q(5, 5), 1e-12);
+  EXPECT_NEAR(C(1, 1), n * q(1, 1) + 2.0 * s1 * q(1, 5) + s2 * q(5, 5), 1e-6);
+  EXPECT_NEAR(C(1, 5), n * q(1, 5) + s1 * q(5, 5), 1e-9);
+}
+
+TEST(OdometryCovariance, HeadingErrorOfTheStartTurnsIntoLateralError) {
+  OdometryCovariance odometry;
+  Matrix6d start = Matrix6d::Zero();
+  start(5, 5) = 1e-6;
+  odometry.reset(start);
+  Pose T = planarPose(0, 0, 0.7);
+  for (int i = 0; i < 100; ++i) {
+    const Pose next = T * planarPose(1, 0, 0);
+    odometry.propagate(T, next, Matrix6d::Zero());
+    T = next;
+  }
+  const Matrix6d C = rotateCovariance(odometry.covariance(), rotationFromRpy(0, 0, 0.7).transpose());
+  EXPECT_NEAR(C(1, 1), 100.0 * 100.0 * 1e-6, 1e-10);  // s^2 sigma_yaw^2
+  EXPECT_NEAR(C(0, 0), 0.0, 1e-12);
+}
+
+TEST(OdometryCovariance, CurveAgainstMonteCarlo) {
+  const int steps = 60;
+  const int runs = 4000;
+  const Pose increment = [] {
+    Vector6d twist;
+    twist << 1.0, 0, 0.02, 0.001, -0.002, 0.04;
+    return expSe3(twist);
+  }();
+  const Pose start = planarPose(5, 3, -2.0);
+  const Matrix6d q = incrementCovariance();
+  const Matrix6d half = q.llt().matrixL();
+
+  OdometryCovariance odometry;
+  Pose T = start;
+  for (int i = 0; i < steps; ++i) {
+    odometry.propagate(T, T * increment, q);
+    T = T * increment;
+  }
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Matrix6d sampled = Matrix6d::Zero();
+  for (int run = 0; run < runs; ++run) {
+    Pose T_true = start;
+    for (int i = 0; i < steps; ++i) {
+      const Vector6d error = half * Vector6d::NullaryExpr([&]() { return normal(random); });
+      T_true = T_true * perturbed(increment, error);
+    }
+    const Vector6d error = poseError(T_true, T);
+    sampled += error * error.transpose() / runs;
+  }
+  const Vector6d scale = odometry.covariance().diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix6d difference = scale.asDiagonal() * (sampled - odometry.covariance()) * scale.asDiagonal();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 0.1);  // 2.2 % is the sampling's standard deviation
+}
+
+TEST(OdometryCovariance, SinceMarkIsIndependentOfWhatCameBeforeAndOfOdom) {
+  const Pose far = planarPose(400, -900, 2.5);
+  OdometryCovariance a, b;
+  Matrix6d start = 0.5 * Matrix6d::Identity();
+  a.reset(start);
+  Pose T = far * planarPose(-10, 2, 0.3);
+  a.propagate(T, far, incrementCovariance());
+  EXPECT_FALSE(a.hasMark());
+  EXPECT_TRUE(a.sinceMark().isZero());
+  a.mark(far);
+  EXPECT_TRUE(a.hasMark());
+  EXPECT_TRUE(a.sinceMark().isZero());
+  Pose T_a = far, T_b = Pose::Identity();
+  for (int i = 0; i < 100; ++i) {
+    const Pose increment = planarPose(1.0, 0.0, 0.02 * std::sin(0.1 * i));
+    a.propagate(T_a, T_a * increment, incrementCovariance());
+    b.propagate(T_b, T_b * increment, incrementCovariance());
+    T_a = T_a * increment;
+    T_b = T_b * increment;
+  }
+  EXPECT_TRUE(a.sinceMark().isApprox(b.covariance(), 1e-9));
+  EXPECT_GT(a.covariance()(0, 0), 0.5);
+  a.reset();
+  EXPECT_FALSE(a.hasMark());
+  EXPECT_TRUE(a.covariance().isZero());
+}
+
+TEST(OdometryCovariance, StaysACovarianceAndGrowsAboutAFixedPoint) {
+  OdometryCovariance odometry;
+  Pose T = Pose::Identity();
+  const auto aboutOrigin = [&]() {  // of the point of the body that is at odom's origin
+    return covarianceAfterOffset(odometry.covariance(), T, T.inverse());
+  };
+  Matrix6d before = Matrix6d::Zero();
+  for (int i = 0; i < 3000; ++i) {
+    Vector6d twist;
+    twist << 1.5, 0.01, 0.02 * std::sin(0.01 * i), 0.001, 0.002 * std::cos(0.05 * i), 0.05 * std::sin(0.004 * i);
+    const Pose next = orthonormalized(T * expSe3(twist));
+    ASSERT_TRUE(odometry.propagate(T, next, incrementCovariance()));
+    T = next;
+    const Matrix6d& C = odometry.covariance();
+    ASSERT_TRUE(C == C.transpose());
+    if (i % 100 != 0) continue;
+    const Vector6d scale = C.diagonal().cwiseSqrt().cwiseInverse();
+    ASSERT_GT(smallestEigenvalue(scale.asDiagonal() * C * scale.asDiagonal()), 0.0);
+    const Matrix6d now = aboutOrigin();
+    ASSERT_GT(smallestEigenvalue(now - before), -1e-9 * now.trace());
+    before = now;
+  }
+}
+
+TEST(OdometryCovariance, DrivingBackUndoesTheStartsHeadingError) {
+  OdometryCovariance odometry;
+  Matrix6d start = Matrix6d::Zero();
+  start(5, 5) = 1e-4;
+  odometry.reset(start);
+  const Pose there = planarPose(100, 0, 0);
+  odometry.propagate(Pose::Identity(), there, Matrix6d::Zero());
+  EXPECT_NEAR(odometry.covariance()(1, 1), 1.0, 1e-12);
+  odometry.propagate(there, Pose::Identity(), Matrix6d::Zero());
+  EXPECT_TRUE(odometry.covariance().isApprox(start, 1e-12));
+}
+
+TEST(OdometryCovariance, UnusableIncrementsChangeNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  OdometryCovariance odometry;
+  odometry.mark(Pose::Identity());
+  ASSERT_TRUE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), incrementCovariance()));
+  const Matrix6d before = odometry.covariance();
+  Matrix6d bad = incrementCovariance();
+  bad(2, 2) = nan;
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), bad));
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(nan, 0, 0), incrementCovariance()));
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1e200, 0, 0), incrementCovariance()));
+  EXPECT_TRUE(odometry.covariance() == before && odometry.sinceMark() == before);
+  // A negative eigenvalue must not make the sum shrink.
+  EXPECT_TRUE(odometry.propagate(planarPose(1, 0, 0), planarPose(1, 0, 0), -incrementCovariance()));
+  EXPECT_TRUE(odometry.covariance().isApprox(before, 1e-12));
+}
+
+TEST(Twist, RecoversAConstantTwistAndRefusesBadIntervals) {
+  Vector6d twist;
+  twist << 20.0, 0.3, -0.1, 0.02, -0.01, 0.5;
+  const std::optional<Vector6d> got = twistFromIncrement(expSe3(0.1 * twist), 0.1);
+  ASSERT_TRUE(got);
+  EXPECT_TRUE(got->isApprox(twist, 1e-9));
+  using Limits = std::numeric_limits<double>;
+  for (const double dt : {0.0, -0.1, Limits::quiet_NaN(), Limits::infinity()}) {
+    EXPECT_FALSE(twistFromIncrement(Pose::Identity(), dt));
+    EXPECT_FALSE(twistCovariance(incrementCovariance(), Pose::Identity(), dt));
+  }
+  EXPECT_FALSE(twistCovariance(Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()), Pose::Identity(), 0.1));
+}
+
+TEST(Twist, CovarianceAgainstFiniteDifferences) {
+  Vector6d twist;
+  twist << 30.0, 0.3, -0.1, 0.1, -0.2, 0.8;
+  const double dt = 0.1;
+  const Pose increment = expSe3(dt * twist);
+  Matrix6d J;
+  const double h = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d e = h * Vector6d::Unit(i);
+    J.col(i) = (*twistFromIncrement(perturbed(increment, e), dt) - *twistFromIncrement(perturbed(increment, -e), dt)) /
+               (2.0 * h);
+  }
+  const Matrix6d expected = J * incrementCovariance() * J.transpose();
+  const std::optional<Matrix6d> got = twistCovariance(incrementCovariance(), increment, dt);
+  ASSERT_TRUE(got);
+  const Vector6d scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+  EXPECT_LT((scale.asDiagonal() * (*got - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+}  // namespace
+}  // namespace fail_aware

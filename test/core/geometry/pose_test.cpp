@@ -1,0 +1,252 @@
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+
+namespace fail_aware {
+namespace {
+
+Vector6d vector6(double a, double b, double c, double d, double e, double f) {
+  Vector6d v;
+  v << a, b, c, d, e, f;
+  return v;
+}
+
+Vector6d twistOf(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotation) {
+  Vector6d twist;
+  twist << translation, rotation;
+  return twist;
+}
+
+double distance(const Pose& a, const Pose& b) { return (a.matrix() - b.matrix()).norm(); }
+
+/// (dt, dr) of the covariance convention.
+Vector6d errorOf(const Pose& T_true, const Pose& T) {
+  return twistOf(T_true.translation() - T.translation(), logSo3(T_true.linear() * T.linear().transpose()));
+}
+
+Pose disturbed(const Pose& T, const Vector6d& error) {
+  Pose out = T;
+  out.translation() += error.head<3>();
+  out.linear() = expSo3(error.tail<3>()) * T.linear();
+  return out;
+}
+
+Matrix6d someCovariance() {
+  Matrix6d A;
+  A << 2.0, 0.1, 0.3, 0.0, 0.2, -0.4,  //
+      0.0, 1.5, 0.2, 0.3, 0.0, 0.1,    //
+      0.2, 0.0, 0.5, -0.1, 0.3, 0.0,   //
+      0.0, 0.1, 0.0, 0.4, 0.1, 0.2,    //
+      0.1, 0.0, 0.2, 0.0, 0.3, 0.0,    //
+      0.3, -0.2, 0.0, 0.1, 0.0, 0.6;
+  return A * A.transpose();
+}
+
+Pose somePose() { return poseFromVector(vector6(12.0, -7.0, 2.0, 0.2, -0.3, 2.2)); }
+Pose someOffset() { return poseFromVector(vector6(-3.0, 4.0, 1.5, -0.1, 0.4, -0.8)); }
+
+// Exp of the 4x4 twist matrix, summed as its power series.
+Eigen::Matrix4d exponentialSeries(const Vector6d& twist) {
+  Eigen::Matrix4d X = Eigen::Matrix4d::Zero(), term = Eigen::Matrix4d::Identity(), sum = term;
+  X.topLeftCorner<3, 3>() = skew(twist.tail<3>());
+  X.topRightCorner<3, 1>() = twist.head<3>();
+  for (int k = 1; k < 60; ++k) {
+    term = (term * X / k).eval();
+    sum += term;
+  }
+  return sum;
+}
+
+TEST(Pose, expIsTheMatrixExponential) {
+  for (const double angle : {0.0, 1e-9, 0.99e-4, 1.01e-4, 0.01, 1.0, 3.0, 5.0}) {
+    const Vector6d twist = twistOf({1.0, -20.0, 3.0}, angle * Eigen::Vector3d(0.6, 0.0, -0.8));
+    EXPECT_LT((expSe3(twist).matrix() - exponentialSeries(twist)).norm(), 2e-12) << angle;
+  }
+}
+
+TEST(Pose, expOfDrivingACircle) {
+  const double v = 10.0, w = 0.4, t = 2.0;
+  const Pose T = expSe3(t * vector6(v, 0.0, 0.0, 0.0, 0.0, w));
+  EXPECT_NEAR(T.translation().x(), v / w * std::sin(w * t), 1e-12);
+  EXPECT_NEAR(T.translation().y(), v / w * (1.0 - std::cos(w * t)), 1e-12);
+  EXPECT_NEAR(rpyFromRotation(T.linear()).z(), w * t, 1e-12);
+}
+
+TEST(Pose, logInvertsExp) {
+  const std::vector<Eigen::Vector3d> axes = {Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ(),
+                                             Eigen::Vector3d(1.0, -2.0, 0.5).normalized()};
+  for (const Eigen::Vector3d& axis : axes) {
+    for (const double angle :
+         {0.0, 1e-12, 1e-9, 1e-6, 0.99e-4, 1.01e-4, 1e-2, 1.0, 3.0, M_PI - 1e-3, M_PI - 1e-6}) {
+      const Vector6d twist = twistOf({1.5, -30.0, 4.0}, angle * axis);
+      EXPECT_LT((logSe3(expSe3(twist)) - twist).norm(), 1e-8) << angle;
+    }
+  }
+  EXPECT_TRUE(logSe3(Pose::Identity()).isZero(0.0));
+}
+
+TEST(Pose, expInvertsLogAtPi) {
+  const Pose T = expSe3(twistOf({2.0, 1.0, -5.0}, M_PI * Eigen::Vector3d(0.0, 0.6, 0.8)));
+  EXPECT_LT(distance(expSe3(logSe3(T)), T), 1e-9);
+}
+
+TEST(Pose, interpolationMeetsItsEnds) {
+  const Pose begin = somePose(), end = begin * expSe3(vector6(3.0, 0.2, -0.1, 0.02, -0.05, 0.4));
+  EXPECT_LT(distance(interpolate(begin, end, 0.0), begin), 1e-13);
+  EXPECT_LT(distance(interpolate(begin, end, 1.0), end), 1e-12);
+}
+
+TEST(Pose, interpolationHasAConstantTwistAndExtrapolates) {
+  const Vector6d twist = vector6(3.0, 0.2, -0.1, 0.02, -0.05, 0.4);
+  const Pose begin = somePose(), end = begin * expSe3(twist);
+  for (const double fraction : {-0.5, 0.25, 0.5, 0.9, 1.5}) {
+    EXPECT_LT(distance(interpolate(begin, end, fraction), begin * expSe3(fraction * twist)), 1e-12) << fraction;
+  }
+}
+
+TEST(Pose, interpolationTurnsTheShortWay) {
+  const Pose begin = poseFromVector(vector6(0.0, 0.0, 0.0, 0.0, 0.0, M_PI - 0.1));
+  const Pose end = poseFromVector(vector6(0.0, 0.0, 0.0, 0.0, 0.0, -M_PI + 0.1));
+  const double yaw = vectorFromPose(interpolate(begin, end, 0.25))[5];
+  EXPECT_NEAR(std::remainder(yaw - (M_PI - 0.05), 2.0 * M_PI), 0.0, 1e-12);
+}
+
+TEST(Pose, stateVectorRoundTrip) {
+  const Vector6d state = vector6(1e4, -2e4, 30.0, 0.1, -0.2, 3.0);
+  EXPECT_LT((vectorFromPose(poseFromVector(state)) - state).norm(), 1e-11);
+  const Pose T = poseFromVector(state);
+  EXPECT_LT((T * Eigen::Vector3d(1.0, 2.0, 3.0) -
+             (state.head<3>() + rotationFromRpy(0.1, -0.2, 3.0) * Eigen::Vector3d(1.0, 2.0, 3.0)))
+                .norm(),
+            1e-10);
+}
+
+TEST(Pose, stateDifferenceWrapsOnlyAngles) {
+  const Vector6d a = vector6(10.0, 0.0, 0.0, 3.1, -3.1, 3.0), b = vector6(0.0, 8.0, -9.0, -3.1, 3.1, 1.0);
+  const Vector6d expected = vector6(10.0, -8.0, 9.0, 6.2 - 2.0 * M_PI, 2.0 * M_PI - 6.2, 2.0);
+  EXPECT_LT((stateDifference(a, b) - expected).norm(), 1e-14);
+}
+
+TEST(Pose, stateJacobianMatchesFiniteDifferences) {
+  constexpr double kStep = 1e-6;
+  const Vector6d state = vector6(5.0, 6.0, 7.0, 0.3, -0.8, 2.0);
+  Matrix6d expected;
+  for (int i = 0; i < 6; ++i) {
+    expected.col(i) = errorOf(poseFromVector(state + kStep * Vector6d::Unit(i)),
+                              poseFromVector(state - kStep * Vector6d::Unit(i))) /
+                      (2.0 * kStep);
+  }
+  EXPECT_LT((poseFromStateJacobian(state.tail<3>()) - expected).norm(), 1e-8);
+}
+
+TEST(Pose, covarianceAfterOffsetMatchesFiniteDifferences) {
+  constexpr double kStep = 1e-6;
+  const Pose T_a_b = somePose(), T_b_c = someOffset();
+  Matrix6d J;
+  for (int i = 0; i < 6; ++i) {
+    J.col(i) = errorOf(disturbed(T_a_b, kStep * Vector6d::Unit(i)) * T_b_c,
+                       disturbed(T_a_b, -kStep * Vector6d::Unit(i)) * T_b_c) /
+               (2.0 * kStep);
+  }
+  const Matrix6d C = someCovariance();
+  const Matrix6d expected = J * C * J.transpose();
+  EXPECT_LT((covarianceAfterOffset(C, T_a_b, T_b_c) - expected).norm(), 1e-6 * expected.norm());
+}
+
+TEST(Pose, composedCovarianceMatchesFiniteDifferences) {
+  constexpr double kStep = 1e-6;
+  const Pose T_a_b = somePose(), T_b_c = someOffset();
+  Matrix6d J_ab, J_bc;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d up = kStep * Vector6d::Unit(i);
+    J_ab.col(i) = errorOf(disturbed(T_a_b, up) * T_b_c, disturbed(T_a_b, -up) * T_b_c) / (2.0 * kStep);
+    J_bc.col(i) = errorOf(T_a_b * disturbed(T_b_c, up), T_a_b * disturbed(T_b_c, -up)) / (2.0 * kStep);
+  }
+  const Matrix6d C_ab = someCovariance(), C_bc = 0.3 * rotateCovariance(C_ab, rotationFromRpy(0.3, 1.0, -2.0));
+  const Matrix6d expected = J_ab * C_ab * J_ab.transpose() + J_bc * C_bc * J_bc.transpose();
+  EXPECT_LT((composeCovariance(C_ab, T_a_b, C_bc, T_b_c) - expected).norm(), 1e-6 * expected.norm());
+}
+
+TEST(Pose, composedCovarianceIsWhatSamplesScatter) {
+  const Pose T_a_b = somePose(), T_b_c = someOffset(), T_a_c = T_a_b * T_b_c;
+  const Matrix6d C_ab = 1e-4 * someCovariance(), C_bc = 4e-4 * Matrix6d::Identity();
+  const Matrix6d expected = composeCovariance(C_ab, T_a_b, C_bc, T_b_c);
+  const Matrix6d root_ab = C_ab.llt().matrixL();
+  std::mt19937 generator(7);
+  std::normal_distribution<double> normal;
+  const auto draw = [&] {
+    Vector6d v;
+    for (int i = 0; i < 6; ++i) v[i] = normal(generator);
+    return v;
+  };
+  constexpr int kSamples = 20000;
+  Matrix6d scatter = Matrix6d::Zero();
+  for (int k = 0; k < kSamples; ++k) {
+    const Vector6d error = errorOf(disturbed(T_a_b, root_ab * draw()) * disturbed(T_b_c, 0.02 * draw()), T_a_c);
+    scatter += error * error.transpose() / kSamples;
+  }
+  const Vector6d sigma = expected.diagonal().cwiseSqrt();
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) EXPECT_NEAR(scatter(i, j), expected(i, j), 0.04 * sigma[i] * sigma[j]) << i << j;
+  }
+}
+
+TEST(Pose, yawErrorMovesAFarPointSideways) {
+  Matrix6d C = Matrix6d::Zero();
+  C(5, 5) = 0.01 * 0.01;
+  Pose T_b_c = Pose::Identity();
+  T_b_c.translation().x() = 100.0;
+  const Matrix6d moved = covarianceAfterOffset(C, Pose::Identity(), T_b_c);
+  EXPECT_NEAR(std::sqrt(moved(1, 1)), 1.0, 1e-12);
+  EXPECT_NEAR(moved(0, 0), 0.0, 1e-15);
+  EXPECT_NEAR(moved(1, 5), 1.0 * 0.01, 1e-12);
+}
+
+TEST(Pose, rotatedCovarianceFollowsItsAxes) {
+  Matrix6d C = Matrix6d::Zero();
+  C.diagonal() << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0;
+  const Matrix6d turned = rotateCovariance(C, rotationFromRpy(0.0, 0.0, M_PI / 2.0));
+  EXPECT_LT((turned.diagonal() - vector6(2.0, 1.0, 3.0, 5.0, 4.0, 6.0)).norm(), 1e-14);
+  const Eigen::Matrix3d R = rotationFromRpy(0.1, 0.2, 0.3);
+  EXPECT_LT((rotateCovariance(rotateCovariance(someCovariance(), R), R.transpose()) - someCovariance()).norm(), 1e-13);
+}
+
+TEST(Pose, orthonormalizedStaysRigidOverThousandsOfProducts) {
+  const Pose step = expSe3(vector6(1.0, 0.01, 0.0, 0.001, -0.002, 0.03));
+  Pose T = Pose::Identity();
+  for (int i = 0; i < 20000; ++i) T = orthonormalized(T * step);
+  EXPECT_LT((T.linear() * T.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+  EXPECT_NEAR(T.linear().determinant(), 1.0, 1e-14);
+  EXPECT_TRUE(isFinite(T));
+}
+
+TEST(Pose, orthonormalizedChangesNoMoreThanTheError) {
+  const Pose T = somePose();
+  EXPECT_LT(distance(orthonormalized(T), T), 1e-14);
+  Pose bent = T;
+  bent.linear()(0, 1) += 1e-6;
+  bent.linear()(2, 2) -= 1e-6;
+  const Pose mended = orthonormalized(bent);
+  EXPECT_LT((mended.linear() * mended.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+  EXPECT_LT(distance(mended, T), 2e-6);
+}
+
+TEST(Pose, finitenessLooksAtEveryNumber) {
+  EXPECT_TRUE(isFinite(somePose()));
+  Pose T = somePose();
+  T.translation().z() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(isFinite(T));
+  T = somePose();
+  T.linear()(1, 2) = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(isFinite(T));
+}
+
+}  // namespace
+}  // namespace fail_aware

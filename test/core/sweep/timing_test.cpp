@@ -1,0 +1,232 @@
+#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kPeriod_s = 0.1036;
+
+SweepTimingParams paramsWith(const std::string& source, const std::string& reference = "auto") {
+  SweepTimingParams params;
+  params.source = source;
+  params.stamp_reference = reference;
+  params.sweep_period_s = kPeriod_s;
+  return params;
+}
+
+Sweep sweepAt(const std::vector<double>& yaws_rad, double stamp_s = 100.0) {
+  Sweep sweep;
+  sweep.stamp_s = stamp_s;
+  for (const double yaw : yaws_rad) {
+    sweep.points_lidar.push_back((8.0 * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.1)).cast<float>());
+  }
+  return sweep;
+}
+
+Sweep sweepWithField(const std::vector<float>& times_s, double stamp_s = 100.0) {
+  Sweep sweep = sweepAt(std::vector<double>(times_s.size(), 0.3), stamp_s);
+  sweep.times_s = times_s;
+  return sweep;
+}
+
+TEST(SweepTiming, AzimuthRunsFromTheRearThroughLeftFrontRight) {
+  SweepTiming timing(paramsWith("azimuth", "start"));
+  std::vector<float> times_s;
+  const double rear = M_PI - 1e-6, left = M_PI / 2.0, front = 0.0, right = -M_PI / 2.0;
+  const TimingResult result = timing.assign(sweepAt({rear, left, front, right, -rear}), times_s);
+  EXPECT_TRUE(result.ok());
+  EXPECT_EQ(result.source, TimingSource::kAzimuth);
+  ASSERT_EQ(times_s.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(times_s[i], 0.25 * kPeriod_s * static_cast<double>(i), 1e-6);
+}
+
+TEST(SweepTiming, AzimuthAgreesWithAtan2ForAnyStartAndDirection) {
+  std::vector<double> yaws;
+  for (int i = 0; i < 5000; ++i) yaws.push_back(-M_PI + 2.0 * M_PI * (i + 0.5) / 5000);
+  const Sweep sweep = sweepAt(yaws);
+  for (const double start_deg : {180.0, 0.0, -90.0, 37.3, 270.0}) {
+    for (const bool clockwise : {true, false}) {
+      SweepTimingParams params = paramsWith("azimuth", "start");
+      params.start_azimuth_deg = start_deg;
+      params.clockwise = clockwise;
+      std::vector<float> times_s;
+      SweepTiming(params).assign(sweep, times_s);
+      for (std::size_t i = 0; i < yaws.size(); ++i) {
+        double turned = (clockwise ? 1.0 : -1.0) * (start_deg * M_PI / 180.0 - yaws[i]) / (2.0 * M_PI);
+        turned -= std::floor(turned);
+        if (turned < 1e-5 || turned > 1.0 - 1e-5) continue;  // the seam: either end is right
+        ASSERT_NEAR(times_s[i] / kPeriod_s, turned, 1e-4 / (2.0 * M_PI)) << start_deg << " " << clockwise << " " << i;
+      }
+    }
+  }
+}
+
+TEST(SweepTiming, AzimuthIsFiniteAndInTheSweepAtTheOriginAndOnTheAxes) {
+  Sweep sweep;
+  sweep.points_lidar = {{0, 0, 0}, {0, 0, 3}, {-0.0f, -0.0f, 3}, {0, 2, 0}, {0, -2, 0}, {-2, 0, 0}, {2, -0.0f, 0},
+                        {1e-20f, -1e-20f, 0}, {3e4f, -3e4f, 0}, {3e38f, 3e38f, 0}};
+  std::vector<float> times_s;
+  SweepTiming(paramsWith("azimuth", "start")).assign(sweep, times_s);
+  for (const float t : times_s) EXPECT_TRUE(t >= 0.0f && t <= static_cast<float>(kPeriod_s)) << t;
+  EXPECT_NEAR(times_s[3], 0.25 * kPeriod_s, 1e-6);
+  EXPECT_NEAR(times_s[4], 0.75 * kPeriod_s, 1e-6);
+  EXPECT_NEAR(times_s[5], 0.0, 1e-6);
+  EXPECT_NEAR(times_s[6], 0.5 * kPeriod_s, 1e-6);
+}
+
+TEST(SweepTiming, StampReferenceSetsTheInterval) {
+  const Sweep sweep = sweepAt({M_PI - 1e-5, 0.0, -M_PI + 1e-5});
+  const struct {
+    const char* reference;
+    double first;
+  } cases[] = {{"start", 0.0}, {"mid", -0.5}, {"end", -1.0}, {"auto", -1.0}};
+  for (const auto& c : cases) {
+    std::vector<float> times_s;
+    SweepTiming(paramsWith("azimuth", c.reference)).assign(sweep, times_s);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(times_s[static_cast<std::size_t>(i)], (c.first + 0.5 * i) * kPeriod_s, 2e-6) << c.reference;
+    }
+  }
+}
+
+TEST(SweepTiming, FieldOfEitherSignSetsTheReferenceOrIsShiftedToTheOneGiven) {
+  const float T = static_cast<float>(kPeriod_s);
+  const struct {
+    std::vector<float> field;
+    StampReference automatic;
+    double zero;
+  } fields[] = {
+      {{0.0f, 0.4f * T, T}, StampReference::kStart, 0.0},
+      {{-T, -0.6f * T, 0.0f}, StampReference::kEnd, 1.0},
+      {{-T, -0.6f * T, 0.001f}, StampReference::kEnd, 1.0},  // points of the last packet, after its stamp
+      {{-0.5f * T, -0.1f * T, 0.5f * T}, StampReference::kMid, 0.5}};
+  const struct {
+    const char* name;
+    StampReference reference;
+    double position;
+  } references[] = {
+      {"start", StampReference::kStart, 0.0}, {"mid", StampReference::kMid, 0.5}, {"end", StampReference::kEnd, 1.0}};
+  for (const auto& f : fields) {
+    std::vector<float> times_s;
+    const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(f.field), times_s);
+    EXPECT_EQ(automatic.source, TimingSource::kField);
+    EXPECT_EQ(automatic.reference, f.automatic);
+    EXPECT_EQ(times_s, f.field);
+    for (const auto& r : references) {
+      const TimingResult given = SweepTiming(paramsWith("field", r.name)).assign(sweepWithField(f.field), times_s);
+      EXPECT_TRUE(given.ok());
+      EXPECT_EQ(given.reference, r.reference);
+      for (std::size_t i = 0; i < f.field.size(); ++i) {
+        EXPECT_NEAR(times_s[i], f.field[i] + (f.zero - r.position) * kPeriod_s, 1e-6) << r.name;
+      }
+    }
+  }
+}
+
+TEST(SweepTiming, AbsoluteFieldIsTakenRelativeToTheStamp) {
+  std::vector<float> times_s;
+  const TimingResult result =
+      SweepTiming(paramsWith("auto")).assign(sweepWithField({99.9f, 99.95f, 100.0f}, 100.0), times_s);
+  EXPECT_EQ(result.field, TimeField::kUsed);
+  EXPECT_EQ(result.reference, StampReference::kEnd);
+  EXPECT_NEAR(times_s[0], -0.1, 1e-5);
+  EXPECT_NEAR(times_s[2], 0.0, 1e-5);
+}
+
+TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const struct {
+    std::vector<float> field;
+    double stamp_s;
+    TimeField expected;
+  } cases[] = {
+      {{0.0f, 5e7f, 1e8f}, 100.0, TimeField::kBadScale},            // ns
+      {{0.0f, 5e4f, 1e5f}, 100.0, TimeField::kBadScale},            // us
+      {{0.0f, 50.0f, 100.0f}, 100.0, TimeField::kBadScale},         // ms
+      {{7.0f, 7.05f, 7.1f}, 100.0, TimeField::kBadScale},           // neither relative nor near the stamp
+      {{1.3e9f, 1.3e9f, 1.3e9f + 128.0f}, 1.3e9, TimeField::kBadScale},
+      {{1e5f, 1e5f + 0.0469f, 1e5f + 0.1016f}, 1e5, TimeField::kBadScale},  // a float's steps there are 8 ms
+      {{0.0f, 0.0f, 0.0f}, 100.0, TimeField::kNoSpread},
+      {{0.02f, 0.02f, 0.0205f}, 100.0, TimeField::kNoSpread},
+      {{0.0f, nan, 0.1f}, 100.0, TimeField::kNotFinite},
+      {{-inf, 0.0f, 0.1f}, 100.0, TimeField::kNotFinite}};
+  for (const auto& c : cases) {
+    std::vector<float> times_s = {1.0f};
+    const TimingResult strict =
+        SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), times_s);
+    EXPECT_EQ(strict.status, TimingStatus::kNoField);
+    EXPECT_EQ(strict.field, c.expected) << toString(strict.field) << " for " << c.field.back();
+    EXPECT_TRUE(times_s.empty());
+    const TimingResult automatic =
+        SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), times_s);
+    EXPECT_TRUE(automatic.ok());
+    EXPECT_EQ(automatic.source, TimingSource::kAzimuth);
+    EXPECT_EQ(automatic.field, c.expected);
+    EXPECT_EQ(automatic.reference, StampReference::kEnd);
+    for (const float t : times_s) EXPECT_TRUE(t >= -static_cast<float>(kPeriod_s) && t <= 0.0f);
+  }
+}
+
+TEST(SweepTiming, AbsentFieldOffAndEmpty) {
+  std::vector<float> times_s = {1.0f};
+  Sweep sweep = sweepAt({0.1, 0.2});
+  EXPECT_EQ(SweepTiming(paramsWith("auto")).assign(sweep, times_s).field, TimeField::kAbsent);
+  EXPECT_EQ(times_s.size(), 2u);
+  sweep.times_s = {0.0f};  // not one per point
+  EXPECT_EQ(SweepTiming(paramsWith("field")).assign(sweep, times_s).field, TimeField::kAbsent);
+  EXPECT_TRUE(times_s.empty());
+  times_s = {1.0f};
+  EXPECT_EQ(SweepTiming(paramsWith("none")).assign(sweep, times_s).status, TimingStatus::kOff);
+  EXPECT_TRUE(times_s.empty());
+  EXPECT_EQ(SweepTiming(paramsWith("auto")).assign(Sweep(), times_s).status, TimingStatus::kEmptySweep);
+  EXPECT_TRUE(times_s.empty());
+}
+
+TEST(SweepTiming, PeriodIsNominalThenTheMedianOfStampDifferences) {
+  SweepTimingParams params = paramsWith("azimuth");
+  params.sweep_period_s = 0.0;
+  SweepTiming timing(params);
+  std::vector<float> times_s;
+  const auto assign = [&](double stamp_s) { return timing.assign(sweepAt({0.0}, stamp_s), times_s); };
+  double stamp_s = 50.0;
+  for (int i = 0; i < 3; ++i) {
+    const TimingResult early = assign(stamp_s += kPeriod_s);
+    EXPECT_FALSE(early.period_known);
+    EXPECT_DOUBLE_EQ(early.period_s, 0.1);
+  }
+  EXPECT_TRUE(assign(stamp_s += kPeriod_s).period_known);
+  EXPECT_NEAR(assign(stamp_s += 2.0 * kPeriod_s).period_s, kPeriod_s, 1e-9);  // a sweep was dropped
+  EXPECT_NEAR(assign(stamp_s).period_s, kPeriod_s, 1e-9);                     // a stamp twice
+  EXPECT_NEAR(assign(stamp_s -= 30.0).period_s, kPeriod_s, 1e-9);             // back
+  EXPECT_NEAR(assign(stamp_s += 500.0).period_s, kPeriod_s, 1e-9);            // a gap
+  EXPECT_NEAR(assign(std::nan("")).period_s, kPeriod_s, 1e-9);
+  for (int i = 0; i < 12; ++i) assign(stamp_s += 0.05);
+  EXPECT_NEAR(assign(stamp_s += 0.05).period_s, 0.05, 1e-9);  // the head was set to 20 Hz
+  EXPECT_NEAR(times_s[0], -0.025, 1e-6);
+  timing.reset();
+  EXPECT_FALSE(assign(stamp_s += 0.05).period_known);
+}
+
+TEST(SweepTiming, RefusesBadParameters) {
+  const auto broken = [](void (*change)(SweepTimingParams&)) {
+    SweepTimingParams params;
+    change(params);
+    return params;
+  };
+  EXPECT_NO_THROW(SweepTimingParams().validate());
+  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.source = "clock"; })), ParameterError);
+  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.stamp_reference = "first"; })), ParameterError);
+  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.start_azimuth_deg = 1000.0; })), ParameterError);
+  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.sweep_period_s = -0.1; })), ParameterError);
+  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.sweep_period_s = 100.0; })), ParameterError);
+  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.min_field_spread_s = 0.0; })), ParameterError);
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,45 @@
+#include "fail_aware_lidar_odometry/core/vehicle/vehicle_parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+TEST(VehicleParameters, defaultsAreValid) { EXPECT_NO_THROW(VehicleParameters().validate()); }
+
+TEST(VehicleParameters, everyFieldIsCheckedAndNamed) {
+  VehicleParameters vehicle;
+  int fields = 0;
+  VehicleParameters::visit(vehicle, [&](const char* name, double& value) {
+    ++fields;
+    const double good = value;
+    for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+      value = bad;
+      try {
+        vehicle.validate();
+        ADD_FAILURE() << name << " = " << bad << " was accepted";
+      } catch (const ParameterError& error) {
+        EXPECT_EQ(std::string(error.what()).rfind(name, 0), 0u) << error.what();
+      }
+    }
+    value = good;
+  });
+  EXPECT_EQ(fields, 17);
+}
+
+TEST(VehicleParameters, onlyDampersAndLeverArmsMayBeZero) {
+  VehicleParameters vehicle;
+  vehicle.damper_front_ns_per_m = vehicle.damper_rear_ns_per_m = 0.0;
+  vehicle.cog_above_roll_axis_m = vehicle.cog_above_pitch_axis_m = 0.0;
+  EXPECT_NO_THROW(vehicle.validate());
+  vehicle.cornering_stiffness_rear_n_per_rad = 0.0;
+  EXPECT_THROW(vehicle.validate(), ParameterError);
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,163 @@
+// Runs the built tool; EVALUATE_TRAJECTORY is its path, PLOT_SCRIPTS the folder of plot_trajectory (compile
+// definitions).
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+class EvaluateTrajectory : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string straight(const std::string& name, int poses, double step_m) const {
+    std::ofstream file(folder_ / name);
+    file.precision(15);
+    for (int i = 0; i < poses; ++i) file << "1 0 0 " << i * step_m << " 0 1 0 0 0 0 1 0\n";
+    return (folder_ / name).string();
+  }
+
+  void run(const std::string& arguments, const std::string& scripts = "/nowhere") {
+    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command = "FAIL_AWARE_SCRIPTS_DIR='" + scripts + "' '" EVALUATE_TRAJECTORY "' " + arguments +
+                                " >'" + out.string() + "' 2>'" + err.string() + "'";
+    const int status = std::system(command.c_str());
+    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    stdout_ = content(out);
+    stderr_ = content(err);
+  }
+
+  static std::string content(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  void expectRefused(const std::string& arguments, const std::string& reason) {
+    run(arguments);
+    EXPECT_EQ(exit_code_, 2) << arguments;
+    EXPECT_EQ(stdout_, "");
+    EXPECT_EQ(stderr_.rfind("evaluate_trajectory: error: ", 0), 0u) << stderr_;
+    EXPECT_NE(stderr_.find(reason), std::string::npos) << stderr_;
+    EXPECT_EQ(stderr_.find('\n'), stderr_.size() - 1) << stderr_;
+  }
+
+  fs::path folder_ = fs::path(::testing::TempDir()) / ("evaluate_trajectory_" + std::to_string(getpid()));
+  int exit_code_ = -1;
+  std::string stdout_, stderr_;
+};
+
+TEST_F(EvaluateTrajectory, ReportsTheMetricOfAOnePercentScaleError) {
+  const std::string truth = straight("truth", 301, 1.0 + 1e-9),
+                    estimate = straight("estimate", 301, 1.01 * (1.0 + 1e-9));
+  run("--ground-truth " + truth + " --estimate " + estimate);
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(stderr_, "");
+  const nlohmann::json json = nlohmann::json::parse(stdout_);
+  EXPECT_NEAR(json["t_err_percent"].get<double>(), 1.0, 1e-6);
+  EXPECT_NEAR(json["r_err_deg_per_m"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(json["segments"], 21 + 11 + 1);
+  EXPECT_EQ(json["lengths_m"].size(), 8u);
+  EXPECT_EQ(json["step"], 10);
+  EXPECT_EQ(json["poses"], 301);
+  EXPECT_NEAR(json["path_length_m"].get<double>(), 300.0, 1e-3);
+  EXPECT_NEAR(json["ate_max_m"].get<double>(), 3.0, 1e-3);
+  EXPECT_NEAR(json["ate_aligned_max_m"].get<double>(), 1.5, 1e-3);
+  EXPECT_EQ(json["per_length"][0]["segments"], 21);
+  EXPECT_TRUE(json["per_length"][7]["t_err_percent"].is_null());
+  EXPECT_EQ(json["episodes"]["total"], 6);
+  EXPECT_EQ(json["episodes"]["failed"], 5);  // 1 cm a step: 61 steps; the last begins 50 before the end
+  EXPECT_NEAR(json["episodes"]["median_time_to_failure_s"].get<double>(), 6.05, 0.06);
+}
+
+TEST_F(EvaluateTrajectory, ShortRunsAreMeasuredOverShortLengthsUnlessToldOtherwise) {
+  const std::string files = "--ground-truth " + straight("truth", 51, 1.0) + " --estimate " + straight("est", 51, 1.0);
+  run(files);
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  nlohmann::json json = nlohmann::json::parse(stdout_);
+  EXPECT_EQ(json["lengths_m"], (std::vector<double>{5, 10, 20, 40, 80}));
+  EXPECT_EQ(json["step"], 1);
+  EXPECT_EQ(json["segments"], 45 + 40 + 30 + 10);
+
+  run(files + " --lengths 7,30 --step 5");
+  json = nlohmann::json::parse(stdout_);
+  EXPECT_EQ(json["lengths_m"], (std::vector<double>{7, 30}));
+  EXPECT_EQ(json["step"], 5);
+
+  run(files + " --lengths 100");
+  json = nlohmann::json::parse(stdout_);
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_EQ(json["segments"], 0);
+  EXPECT_TRUE(json["t_err_percent"].is_null());
+}
+
+TEST_F(EvaluateTrajectory, CalibrationAppliesToTheGroundTruth) {
+  std::ofstream camera(folder_ / "camera");
+  for (int i = 0; i < 31; ++i) camera << "1 0 0 0 0 1 0 0 0 0 1 " << i << '\n';
+  camera.close();
+  std::ofstream(folder_ / "calib.txt") << "Tr: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n";
+  run("--ground-truth " + (folder_ / "camera").string() + " --calib " + (folder_ / "calib.txt").string() +
+      " --estimate " + straight("estimate", 31, 1.0));
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_NEAR(nlohmann::json::parse(stdout_)["ate_max_m"].get<double>(), 0.0, 1e-9);
+}
+
+TEST_F(EvaluateTrajectory, UnusableInputIsRefusedInOneLine) {
+  const std::string truth = straight("truth", 31, 1.0), shorter = straight("shorter", 30, 1.0);
+  const std::string files = "--ground-truth " + truth + " --estimate " + truth;
+  expectRefused("", "--ground-truth");
+  expectRefused("--ground-truth " + truth + " --estimate " + shorter, "31 poses, estimate has 30");
+  expectRefused("--ground-truth /no/such/file --estimate " + truth, "/no/such/file");
+  std::ofstream(folder_ / "nan") << "1 0 0 nan 0 1 0 0 0 0 1 0\n";
+  expectRefused("--ground-truth " + truth + " --estimate " + (folder_ / "nan").string(), "nan:1: 'nan' is not finite");
+  expectRefused(files + " --step 0", "step");
+  expectRefused(files + " --step many", "--step");
+  expectRefused(files + " --lengths 5,-1", "lengths_m");
+  expectRefused(files + " --alert-limit nan", "alert_limit_m");
+  expectRefused(files + " --period 0", "--period");
+  expectRefused(files + " --nonsense", "--nonsense");
+  expectRefused(files + " --calib " + truth, "Tr:");
+  expectRefused(files + " --output " + truth, "truth");
+}
+
+TEST_F(EvaluateTrajectory, HelpListsTheOptions) {
+  run("--help");
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_EQ(stderr_, "");
+  for (const char* option : {"--ground-truth", "--estimate", "--calib", "--output", "--lengths", "--step"}) {
+    EXPECT_NE(stdout_.find(option), std::string::npos) << option;
+  }
+}
+
+TEST_F(EvaluateTrajectory, OutputHoldsTheSameJsonAndIsCompleteWithoutPlots) {
+  const std::string files = "--ground-truth " + straight("truth", 31, 1.0) + " --estimate " + straight("est", 31, 1.1);
+  const fs::path out = folder_ / "deep" / "out";
+  run(files + " --output " + out.string());
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(stderr_, "evaluate_trajectory: no plots: plot_trajectory was not found\n");
+  EXPECT_EQ(content(out / "evaluation.json"), stdout_);
+  const std::string csv = content(out / "trajectory.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 32);
+}
+
+TEST_F(EvaluateTrajectory, PlotsAreDrawnOrTheirAbsenceIsExplained) {
+  const std::string files = "--ground-truth " + straight("truth", 31, 1.0) + " --estimate " + straight("est", 31, 1.1);
+  const fs::path out = folder_ / "out";
+  run(files + " --output " + out.string(), PLOT_SCRIPTS);
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  if (stderr_.find("no plots: ") != std::string::npos) GTEST_SKIP() << stderr_;
+  for (const char* name : {"trajectory.png", "error_per_length.png", "position_error.png"}) {
+    EXPECT_GT(fs::file_size(out / name), 1000u) << name;
+  }
+}
+
+}  // namespace
