@@ -89,7 +89,7 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
     Stopwatch watch;
     if (use.use_point && registrable) {
       result.point = multiplex.align(front.cloud().point_points_cog, front.map(), front.T_odom_cog_start(),
-                                     prediction.covariance);
+                                     front.startCovariance());
     }
     result.times.point_ms = watch.lapMs();
   };

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
 
 namespace fail_aware {
 
@@ -16,28 +18,40 @@ void requireFinite(const char* name, const std::vector<double>& values, std::siz
                        std::to_string(values.size()));
 }
 
-// The structs name their fields without a prefix; here the message gets it.
+// The structs name their fields without a prefix; here the message gets it. Innermost first: a struct that checks its
+// nested structs without naming them finds nothing wrong with them any more.
 template <class Params>
-void validateAs(const char* prefix, const Params& params) {
+void validateAs(const std::string& prefix, const Params& params) {
+  Params::visit(params, [&](const char* name, const auto& field) {
+    using Field = std::decay_t<decltype(field)>;
+    if constexpr (!detail::is_parameter_value<Field>) validateAs(prefix + name + '.', field);
+  });
   try {
     params.validate();
   } catch (const ParameterError& error) {
-    throw ParameterError(std::string(prefix) + "." + error.what());
+    throw ParameterError(prefix + error.what());
   }
+}
+
+template <class Params>
+void validateNested(const Params& params) {
+  Params::visit(params, [](const char* name, const auto& field) {
+    using Field = std::decay_t<decltype(field)>;
+    if constexpr (!detail::is_parameter_value<Field>) validateAs(std::string(name) + '.', field);
+  });
 }
 
 }  // namespace
 
 void SensorParameters::validate() const {
-  validateAs("timing", timing);
-  validateAs("vertical_angle", vertical_angle);
+  validateNested(*this);
   requireFinite("lidar_in_base", lidar_in_base, 6);
 }
 
 Pose SensorParameters::T_base_lidar() const { return poseFromVector(Vector6d(lidar_in_base.data())); }
 
 void VehicleFileParameters::validate() const {
-  validateAs("dynamics", dynamics);
+  validateNested(*this);
   requireFinite("cog_in_base", cog_in_base, 3);
 }
 
@@ -50,31 +64,14 @@ Pose VehicleFileParameters::T_base_cog() const {
 void RegistrationParameters::validate() const {
   requireParameter(use_point || use_plane || use_corners, "use_point", use_point,
                    "true, or use_plane or use_corners be true");
-  validateAs("cloud", cloud);
-  validateAs("reference", reference);
-  validateAs("initialization", initialization);
-  validateAs("point", point);
-  validateAs("plane", plane);
-  validateAs("corner_extraction", corner_extraction);
-  validateAs("corner_reference", corner_reference);
-  validateAs("corner_alignment", corner_alignment);
+  validateNested(*this);
 }
 
-void ProfileParameters::validate() const {
-  validateAs("sweep_correction", sweep_correction);
-  validateAs("model", model);
-  validateAs("history", history);
-  validateAs("road", road);
-  validateAs("ukf", ukf);
-  validateAs("filter", filter);
-  validateAs("registration", registration);
-  validateAs("fusion", fusion);
-  validateAs("monitor", monitor);
-}
+void ProfileParameters::validate() const { validateNested(*this); }
 
 void PipelineParameters::validate() const {
-  validateAs("sensor", sensor);
-  validateAs("vehicle", vehicle);
+  validateAs("sensor.", sensor);
+  validateAs("vehicle.", vehicle);
   profile.validate();
 }
 

@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <limits>
 
 namespace fail_aware {
 
@@ -43,7 +44,9 @@ bool VoxelFilter::insert(VoxelKey key) {
 const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
                                                       double min_range_m, double max_range_m) {
   prepare(2 * points.size());
-  const auto min2 = static_cast<float>(min_range_m * min_range_m), max2 = static_cast<float>(max_range_m * max_range_m);
+  constexpr double kLargest = std::numeric_limits<float>::max();  // whatever the limit, infinity is beyond it
+  const auto min2 = static_cast<float>(min_range_m * min_range_m);
+  const auto max2 = static_cast<float>(std::min(max_range_m * max_range_m, kLargest));
   const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
   VoxelKey last = ~VoxelKey{0};
   for (std::uint32_t i = 0; i < points.size(); ++i) {
@@ -63,6 +66,7 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
 const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points,
                                                       const std::vector<std::uint32_t>& candidates,
                                                       double voxel_size_m) {
+  if (&candidates == &kept_) return select(points, std::vector<std::uint32_t>(candidates), voxel_size_m);
   prepare(2 * candidates.size());
   if (voxel_size_m <= 0.0) {
     kept_ = candidates;

@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -49,6 +50,7 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
   touched_.clear();
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3d p = R * point.cast<double>() + t;
+    if (!p.allFinite()) continue;
     const std::int32_t x = fastFloor(p.x() * inverse_size_), y = fastFloor(p.y() * inverse_size_),
                        z = fastFloor(p.z() * inverse_size_);
     const std::uint32_t i = findOrAdd(x, y, z);

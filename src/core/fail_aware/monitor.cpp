@@ -7,6 +7,16 @@
 
 namespace fail_aware {
 
+namespace {
+
+// Before the members are made of them, whose messages name other fields.
+const MonitorParameters& validated(const MonitorParameters& params) {
+  params.validate();
+  return params;
+}
+
+}  // namespace
+
 void MonitorParameters::validate() const {
   indicator.validate();
   predictor.validate();
@@ -18,13 +28,11 @@ void MonitorParameters::validate() const {
 }
 
 FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
-    : params_(params),
+    : params_(validated(params)),
       indicator_(params.indicator),
       predictor_(params.predictor),
       rate_(params.rate_window_s),
-      hysteresis_(params.sweeps_to_recover) {
-  params_.validate();
-}
+      hysteresis_(params.sweeps_to_recover) {}
 
 void FailAwareMonitor::reset() {
   const bool serving = started();
@@ -85,7 +93,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
 
   MonitorOutput output;
   output.stamp_s = state.stamp_s;
-  output.sigma_yaw_rad = state.sigma_yaw_rad;
+  output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
   output.reasons = reasonsFor(state, condition);
   output.eta = indicator_.eta();
   output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);

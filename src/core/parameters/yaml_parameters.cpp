@@ -109,9 +109,8 @@ struct FormatYaml {
   std::string operator()(bool value) const { return value ? "true" : "false"; }
   std::string operator()(int value) const { return std::to_string(value); }
   std::string operator()(double value) const {
-    const std::string text = formatDouble(value);
-    if (std::isfinite(value)) return text;
-    return text[0] == '-' ? "-.inf" : '.' + text;
+    if (std::isfinite(value)) return formatDouble(value);
+    return value < 0.0 ? "-.inf" : ".inf";
   }
   std::string operator()(const std::string& value) const {
     YAML::Emitter emitter;

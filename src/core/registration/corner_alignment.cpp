@@ -119,7 +119,8 @@ std::vector<CornerAlignment::Pair> CornerAlignment::associate(const std::vector<
     const Corner& reference = reference_odom[static_cast<std::size_t>(match.second)];
     Corner corner = atHeight(moved[static_cast<std::size_t>(match.first)], reference.M.z());
     if (match.planes_swapped) corner = withOtherPlane(corner);
-    if (!(corner.M + corner.J + corner.N).allFinite() || !(reference.M + reference.J + reference.N).allFinite()) continue;
+    if (!(corner.M + corner.J + corner.N).allFinite() || !(reference.M + reference.J + reference.N).allFinite())
+      continue;
     pairs.push_back({corner, reference, placeVariance(corner) + placeVariance(reference),
                      directionVariance(corner) + directionVariance(reference)});
   }
@@ -152,7 +153,8 @@ std::vector<CornerAlignment::Pair> CornerAlignment::agreeing(const std::vector<P
 
 // Least squares over v = (dx, dy, dyaw) about the vehicle: each of a corner's points q moves by A_q v = (dx, dy) +
 // dyaw (q - vehicle) turned left. M and J err together, by e_M; N errs by e_M + e_direction turned left along N - M:
-//   H = sum w A^T A,  g = sum w (A_M + A_J + A_N)^T e_M + w A_N^T (N - M turned left) e_direction,  Cov = H^-1 E[g g^T] H^-1
+//   H = sum w A^T A,  g = sum w (A_M + A_J + A_N)^T e_M + w A_N^T (N - M turned left) e_direction,  Cov = H^-1 E[g g^T]
+//   H^-1
 void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& T_correction,
                                     const Matrix6d& predicted_covariance, Measurement& measurement) const {
   using Jacobian = Eigen::Matrix<double, 2, 3>;
@@ -167,7 +169,8 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
       H += w * A_N.transpose() * A_N;
       A_sum += A_N;
     }
-    const Eigen::Vector3d g_direction = w * A_N.transpose() * turnedLeft(horizontal(pair.reference.N - pair.reference.M));
+    const Eigen::Vector3d g_direction =
+        w * A_N.transpose() * turnedLeft(horizontal(pair.reference.N - pair.reference.M));
     G += w * w * pair.variance_m2 * A_sum.transpose() * A_sum;
     G += pair.variance_rad2 * g_direction * g_direction.transpose();
     const double r2 = horizontal(T_correction * flat(pair.corner.M) - pair.reference.M).squaredNorm();
@@ -190,7 +193,8 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
   measurement.weak_directions = 3;
   measurement.rms_residual_m = std::sqrt(squares_m2 / corners);
   // Of good_corners all around at the mean weight: information about a horizontal direction = their summed weight.
-  const Eigen::Vector2d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(planar.topLeftCorner<2, 2>()).eigenvalues();
+  const Eigen::Vector2d variances =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(planar.topLeftCorner<2, 2>()).eigenvalues();
   const double good_information = total_weight / corners * static_cast<double>(params_.good_corners);
   measurement.min_information_share = std::min(1.0, 1.0 / (variances(1) * good_information));
 }
@@ -198,7 +202,8 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
 double CornerAlignment::placeVariance(const Corner& corner) const {
   double variance = 0.0;  // of the planes' offsets at the corner
   for (std::size_t k = 0; k < 2; ++k) {
-    const double samples = std::max(1.0, static_cast<double>(corner.plane_points[k]) / params_.points_per_independent_sample);
+    const double samples =
+        std::max(1.0, static_cast<double>(corner.plane_points[k]) / params_.points_per_independent_sample);
     variance += kVarianceAtEnd * corner.plane_rms_m[k] * corner.plane_rms_m[k] / samples;
   }
   const double sine2 = std::max(0.1, corner.normals[0].cross(corner.normals[1]).squaredNorm());
@@ -206,7 +211,8 @@ double CornerAlignment::placeVariance(const Corner& corner) const {
 }
 
 double CornerAlignment::directionVariance(const Corner& corner) const {
-  const double samples = std::max(1.0, static_cast<double>(corner.plane_points[0]) / params_.points_per_independent_sample);
+  const double samples =
+      std::max(1.0, static_cast<double>(corner.plane_points[0]) / params_.points_per_independent_sample);
   const double sigma = params_.min_direction_sigma_deg * kDegree;
   return sigma * sigma + corner.plane_rms_m[0] * corner.plane_rms_m[0] / samples;  // over a wall of about 3 m
 }

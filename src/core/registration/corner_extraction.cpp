@@ -53,9 +53,8 @@ std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distan
                    [](const Corner& a, const Corner& b) { return a.points() > b.points(); });
   std::vector<Corner> kept;
   for (const Corner& corner : corners) {
-    const bool alone = std::none_of(kept.begin(), kept.end(), [&](const Corner& other) {
-      return (other.M - corner.M).norm() < distance_m;
-    });
+    const bool alone = std::none_of(kept.begin(), kept.end(),
+                                    [&](const Corner& other) { return (other.M - corner.M).norm() < distance_m; });
     if (alone) kept.push_back(corner);
   }
   return kept;
@@ -89,7 +88,7 @@ void CornerExtractor::Params::validate() const {
 
 CornerExtractor::CornerExtractor(const Params& params) : params_(params) {
   params_.validate();
-  grid_width_ = 2 * (static_cast<int>(params_.max_range_m / params_.cell_m) + 1);
+  grid_width_ = 2 * (static_cast<int>(params_.max_range_m / params_.cell_m) + 2);  // a cell to spare for rounding
   grid_.assign(static_cast<std::size_t>(grid_width_) * static_cast<std::size_t>(grid_width_), 0);
 }
 

@@ -3,8 +3,7 @@
 namespace fail_aware {
 
 CornerMeasurement::CornerMeasurement(const CornerExtractor::Params& extraction,
-                                     const CornerReference::Params& reference,
-                                     const CornerAlignment::Params& alignment)
+                                     const CornerReference::Params& reference, const CornerAlignment::Params& alignment)
     : extractor_(extraction), reference_(reference), alignment_(alignment) {}
 
 Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepPrediction& prediction,

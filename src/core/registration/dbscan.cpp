@@ -65,7 +65,7 @@ class Grid {
 
   std::vector<Point> points;
   std::vector<Cell> cells;
-  std::vector<int> neighbours;        // of cell c: [first_neighbour[c], first_neighbour[c + 1]), c not among them
+  std::vector<int> neighbours;  // of cell c: [first_neighbour[c], first_neighbour[c + 1]), c not among them
   std::vector<int> first_neighbour;
 
  private:
@@ -91,7 +91,8 @@ class Grid {
       for (int offset = -kReach; offset <= kReach; ++offset) {
         const std::int32_t row = cell(c).row + offset, column = cell(c).column - kReach;
         int& cursor = cursors[static_cast<std::size_t>(offset + kReach)];
-        while (cursor < count && (cell(cursor).row < row || (cell(cursor).row == row && cell(cursor).column < column))) {
+        while (cursor < count &&
+               (cell(cursor).row < row || (cell(cursor).row == row && cell(cursor).column < column))) {
           ++cursor;
         }
         for (int n = cursor; n < count && cell(n).row == row && cell(n).column <= cell(c).column + kReach; ++n) {

@@ -11,6 +11,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kRounding = 1e-9;  // 0.7 / 0.1 is less than 7
+
 VoxelMap::Params denseMap(const MotionInitialization::Params& params) {
   VoxelMap::Params map;
   map.voxel_size_m = 4.0 * params.thinning_m;
@@ -106,13 +108,14 @@ double MotionInitialization::votes(const std::vector<StandingPoint>& points, std
 
 std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
                                                         double dt_s) const {
-  if (first_.empty()) return std::nullopt;
+  if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
   std::size_t cells = 0;
   const std::vector<StandingPoint> points = standingPoints(thinned(sweep, T_cog_lidar), cells);
   Vector6d best = Vector6d::Zero();
-  double best_votes = -1.0;
+  double best_votes = 0.0;
   const auto consider = [&](double speed_mps, double yaw_rate_rps, double kernel_m) {
     if (speed_mps < params_.min_speed_mps || speed_mps > params_.max_speed_mps ||
+        std::abs(yaw_rate_rps) > params_.max_yaw_rate_rps + kRounding ||
         std::abs(speed_mps * yaw_rate_rps) > params_.max_lateral_acceleration_mps2) {
       return;
     }
@@ -125,16 +128,18 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
       best = twist;
     }
   };
-  const int speeds = static_cast<int>((params_.max_speed_mps - params_.min_speed_mps) / params_.step_mps);
-  const int yaws = static_cast<int>(params_.max_yaw_rate_rps / params_.step_yaw_rate_rps);
+  const int speeds =
+      static_cast<int>((params_.max_speed_mps - params_.min_speed_mps) / params_.step_mps + kRounding);
+  const int yaws = static_cast<int>(params_.max_yaw_rate_rps / params_.step_yaw_rate_rps + kRounding);
   for (int i = 0; i <= speeds; ++i) {
     for (int k = -yaws; k <= yaws; ++k) {
       consider(params_.min_speed_mps + i * params_.step_mps, k * params_.step_yaw_rate_rps, params_.kernel_m);
     }
   }
+  if (best_votes <= 0.0) return std::nullopt;  // nothing stands, or nothing meets
   // once more, four times finer, around the best
   const Vector6d coarse = best;
-  best_votes = -1.0;
+  best_votes = 0.0;
   for (int i = -4; i <= 4; ++i) {
     for (int k = -4; k <= 4; ++k) {
       consider(coarse[0] + 0.25 * i * params_.step_mps, coarse[5] + 0.25 * k * params_.step_yaw_rate_rps,

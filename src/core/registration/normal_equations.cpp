@@ -35,10 +35,10 @@ bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params)
 }  // namespace
 
 void ObservabilityParams::validate() const {
-  requirePositive("observability.lever_m", lever_m);
-  requireWithin("observability.min_information_share", min_information_share, 0.0, 0.3);
-  requirePositive("observability.weak_sigma_m", weak_sigma_m);
-  requirePositive("observability.weak_sigma_deg", weak_sigma_deg);
+  requirePositive("lever_m", lever_m);
+  requireWithin("min_information_share", min_information_share, 0.0, 0.3);
+  requirePositive("weak_sigma_m", weak_sigma_m);
+  requirePositive("weak_sigma_deg", weak_sigma_deg);
 }
 
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params) {

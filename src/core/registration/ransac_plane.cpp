@@ -108,7 +108,8 @@ RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen:
   Eigen::ArrayXf u, v;
   drawSample(points, count, axis_u.cast<float>(), axis_v.cast<float>(), generator, u, v);
 
-  // Score of a hypothesis: the mean of min((distance / inlier distance)^2, 1); 1 - score never exceeds the inlier share.
+  // Score of a hypothesis: the mean of min((distance / inlier distance)^2, 1); 1 - score never exceeds the inlier
+  // share.
   const float inverse_distance = static_cast<float>(1.0 / params.inlier_distance_m);
   const double least_share = static_cast<double>(params.min_inliers) / static_cast<double>(points.size());
   float best_score = std::numeric_limits<float>::infinity();

@@ -14,6 +14,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
                                 const Pose& T_cog_lidar) {
   builder_.build(sweep, T_cog_lidar, cloud_);
   T_odom_cog_start_ = prediction.T_odom_cog;
+  start_covariance_ = prediction.covariance;
   prepared_ = static_cast<int>(cloud_.map_points_cog.size()) >= builder_.params().min_points;
   corrected_twist_cog_.setZero();
   if (prediction.dt_s > 0.0) {
@@ -36,6 +37,10 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   if (!twist) return;
   recorrectFor(*twist);
   T_odom_cog_start_ = prediction.T_odom_cog_previous * expSe3(*twist * prediction.dt_s);
+  const double sigma_m = initialization_.params().step_mps * prediction.dt_s;
+  start_covariance_.topRows<2>().setZero();
+  start_covariance_.leftCols<2>().setZero();
+  start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(sigma_m * sigma_m);
   if (!only_first_placed_ || !refine_correction_) return;
   RegistrationCloud first = first_cloud_;
   first.recorrect(*twist);

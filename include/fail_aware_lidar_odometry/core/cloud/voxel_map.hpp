@@ -56,7 +56,7 @@ class VoxelMap {
   VoxelMap() : VoxelMap(Params{}) {}
   explicit VoxelMap(const Params& params);
 
-  /// Adds points, moved into odom by T_odom_points, and refits the planes that changed.
+  /// Adds points, moved into odom by T_odom_points, and refits the planes that changed. What is not finite is left out.
   void insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_odom_points);
 
   /// Forgets voxels whose centre is farther than range_m from the position (horizontally and vertically alike).

@@ -4,7 +4,8 @@
 // predict(stamp) and correct(...) are called once a sweep, in this order. All poses are of the centre of gravity in
 // odom. Until a motion is known (`SweepPrediction::motion_known`), P along the road is as wide as the speed is unknown.
 // Coasting: poses that are predictions tell nothing new of the motion; derivatives taken from them would feed on
-// themselves and run away. So without a measurement the last derivatives stay, without their accelerations; and where
+// themselves and run away. So without a measurement the last road plane and derivatives stay, the latter without their
+// accelerations, and roll and pitch gain no more than one step's process noise; and where
 // the measurement does not observe the direction of travel, the last observed forward speed stays.
 // Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.

@@ -14,9 +14,9 @@ namespace fail_aware {
 
 struct RigidAlignment {
   Pose T_target_source = Pose::Identity();  ///< minimises sum w |target - T source|^2
-  int rank = 0;          ///< of the pairs' spread: 0 no pair or all in one place, 1 collinear, 2 planar, 3
-  bool unique = false;   ///< the rotation is determined (rank >= 2, and no mirror image that fits several ways)
-  double rms_m = 0.0;    ///< weighted RMS distance left
+  int rank = 0;         ///< of the pairs' spread: 0 no pair or all in one place, 1 collinear, 2 planar, 3
+  bool unique = false;  ///< the rotation is determined (rank >= 2, and no mirror image that fits several ways)
+  double rms_m = 0.0;   ///< weighted RMS distance left
   bool ok() const { return unique; }
 };
 

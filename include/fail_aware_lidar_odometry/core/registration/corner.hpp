@@ -22,8 +22,8 @@ struct Corner {
   Eigen::Vector3d M = Eigen::Vector3d::Zero();
   Eigen::Vector3d J = Eigen::Vector3d::Zero();  ///< above M
   Eigen::Vector3d N = Eigen::Vector3d::Zero();
-  std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};  ///< unit, towards the
-                                                                                              ///< sensor; [0]: N's plane
+  /// Unit, towards the sensor; the first is that of N's plane.
+  std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
   std::array<double, 2> plane_rms_m{0.0, 0.0};
   std::array<int, 2> plane_points{0, 0};  ///< RANSAC inliers
   int points() const { return plane_points[0] + plane_points[1]; }
@@ -41,9 +41,9 @@ Corner atHeight(const Corner& corner_odom, double z_odom_m);
 Corner withOtherPlane(const Corner& corner_odom);
 
 struct CornerPair {
-  int first;             ///< index into the corners
-  int second;            ///< index into the others
-  bool planes_swapped;   ///< first's planes in the order of second's: N is not in the same plane
+  int first;            ///< index into the corners
+  int second;           ///< index into the others
+  bool planes_swapped;  ///< first's planes in the order of second's: N is not in the same plane
 };
 
 /// Mutually nearest corners, both in odom: M within `distance_m` at equal height and both normals within `angle_deg`.

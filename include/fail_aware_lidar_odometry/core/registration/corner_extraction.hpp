@@ -2,20 +2,21 @@
 //
 //   points in cells of an (x, y) grid that >= min_beams_per_cell beams hit -> DBSCAN -> clusters with enough points
 //   -> RANSAC plane, again on its outliers -> pairs at an angle in [45, 135] deg -> intersection line -> M, J, N
-// Input: a corrected sweep in any frame fixed to the vehicle (lidar or CoG), z roughly up, m; and that frame's predicted
-// rotation in odom, which says what is vertical and, for N, what is longitudinal. Output: corners in the points' frame.
+// Input: a corrected sweep in any frame fixed to the vehicle (lidar or CoG), z roughly up, m; and that frame's
+// predicted rotation in odom, which says what is vertical and, for N, what is longitudinal. Output: corners in the
+// points' frame.
 //
 // Beams: without ring numbers, a cell's beams are its distinct heights, in steps of height_step_m (ground gives one or
 // two however dense). Heights and rings are counted modulo 64.
-// DBSCAN over every kept point is the article's (`cluster_cells` false). By default it runs over the cells' mean points,
-// each weighted with its count: the same clusters where gaps and density are clear of the thresholds by a cell's size,
-// at a twentieth of the cost. Every other step sees all points.
-// A cluster may hold a row of houses: up to max_planes_per_cluster planes are looked for (article: 2), and a pair is a
-// corner only where both planes have points within max_corner_gap_m of their line, a corner and not two far walls.
+// DBSCAN over every kept point is the article's (`cluster_cells` false). By default it runs over the cells' mean
+// points, each weighted with its count: the same clusters where gaps and density are clear of the thresholds by a
+// cell's size, at a twentieth of the cost. Every other step sees all points. A cluster may hold a row of houses: up to
+// max_planes_per_cluster planes are looked for (article: 2), and a pair is a corner only where both planes have points
+// within max_corner_gap_m of their line, a corner and not two far walls.
 //
 // Failure: no corner, an empty vector; never a corner that is not finite.
-// Cost: three passes over the points, a few more over those of walls: 2 ms for 125,000 points in a town, one core (article's
-// settings: 5..8 ms).
+// Cost: three passes over the points, a few more over those of walls: 2 ms for 125,000 points in a town, one core
+// (article's settings: 5..8 ms).
 #pragma once
 
 #include <Eigen/Core>
@@ -31,18 +32,18 @@ class CornerExtractor {
  public:
   struct Params {
     double cell_m = 0.4;
-    double min_range_m = 2.0;            ///< horizontal, from the frame's origin
+    double min_range_m = 2.0;  ///< horizontal, from the frame's origin
     double max_range_m = 50.0;
-    int min_beams_per_cell = 10;         ///< article: 20, which walls beyond some 20 m cannot reach
-    double height_step_m = 0.03;         ///< heights this far apart are different beams
+    int min_beams_per_cell = 10;  ///< article: 20, which walls beyond some 20 m cannot reach
+    double height_step_m = 0.03;  ///< heights this far apart are different beams
     double dbscan_eps_m = 0.7;
     int dbscan_min_points = 50;
     bool cluster_cells = true;
     int min_cluster_points = 300;
     int max_planes_per_cluster = 6;
     double max_corner_gap_m = 1.0;
-    int min_points_near_corner = 20;     ///< of each plane, within max_corner_gap_m of the line; 0: no such rule
-    double min_plane_height_m = 1.2;     ///< from the lowest to the highest of a plane's points
+    int min_points_near_corner = 20;  ///< of each plane, within max_corner_gap_m of the line; 0: no such rule
+    double min_plane_height_m = 1.2;  ///< from the lowest to the highest of a plane's points
     double min_angle_deg = 45.0;
     double max_angle_deg = 135.0;
     double min_corner_distance_m = 1.0;  ///< of two corners nearer than this the one with more points is kept
@@ -97,12 +98,12 @@ class CornerExtractor {
   bool makeCorner(const Plane& a, const Plane& b, const Eigen::Matrix3d& R_odom_frame, Corner& corner) const;
 
   Params params_;
-  int grid_width_;                          ///< cells
-  std::vector<std::uint64_t> grid_;         ///< beams that hit each cell, as bits; all zero between calls
-  std::vector<std::uint32_t> touched_;      ///< cells with a point
+  int grid_width_;                      ///< cells
+  std::vector<std::uint64_t> grid_;     ///< beams that hit each cell, as bits; all zero between calls
+  std::vector<std::uint32_t> touched_;  ///< cells with a point
   std::vector<std::uint32_t> cell_of_point_;
-  Points kept_;                             ///< points of cells with enough beams, cell by cell
-  std::vector<std::uint32_t> kept_begin_;   ///< of each kept cell's points in kept_, and one past the last
+  Points kept_;                            ///< points of cells with enough beams, cell by cell
+  std::vector<std::uint32_t> kept_begin_;  ///< of each kept cell's points in kept_, and one past the last
 };
 
 }  // namespace fail_aware

@@ -1,9 +1,8 @@
 // The corners that a sweep's corners are aligned with, in odom.
 //
-// `sweeps` = 1 is the article: the corners of the last sweep alone. With more, a corner stays for that many sweeps after
-// it was last seen, at the mean of where it was seen: the n-th sighting weighs 1/n, so the first ones hold it in place
-// and it does not creep along with the odometry's drift.
-// Cost: microseconds.
+// `sweeps` = 1 is the article: the corners of the last sweep alone. With more, a corner stays for that many sweeps
+// after it was last seen, at the mean of where it was seen: the n-th sighting weighs 1/n, so the first ones hold it in
+// place and it does not creep along with the odometry's drift. Cost: microseconds.
 #pragma once
 
 #include <vector>

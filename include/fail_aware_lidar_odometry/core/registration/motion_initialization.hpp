@@ -61,10 +61,12 @@ class MotionInitialization {
   void setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar);
 
   /// The twist (m/s, rad/s; only forward speed and yaw rate) of the centre of gravity between the first sweep and this
-  /// one, dt_s later. Nothing before setFirst().
+  /// one, dt_s later. Nothing before setFirst(), or if at no speed anything that stands meets the first sweep.
   std::optional<Vector6d> findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double dt_s) const;
 
   void reset();
+
+  const Params& params() const { return params_; }
 
  private:
   struct StandingPoint {

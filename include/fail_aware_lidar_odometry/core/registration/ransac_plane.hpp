@@ -19,14 +19,14 @@ namespace fail_aware {
 
 struct RansacPlane {
   struct Params {
-    int iterations = 500;            ///< hypotheses at most
-    bool stop_early = true;          ///< stop when `confidence` is reached; false: always all iterations (article)
-    double confidence = 0.999;       ///< that one hypothesis had only inliers
+    int iterations = 500;       ///< hypotheses at most
+    bool stop_early = true;     ///< stop when `confidence` is reached; false: always all iterations (article)
+    double confidence = 0.999;  ///< that one hypothesis had only inliers
     double inlier_distance_m = 0.1;
-    double sample_share = 0.25;      ///< of the points that hypotheses are drawn from and scored on
-    int max_sample_points = 400;     ///< and at most so many
-    int min_inliers = 60;            ///< of all points, after refinement
-    double max_tilt_deg = 10.0;      ///< of the refined plane against `up`
+    double sample_share = 0.25;   ///< of the points that hypotheses are drawn from and scored on
+    int max_sample_points = 400;  ///< and at most so many
+    int min_inliers = 60;         ///< of all points, after refinement
+    double max_tilt_deg = 10.0;   ///< of the refined plane against `up`
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

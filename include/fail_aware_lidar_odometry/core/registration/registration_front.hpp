@@ -26,6 +26,8 @@ class RegistrationFront {
   const VoxelMap& map() const { return reference_.map(); }
   /// Where registration starts: the prediction, or, while no motion is known, what the search found.
   const Pose& T_odom_cog_start() const { return T_odom_cog_start_; }
+  /// Its covariance: the prediction's, but as sure of the position as the search.
+  const Matrix6d& startCovariance() const { return start_covariance_; }
 
   /// Takes the prepared sweep into the reference, at the estimate, corrected for the motion that was estimated.
   void place(const FilterState& state);
@@ -45,6 +47,7 @@ class RegistrationFront {
   Pose T_odom_cog_first_ = Pose::Identity();
   bool only_first_placed_ = false;
   Pose T_odom_cog_start_ = Pose::Identity();
+  Matrix6d start_covariance_ = Matrix6d::Identity();
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
 };

@@ -1,0 +1,373 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kDt_s = 0.1;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+/// A straight drive at 10 m/s along the heading, 1 cm and 0.01 deg of independent error a sweep.
+class Road {
+ public:
+  explicit Road(double yaw_rad = 0.0) { T_odom_cog_.linear() = rotationFromRpy(0.0, 0.0, yaw_rad); }
+
+  FilterState next() {
+    FilterState state;
+    state.stamp_s = 50.0 + kDt_s * sweep_;
+    if (sweep_++ > 0) {
+      state.dt_s = kDt_s;
+      state.T_previous_now.translation().x() = speed_mps * kDt_s;
+      state.increment_covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, 0.0, 0.0, 0.0,
+          sigma_yaw_step_rad * sigma_yaw_step_rad;
+      state.corrected = true;
+      state.fusion.valid_inputs = 3;
+    }
+    T_odom_cog_ = T_odom_cog_ * state.T_previous_now;
+    state.T_odom_cog = T_odom_cog_;
+    state.sigma_yaw_rad = 1e-3;
+    return state;
+  }
+
+  double speed_mps = 10.0;
+  double sigma_m = 0.01;
+  double sigma_yaw_step_rad = 1.75e-4;
+
+ private:
+  Pose T_odom_cog_ = Pose::Identity();
+  int sweep_ = 0;
+};
+
+MonitorOutput drive(FailAwareMonitor& monitor, Road& road, int sweeps, const SweepCondition& condition = {}) {
+  MonitorOutput output;
+  for (int i = 0; i < sweeps; ++i) output = monitor.update(road.next(), condition);
+  return output;
+}
+
+void expectFinite(const MonitorOutput& output) {
+  for (const double value :
+       {output.stamp_s, output.time_to_failure.seconds, output.time_to_failure_indicator.seconds,
+        output.time_to_failure_covariance.seconds, output.eta, output.eta_rate_per_s, output.sigma_yaw_rad,
+        output.sigma_x_m, output.sigma_y_m}) {
+    EXPECT_TRUE(std::isfinite(value)) << value;
+  }
+}
+
+TEST(FailAwareMonitor, BeforeTheStartTimesAreUnknown) {
+  FailAwareMonitor monitor{MonitorParameters()};
+  Road road;
+  EXPECT_FALSE(monitor.started());
+  for (int i = 0; i < 30; ++i) {
+    const MonitorOutput output = monitor.update(road.next(), {});
+    EXPECT_EQ(output.state, FailAwareState::kUnknown);
+    EXPECT_FALSE(output.time_to_failure.isKnown());
+    EXPECT_FALSE(output.time_to_failure_indicator.isKnown());
+    EXPECT_FALSE(output.time_to_failure_covariance.isKnown());
+    EXPECT_EQ(output.time_to_failure.seconds, -1.0);
+    EXPECT_EQ(output.eta, 0.0);
+    EXPECT_EQ(output.eta_rate_per_s, -1.0);
+    EXPECT_EQ(output.sigma_x_m, 0.0);
+    EXPECT_NEAR(output.stamp_s, 50.0 + kDt_s * i, 1e-9);
+  }
+  EXPECT_GT(monitor.odometryCovariance()(0, 0), 0.0) << "but the odometry's covariance grows from the first sweep";
+}
+
+TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
+  FailAwareMonitor monitor{MonitorParameters()};
+  Road road;
+  drive(monitor, road, 40);
+  monitor.start();
+  EXPECT_TRUE(monitor.started());
+  const MonitorOutput at_start = drive(monitor, road, 1);
+  EXPECT_EQ(at_start.sigma_x_m, 0.0) << "what came before t1 does not count";
+  EXPECT_EQ(at_start.sigma_y_m, 0.0);
+  EXPECT_TRUE(at_start.time_to_failure_covariance.isKnown()) << "the rate was known before";
+  EXPECT_FALSE(at_start.time_to_failure_indicator.isKnown());
+  EXPECT_EQ(at_start.time_to_failure.seconds, at_start.time_to_failure_covariance.seconds);
+
+  const MonitorOutput later = drive(monitor, road, 30);
+  EXPECT_TRUE(later.time_to_failure_indicator.isKnown());
+  EXPECT_NEAR(later.sigma_x_m, 0.01 * std::sqrt(30.0), 1e-6);
+  EXPECT_GT(monitor.odometryCovariance()(0, 0), later.sigma_x_m * later.sigma_x_m);
+
+  monitor.start();  // anew
+  EXPECT_EQ(drive(monitor, road, 1).sigma_x_m, 0.0);
+}
+
+TEST(FailAwareMonitor, StartedBeforeTheFirstSweepItIsUnknownForOneSweepOnly) {
+  FailAwareMonitor monitor{MonitorParameters()};
+  Road road;
+  monitor.start();
+  EXPECT_EQ(drive(monitor, road, 1).state, FailAwareState::kUnknown);
+  const MonitorOutput second = drive(monitor, road, 1);
+  EXPECT_TRUE(second.time_to_failure_covariance.isKnown());
+  EXPECT_EQ(second.state, FailAwareState::kOk);
+}
+
+TEST(FailAwareMonitor, TheAccumulatedCovarianceGrowsWithDistanceInTheFrameAtT1) {
+  for (const double yaw_rad : {0.0, 0.5 * M_PI, -2.5}) {
+    FailAwareMonitor monitor{MonitorParameters()};
+    Road road(yaw_rad);
+    monitor.start();
+    drive(monitor, road, 1);
+    double last_x_m = 0.0, last_y_m = 0.0;
+    for (int k = 1; k <= 100; ++k) {
+      const MonitorOutput output = drive(monitor, road, 1);
+      EXPECT_GT(output.sigma_x_m, last_x_m);
+      EXPECT_GT(output.sigma_y_m, last_y_m);
+      last_x_m = output.sigma_x_m;
+      last_y_m = output.sigma_y_m;
+    }
+    // k increments; the heading error of increment j leans on the k - j metres driven after it
+    double lever_sum = 0.0;
+    for (int j = 0; j < 100; ++j) lever_sum += static_cast<double>(j * j);
+    EXPECT_NEAR(last_x_m, 0.01 * std::sqrt(100.0), 1e-6) << yaw_rad;
+    EXPECT_NEAR(last_y_m, std::sqrt(100.0 * 1e-4 + 1.75e-4 * 1.75e-4 * lever_sum), 1e-5) << yaw_rad;
+  }
+}
+
+TEST(FailAwareMonitor, TheCovariancesTimeToFailureRunsDown) {
+  FailAwareMonitor monitor{MonitorParameters()};
+  Road road;
+  road.sigma_m = 0.02;
+  road.sigma_yaw_step_rad = 5e-4;
+  monitor.start();
+  const MonitorOutput early = drive(monitor, road, 10);
+  ASSERT_EQ(early.time_to_failure_covariance.status, TimeToFailureStatus::kWithinHorizon);
+  MonitorOutput output = early;
+  int sweeps = 0;
+  while (output.time_to_failure_covariance.status == TimeToFailureStatus::kWithinHorizon && sweeps < 600) {
+    const double before_s = output.time_to_failure_covariance.seconds;
+    output = drive(monitor, road, 1);
+    EXPECT_LT(output.time_to_failure_covariance.seconds, before_s);
+    ++sweeps;
+  }
+  EXPECT_EQ(output.time_to_failure_covariance.status, TimeToFailureStatus::kReached);
+  EXPECT_NEAR(kDt_s * sweeps, early.time_to_failure_covariance.seconds, 0.3) << "a constant drive ends when foretold";
+  EXPECT_EQ(output.state, FailAwareState::kFailed);
+  EXPECT_NE(output.reasons & kReasonCovarianceLimit, 0u);
+}
+
+TEST(FailAwareMonitor, EtaGrowsWithAnUnsteadyHeadingSigmaAndReachesItsThreshold) {
+  MonitorParameters params;
+  FailAwareMonitor monitor(params);
+  Road road;
+  monitor.start();
+  MonitorOutput output;
+  for (int i = 0; i < 60; ++i) {  // each sweep adds 4e-5 rad to eta
+    FilterState state = road.next();
+    state.sigma_yaw_rad = 1e-3 + (i % 2 == 0 ? 1e-5 : -1e-5);
+    output = monitor.update(state, {});
+    if (i == 12) {
+      EXPECT_NEAR(output.eta, 11 * 4e-5, 1e-9);
+      EXPECT_NEAR(output.eta_rate_per_s, 4e-4, 1e-9);
+      EXPECT_NEAR(output.time_to_failure_indicator.seconds, (params.indicator.threshold - output.eta) / 4e-4, 1e-6);
+      EXPECT_EQ(output.time_to_failure.seconds, output.time_to_failure_indicator.seconds) << "the earlier of the two";
+      EXPECT_EQ(output.reasons & kReasonEtaThreshold, 0u);
+    }
+  }
+  EXPECT_EQ(output.time_to_failure_indicator.status, TimeToFailureStatus::kReached);
+  EXPECT_NE(output.reasons & kReasonEtaThreshold, 0u);
+  EXPECT_EQ(output.reasons & kReasonCovarianceLimit, 0u);
+  EXPECT_EQ(output.state, FailAwareState::kFailed);
+}
+
+TEST(FailAwareMonitor, EachConditionHasItsReason) {
+  struct Case {
+    const char* name;
+    ReasonBit bit;
+    bool in_first_sweep;  ///< where there is nothing to register against yet
+    std::function<void(FilterState&, SweepCondition&)> cause;
+  };
+  const Case cases[] = {
+      {"empty", kReasonSweepEmpty, true, [](FilterState&, SweepCondition& c) { c.empty = true; }},
+      {"incomplete", kReasonSweepIncomplete, true, [](FilterState&, SweepCondition& c) { c.incomplete = true; }},
+      {"dropped", kReasonDroppedSweeps, true, [](FilterState&, SweepCondition& c) { c.dropped_before = 2; }},
+      {"none", kReasonNoMeasurement, false, [](FilterState& s, SweepCondition&) { s.fusion.valid_inputs = 0; }},
+      {"predicted", kReasonPredictionOnly, false, [](FilterState& s, SweepCondition&) { s.corrected = false; }},
+      {"overruled", kReasonPredictionOverruled, false,
+       [](FilterState& s, SweepCondition&) { s.fusion.prediction_overruled = true; }},
+      {"disagree", kReasonMeasurementsDisagree, false,
+       [](FilterState& s, SweepCondition&) { s.fusion.disagreement_m = 0.31; }},
+      {"weak", kReasonWeakDirection, false, [](FilterState&, SweepCondition& c) { c.min_information_share = 0.005; }},
+      {"no point", kReasonMissingIcpPoint, false, [](FilterState&, SweepCondition& c) { c.point_missing = true; }},
+      {"no plane", kReasonMissingIcpPlane, false, [](FilterState&, SweepCondition& c) { c.plane_missing = true; }},
+      {"no corners", kReasonMissingCorners, false, [](FilterState&, SweepCondition& c) { c.corners_missing = true; }},
+  };
+  for (const Case& c : cases) {
+    for (const bool first : {false, true}) {
+      FailAwareMonitor monitor{MonitorParameters()};
+      Road road;
+      monitor.start();
+      if (!first) {
+        EXPECT_EQ(drive(monitor, road, 30).reasons, 0u) << c.name;
+      }
+      FilterState state = road.next();
+      SweepCondition condition;
+      c.cause(state, condition);
+      const MonitorOutput output = monitor.update(state, condition);
+      EXPECT_EQ(output.reasons, first && !c.in_first_sweep ? 0u : static_cast<std::uint32_t>(c.bit)) << c.name << first;
+      if (first) continue;
+      EXPECT_EQ(output.state, c.bit == kReasonMissingCorners ? FailAwareState::kOk : FailAwareState::kDegraded)
+          << c.name;
+    }
+  }
+}
+
+TEST(FailAwareMonitor, AtTheThresholdsThereIsNoReasonYet) {
+  const MonitorParameters params;
+  FailAwareMonitor monitor(params);
+  Road road;
+  drive(monitor, road, 5);
+  FilterState state = road.next();
+  state.fusion.disagreement_m = params.disagreement_m;
+  SweepCondition condition;
+  condition.min_information_share = params.min_information_share;
+  EXPECT_EQ(monitor.update(state, condition).reasons, 0u);
+}
+
+TEST(FailAwareMonitor, TheStateGetsWorseAtOnceAndBetterAfterAsManySweepsAsToldTo) {
+  MonitorParameters params;
+  params.sweeps_to_recover = 4;
+  FailAwareMonitor monitor(params);
+  Road road;
+  monitor.start();
+  EXPECT_EQ(drive(monitor, road, 30).state, FailAwareState::kOk);
+  SweepCondition empty;
+  empty.empty = true;
+  EXPECT_EQ(drive(monitor, road, 1, empty).state, FailAwareState::kDegraded);
+  EXPECT_EQ(drive(monitor, road, 3).state, FailAwareState::kDegraded);
+  EXPECT_EQ(drive(monitor, road, 1, empty).state, FailAwareState::kDegraded);
+  EXPECT_EQ(drive(monitor, road, 3).state, FailAwareState::kDegraded) << "counted from the last bad sweep";
+  EXPECT_EQ(drive(monitor, road, 1).state, FailAwareState::kOk);
+}
+
+TEST(FailAwareMonitor, ATimeToFailureThatIsShortDegrades) {
+  MonitorParameters params;
+  params.sweeps_to_recover = 1;
+  FailAwareMonitor monitor(params);
+  Road road;
+  road.sigma_m = 0.02;
+  road.sigma_yaw_step_rad = 5e-4;
+  monitor.start();
+  drive(monitor, road, 1);
+  FailAwareState last = FailAwareState::kOk;
+  bool seen[5] = {};
+  for (int i = 0; i < 600 && last != FailAwareState::kFailed; ++i) {
+    const MonitorOutput output = drive(monitor, road, 1);
+    const double seconds = output.time_to_failure.seconds;
+    const FailAwareState expected = seconds <= 0.0                            ? FailAwareState::kFailed
+                                    : seconds <= params.thresholds.failing_s  ? FailAwareState::kFailing
+                                    : seconds <= params.thresholds.degraded_s ? FailAwareState::kDegraded
+                                                                              : FailAwareState::kOk;
+    EXPECT_EQ(output.state, expected) << seconds;
+    last = output.state;
+    seen[static_cast<int>(last)] = true;
+  }
+  EXPECT_TRUE(seen[2] && seen[3] && seen[4]);
+}
+
+TEST(FailAwareMonitor, ResetForgetsTheDriveAndKeepsServing) {
+  FailAwareMonitor monitor{MonitorParameters()};
+  Road road;
+  monitor.start();
+  drive(monitor, road, 50);
+  monitor.reset();
+  EXPECT_TRUE(monitor.started());
+  EXPECT_TRUE(monitor.odometryCovariance().isZero());
+  Road again;  // stamps go back
+  const MonitorOutput first = drive(monitor, again, 1);
+  EXPECT_EQ(first.state, FailAwareState::kUnknown);
+  EXPECT_EQ(first.eta, 0.0);
+  EXPECT_FALSE(first.time_to_failure.isKnown());
+  const MonitorOutput later = drive(monitor, again, 9);
+  EXPECT_EQ(later.state, FailAwareState::kOk);
+  EXPECT_NEAR(later.sigma_x_m, 0.01 * 3.0, 1e-6);
+
+  FailAwareMonitor not_started{MonitorParameters()};
+  drive(not_started, again, 3);
+  not_started.reset();
+  EXPECT_FALSE(not_started.started());
+  EXPECT_EQ(drive(not_started, again, 3).state, FailAwareState::kUnknown);
+}
+
+TEST(FailAwareMonitor, AStandingVehicleHasAnswersToo) {
+  FailAwareMonitor monitor{MonitorParameters()};
+  Road road;
+  road.speed_mps = 0.0;
+  road.sigma_m = 0.0;
+  road.sigma_yaw_step_rad = 0.0;
+  monitor.start();
+  const MonitorOutput output = drive(monitor, road, 20);
+  expectFinite(output);
+  EXPECT_EQ(output.time_to_failure.status, TimeToFailureStatus::kBeyondHorizon);
+  EXPECT_EQ(output.state, FailAwareState::kOk);
+}
+
+TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
+  const std::function<void(FilterState&)> faults[] = {
+      [](FilterState& s) { s.increment_covariance.setConstant(kNan); },
+      [](FilterState& s) { s.increment_covariance(0, 0) = kInf; },
+      [](FilterState& s) { s.increment_covariance.diagonal().setConstant(-1.0); },
+      [](FilterState& s) { s.increment_covariance.diagonal().setConstant(1e300); },
+      [](FilterState& s) { s.sigma_yaw_rad = kNan; },
+      [](FilterState& s) { s.sigma_yaw_rad = kInf; },
+      [](FilterState& s) { s.sigma_yaw_rad = 1e5; },
+      [](FilterState& s) { s.T_odom_cog.matrix()(0, 3) = kNan; },
+      [](FilterState& s) { s.T_previous_now.matrix()(0, 3) = kNan; },
+      [](FilterState& s) { s.dt_s = kNan; },
+      [](FilterState& s) { s.dt_s = 1e-300; },
+      [](FilterState& s) { s.stamp_s -= 100.0; },
+      [](FilterState& s) { s.fusion.disagreement_m = kNan; },
+  };
+  for (const auto& fault : faults) {
+    for (const int fault_at : {0, 1, 10}) {  // 0: at t1
+      FailAwareMonitor monitor{MonitorParameters()};
+      Road road;
+      monitor.start();
+      for (int i = 0; i < 20; ++i) {
+        FilterState state = road.next();
+        if (i == fault_at) fault(state);
+        SweepCondition condition;
+        if (i == fault_at) condition.min_information_share = kNan;
+        expectFinite(monitor.update(state, condition));
+      }
+      EXPECT_TRUE(monitor.odometryCovariance().allFinite());
+    }
+  }
+}
+
+TEST(FailAwareMonitor, ParametersAreChecked) {
+  const auto refused = [](const std::function<void(MonitorParameters&)>& change) {
+    MonitorParameters params;
+    change(params);
+    try {
+      FailAwareMonitor monitor(params);
+    } catch (const ParameterError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused([](MonitorParameters&) {}), "");
+  EXPECT_NE(refused([](MonitorParameters& p) { p.sweeps_to_recover = 0; }).find("sweeps_to_recover"),
+            std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) { p.disagreement_m = 0.0; }).find("disagreement_m"), std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) { p.min_information_share = 1.1; }).find("min_information_share"),
+            std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) { p.rate_window_s = kNan; }).find("rate_window_s"), std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace fail_aware

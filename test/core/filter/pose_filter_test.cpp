@@ -1,0 +1,343 @@
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kDt_s = 0.1;
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+PoseFilter makeFilter(const PoseFilter::Params& params = {}) {
+  return PoseFilter(params, Ukf::Params(), VehicleModel(VehicleParameters(), VehicleModel::Params()),
+                    MotionHistory::Params(), RoadPlaneEstimator::Params(), MeasurementFusion::Params());
+}
+
+Pose pose(double x, double y, double z, double roll, double pitch, double yaw) {
+  Vector6d v;
+  v << x, y, z, roll, pitch, yaw;
+  return poseFromVector(v);
+}
+
+Matrix6d diagonal(double sigma_m, double sigma_rad) {
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(sigma_m * sigma_m), Eigen::Vector3d::Constant(sigma_rad * sigma_rad);
+  return variances.asDiagonal();
+}
+
+Measurement measured(const Pose& T_odom_cog, const Matrix6d& covariance = diagonal(0.01, 1e-3)) {
+  Measurement measurement;
+  measurement.status = MeasurementStatus::kOk;
+  measurement.T_odom_cog = T_odom_cog;
+  measurement.covariance = covariance;
+  return measurement;
+}
+
+/// Constant forward speed and yaw rate from `T_start`.
+struct Drive {
+  double speed_mps = 14.0;
+  double yaw_rate_rps = 0.0;
+  Pose T_start = Pose::Identity();
+
+  double stamp(int sweep) const { return 100.0 + kDt_s * sweep; }
+  Pose at(int sweep) const {
+    Vector6d twist = Vector6d::Zero();
+    twist[0] = speed_mps;
+    twist[5] = yaw_rate_rps;
+    return T_start * expSe3(kDt_s * sweep * twist);
+  }
+};
+
+struct Step {
+  SweepPrediction prediction;
+  FilterState state;
+};
+
+Step step(PoseFilter& filter, double stamp_s, const std::vector<Measurement>& measurements) {
+  Step out;
+  EXPECT_TRUE(filter.predict(stamp_s, out.prediction));
+  std::vector<FusionInput> inputs;
+  for (const Measurement& m : measurements) inputs.push_back({"m", &m});
+  out.state = filter.correct(inputs);
+  return out;
+}
+
+/// Sweeps 0 (without a measurement: it defines the pose) to `last`, measured exactly.
+Step driveMeasured(PoseFilter& filter, const Drive& drive, int last) {
+  filter.reset(drive.T_start);
+  Step out = step(filter, drive.stamp(0), {});
+  for (int i = 1; i <= last; ++i) out = step(filter, drive.stamp(i), {measured(drive.at(i))});
+  return out;
+}
+
+double distance(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
+double angle(const Pose& a, const Pose& b) { return logSo3(a.linear().transpose() * b.linear()).norm(); }
+
+void expectCovariance(const Matrix6d& C, const std::string& what) {
+  ASSERT_TRUE(C.allFinite()) << what;
+  EXPECT_LT((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-12 * C.cwiseAbs().maxCoeff()) << what;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(C, Eigen::EigenvaluesOnly);
+  EXPECT_GE(eigen.eigenvalues().minCoeff(), 0.0) << what;
+}
+
+TEST(PoseFilter, TheFirstSweepDefinesThePose) {
+  PoseFilter filter = makeFilter();
+  const Pose T = pose(3.0, -2.0, 0.5, 0.01, -0.02, 1.2);
+  filter.reset(T);
+  EXPECT_FALSE(filter.started());
+  const Step first = step(filter, 100.0, {Measurement()});
+  EXPECT_TRUE(filter.started());
+  EXPECT_TRUE(first.prediction.T_odom_cog.isApprox(T, 1e-12));
+  EXPECT_EQ(first.prediction.dt_s, 0.0);
+  EXPECT_FALSE(first.prediction.motion_known);
+  EXPECT_TRUE(first.state.T_odom_cog.isApprox(T, 1e-12));
+  EXPECT_EQ(first.state.stamp_s, 100.0);
+  EXPECT_EQ(first.state.dt_s, 0.0);
+  EXPECT_FALSE(first.state.corrected);
+  EXPECT_TRUE(first.state.T_previous_now.isApprox(Pose::Identity()));
+  EXPECT_TRUE(first.state.increment_covariance.isZero());
+  EXPECT_NEAR(first.state.sigma_yaw_rad, PoseFilter::Params().initial_sigma_deg * M_PI / 180.0, 1e-9);
+}
+
+TEST(PoseFilter, AStampThatDoesNotAdvanceIsRefusedAndChangesNothing) {
+  PoseFilter filter = makeFilter(), undisturbed = makeFilter();
+  const Drive drive;
+  driveMeasured(filter, drive, 5);
+  driveMeasured(undisturbed, drive, 5);
+  const Pose before = filter.state().T_odom_cog;
+  for (const double stamp_s : {drive.stamp(5), drive.stamp(4), -1.0, kNan, std::numeric_limits<double>::infinity()}) {
+    SweepPrediction prediction;
+    prediction.stamp_s = 7.0;
+    EXPECT_FALSE(filter.predict(stamp_s, prediction)) << stamp_s;
+    EXPECT_EQ(prediction.stamp_s, 7.0);
+    EXPECT_EQ(filter.state().stamp_s, drive.stamp(5));
+    EXPECT_TRUE((filter.state().T_odom_cog.matrix().array() == before.matrix().array()).all());
+  }
+  const Step after = step(filter, drive.stamp(6), {measured(drive.at(6))});
+  const Step expected = step(undisturbed, drive.stamp(6), {measured(drive.at(6))});
+  EXPECT_TRUE((after.state.T_odom_cog.matrix().array() == expected.state.T_odom_cog.matrix().array()).all());
+}
+
+TEST(PoseFilter, TracksADriveWithConstantVelocity) {
+  for (const double yaw_rate_rps : {0.0, 0.3, -0.3}) {
+    PoseFilter filter = makeFilter();
+    Drive drive;
+    drive.yaw_rate_rps = yaw_rate_rps;
+    drive.T_start = pose(5.0, 1.0, 0.5, 0.0, 0.0, 2.8);  // the left turn passes +-pi
+    driveMeasured(filter, drive, 1);
+    EXPECT_LT(distance(filter.state().T_odom_cog, drive.at(1)), 0.01) << "the first motion is measured, not assumed";
+    for (int i = 2; i <= 60; ++i) {
+      const Step now = step(filter, drive.stamp(i), {measured(drive.at(i))});
+      ASSERT_TRUE(now.state.corrected) << i;
+      EXPECT_EQ(now.prediction.motion_known, true);
+      EXPECT_NEAR(now.prediction.dt_s, kDt_s, 1e-9);
+      EXPECT_LT(distance(now.state.T_odom_cog, drive.at(i)), 0.005) << i;
+      EXPECT_LT(angle(now.state.T_odom_cog, drive.at(i)), 1e-3) << i;
+      if (i < 8) continue;  // the derivatives have settled
+      EXPECT_LT(distance(now.prediction.T_odom_cog, drive.at(i)), 0.03) << i;
+      EXPECT_LT(angle(now.prediction.T_odom_cog, drive.at(i)), 1e-3) << i;
+      EXPECT_LT(distance(now.state.T_previous_now, drive.at(i - 1).inverse() * drive.at(i)), 0.005) << i;
+    }
+  }
+}
+
+TEST(PoseFilter, BeforeAMotionIsKnownOnlyTheSpeedAlongTheRoadIsUncertain) {
+  PoseFilter filter = makeFilter();
+  filter.reset(pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * M_PI));  // the road runs along odom's y
+  step(filter, 0.0, {});
+  SweepPrediction prediction;
+  ASSERT_TRUE(filter.predict(kDt_s, prediction));
+  EXPECT_FALSE(prediction.motion_known);
+  EXPECT_NEAR(std::sqrt(prediction.covariance(1, 1)), 15.0 * kDt_s, 0.01);
+  EXPECT_LT(std::sqrt(prediction.covariance(0, 0)), 0.05);
+
+  const Measurement sideways = measured(pose(1.4, 0.0, 0.0, 0.0, 0.0, 0.5 * M_PI));
+  EXPECT_FALSE(filter.correct({{"m", &sideways}}).corrected);
+  const Measurement forward = measured(pose(0.0, 2.8, 0.0, 0.0, 0.0, 0.5 * M_PI));
+  EXPECT_TRUE(step(filter, 2.0 * kDt_s, {forward}).state.corrected);
+}
+
+TEST(PoseFilter, WithoutAMeasurementTheEstimateIsThePredictionAndSaysSo) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  driveMeasured(filter, drive, 10);
+  const double sigma_before = filter.state().sigma_yaw_rad;
+  Measurement failed = measured(pose(0, 0, 0, 0, 0, 0));
+  failed.status = MeasurementStatus::kNotConverged;
+  Measurement nan = measured(drive.at(11));
+  nan.covariance(0, 0) = kNan;
+  Measurement far_off = measured(drive.at(11) * pose(0.0, 5.0, 0.0, 0.0, 0.0, 0.0));
+  int sweep = 11;
+  for (const std::vector<Measurement>& measurements :
+       {std::vector<Measurement>{}, {failed}, {nan}, {far_off}, {Measurement(), failed, nan}}) {
+    const Step now = step(filter, drive.stamp(sweep), measurements);
+    EXPECT_FALSE(now.state.corrected);
+    EXPECT_FALSE(now.state.fusion.has_measurement);
+    EXPECT_TRUE(now.state.T_odom_cog.isApprox(now.prediction.T_odom_cog, 1e-12));
+    EXPECT_EQ(now.state.filter_nis, 0.0);
+    EXPECT_EQ(now.state.fusion.weights.size(), measurements.size());
+    EXPECT_GT(now.state.sigma_yaw_rad, sigma_before);
+    ++sweep;
+  }
+  EXPECT_TRUE(step(filter, drive.stamp(sweep), {measured(drive.at(sweep))}).state.corrected);
+  EXPECT_LT(distance(filter.state().T_odom_cog, drive.at(sweep)), 0.01) << "and comes back";
+}
+
+TEST(PoseFilter, CoastsAtTheLastSpeedWithoutRunningAway) {
+  for (const double yaw_rate_rps : {0.0, 0.2, -0.7}) {
+    PoseFilter filter = makeFilter();
+    Drive drive;
+    drive.yaw_rate_rps = yaw_rate_rps;
+    filter.reset(drive.T_start);
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    step(filter, drive.stamp(0), {});
+    int i = 1;
+    for (; i <= 30; ++i) {  // noise in pitch and height is what feeds on itself
+      const Pose noise = pose(0.01 * normal(random), 0.01 * normal(random), 0.01 * normal(random),
+                              0.002 * normal(random), 0.002 * normal(random), 0.001 * normal(random));
+      step(filter, drive.stamp(i), {measured(drive.at(i) * noise)});
+    }
+    const Pose T_begin = filter.state().T_odom_cog;
+    double steady_step_m = 0.0;  // the first one still carries the last measured acceleration
+    for (int coasted = 1; coasted <= 600; ++coasted, ++i) {
+      const FilterState state = step(filter, drive.stamp(i), {}).state;
+      ASSERT_TRUE(isFinite(state.T_odom_cog) && state.covariance.allFinite());
+      const double step_m = state.T_previous_now.translation().norm();
+      ASSERT_NEAR(step_m, 1.4, 0.1) << coasted;
+      if (coasted == 2) steady_step_m = step_m;
+      if (coasted > 2) {
+        ASSERT_NEAR(step_m, steady_step_m, 0.01 * steady_step_m) << coasted;
+      }
+      const Eigen::Vector3d rpy = rpyFromRotation(state.T_odom_cog.linear());
+      ASSERT_LT(rpy.head<2>().cwiseAbs().maxCoeff(), 0.06) << coasted;
+    }
+    EXPECT_LT(std::abs(filter.state().T_odom_cog.translation().z()), 25.0) << "three per cent of the way";
+    if (yaw_rate_rps != 0.0) continue;
+    EXPECT_NEAR(distance(T_begin, filter.state().T_odom_cog), 600.0 * steady_step_m, 10.0);
+  }
+}
+
+TEST(PoseFilter, TheSpeedIsHeldWhereTheMeasurementDoesNotObserveTheRoad) {
+  PoseFilter filter = makeFilter();
+  Drive drive;
+  drive.T_start = pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.7);
+  driveMeasured(filter, drive, 15);
+  // A tunnel: along the road the measurement says "still where the last sweep was", with R that means nothing.
+  Vector6d sigmas_body;
+  sigmas_body << 30.0, 0.01, 0.01, 1e-3, 1e-3, 1e-3;
+  const Matrix6d R = rotateCovariance(sigmas_body.cwiseAbs2().asDiagonal(), drive.T_start.linear());
+  for (int i = 16; i <= 115; ++i) {
+    const Pose T_last = filter.state().T_odom_cog;
+    const Pose behind = pose(T_last.translation().x(), T_last.translation().y(), 0.0, 0.0, 0.0, 0.7);
+    const Step now = step(filter, drive.stamp(i), {measured(behind, R)});
+    ASSERT_TRUE(now.state.corrected) << i;
+    EXPECT_NEAR(distance(now.prediction.T_odom_cog_previous, now.prediction.T_odom_cog), 1.4, 0.014) << i;
+    EXPECT_LT(std::abs((drive.T_start.inverse() * now.state.T_odom_cog).translation().y()), 0.02) << i;
+  }
+  // once the road is observed again, so is the speed
+  Drive slower;
+  slower.speed_mps = 13.0;
+  slower.T_start = filter.state().T_odom_cog;
+  const double stamp_s = filter.state().stamp_s;
+  for (int i = 1; i <= 12; ++i) step(filter, stamp_s + i * kDt_s, {measured(slower.at(i))});
+  EXPECT_NEAR(filter.state().T_previous_now.translation().x(), 1.3, 0.01);
+}
+
+TEST(PoseFilter, TheIncrementsCovarianceIsThatOfOneKalmanStepFromCertainty) {
+  PoseFilter::Params params;
+  params.increment_floor_m = 0.0;
+  params.increment_per_metre_m = 0.0;
+  params.increment_floor_deg = 0.0;
+  params.increment_scale = 2.0;
+  PoseFilter filter = makeFilter(params);
+  Drive drive;
+  drive.T_start = pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * M_PI);  // body x = odom y, body y = -odom x
+  driveMeasured(filter, drive, 10);
+  Vector6d sigmas_odom;
+  sigmas_odom << 0.03, 0.2, 0.05, 0.01, 0.02, 0.003;
+  const Measurement m = measured(drive.at(11), sigmas_odom.cwiseAbs2().asDiagonal());
+  const Matrix6d C = step(filter, drive.stamp(11), {m}).state.increment_covariance;
+  expectCovariance(C, "measured");
+  const VehicleModel::Params q;
+  const auto kalman = [](double sigma_q, double sigma_r) {
+    return 2.0 * sigma_q * sigma_q * sigma_r * sigma_r / (sigma_q * sigma_q + sigma_r * sigma_r);
+  };
+  EXPECT_NEAR(C(0, 0), kalman(q.sigma_x_m, 0.2), 1e-5);
+  EXPECT_NEAR(C(1, 1), kalman(q.sigma_y_m, 0.03), 1e-5);
+  EXPECT_NEAR(C(2, 2), kalman(q.sigma_z_m, 0.05), 1e-5);
+  EXPECT_NEAR(C(5, 5), kalman(q.sigma_yaw_rad, 0.003), 1e-7);
+
+  const Matrix6d coasting = step(filter, drive.stamp(12), {}).state.increment_covariance;
+  EXPECT_NEAR(coasting(0, 0), 2.0 * q.sigma_x_m * q.sigma_x_m, 1e-5);
+  EXPECT_NEAR(coasting(5, 5), 2.0 * q.sigma_yaw_rad * q.sigma_yaw_rad, 1e-7);
+}
+
+TEST(PoseFilter, TheIncrementsCovarianceIsOneAndGrowsWhenCoasting) {
+  PoseFilter filter = makeFilter();
+  Drive drive;
+  drive.yaw_rate_rps = 0.1;
+  const Matrix6d observed = driveMeasured(filter, drive, 10).state.increment_covariance;
+  expectCovariance(observed, "measured");
+  const double floor_m = 0.001 + 0.001 * 1.4;
+  EXPECT_GT(observed(0, 0), floor_m * floor_m);
+  const Matrix6d coasting = step(filter, drive.stamp(11), {}).state.increment_covariance;
+  expectCovariance(coasting, "coasting");
+  for (int i = 0; i < 6; ++i) EXPECT_GT(coasting(i, i), observed(i, i)) << i;
+  const Matrix6d longer = step(filter, drive.stamp(14), {}).state.increment_covariance;
+  EXPECT_NEAR(longer(5, 5) / coasting(5, 5), 3.0, 0.05) << "three sweep periods";
+
+  int sweep = 15;
+  for (const double sigma : {1e-7, 1e-3, 1.0, 1e4, 1e9}) {
+    const Step now = step(filter, drive.stamp(sweep), {measured(drive.at(sweep), diagonal(sigma, sigma))});
+    expectCovariance(now.state.increment_covariance, "R = " + std::to_string(sigma));
+    expectCovariance(now.state.covariance, "P for R = " + std::to_string(sigma));
+    ++sweep;
+  }
+}
+
+TEST(PoseFilter, ResetStartsAnew) {
+  PoseFilter used = makeFilter(), fresh = makeFilter();
+  Drive drive;
+  drive.yaw_rate_rps = 0.3;
+  driveMeasured(used, drive, 20);
+  used.reset(drive.T_start);
+  EXPECT_FALSE(used.started());
+  EXPECT_TRUE(used.state().T_odom_cog.isApprox(drive.T_start));
+  EXPECT_FALSE(used.state().corrected);
+  const Step a = driveMeasured(used, drive, 12);  // earlier stamps are taken again
+  const Step b = driveMeasured(fresh, drive, 12);
+  EXPECT_TRUE((a.state.T_odom_cog.matrix().array() == b.state.T_odom_cog.matrix().array()).all());
+  EXPECT_TRUE((a.state.covariance.array() == b.state.covariance.array()).all());
+  EXPECT_TRUE((a.prediction.T_odom_cog.matrix().array() == b.prediction.T_odom_cog.matrix().array()).all());
+}
+
+TEST(PoseFilter, ParametersAreChecked) {
+  const auto refused = [](const std::function<void(PoseFilter::Params&)>& change) {
+    PoseFilter::Params params;
+    change(params);
+    try {
+      makeFilter(params);
+    } catch (const ParameterError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(refused([](PoseFilter::Params&) {}), "");
+  EXPECT_NE(refused([](PoseFilter::Params& p) { p.initial_sigma_m = 0.0; }).find("initial_sigma_m = 0"), std::string::npos);
+  EXPECT_NE(refused([](PoseFilter::Params& p) { p.increment_scale = -1.0; }).find("increment_scale"), std::string::npos);
+  EXPECT_NE(refused([](PoseFilter::Params& p) { p.max_speed_mps = kNan; }).find("max_speed_mps"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,131 @@
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+std::string refusal(const PipelineParameters& params) {
+  try {
+    params.validate();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// What is said of one assignment "key=value".
+std::string refusalOf(const std::string& assignment) {
+  PipelineParameters params;
+  setParameter(params, assignment);
+  return refusal(params);
+}
+
+bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+TEST(PipelineParameters, TheDefaultsAreValid) {
+  EXPECT_EQ(refusal(PipelineParameters()), "");
+  EXPECT_NO_THROW(ProfileParameters().validate());
+  EXPECT_NO_THROW(RegistrationParameters().validate());
+}
+
+TEST(PipelineParameters, KeysAreUniqueAndTheProfilesStandWithoutAPrefix) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : toList(PipelineParameters())) EXPECT_TRUE(keys.insert(key).second) << key;
+  for (const char* key :
+       {"sensor.timing.source", "sensor.vertical_angle.angle_deg", "sensor.lidar_in_base", "vehicle.dynamics.mass_kg",
+        "vehicle.cog_in_base", "sweep_correction.enabled", "model.six_dof", "ukf.sigma_points.alpha",
+        "registration.reference.voxels.voxel_size_m", "registration.plane.kernel_m", "monitor.indicator.threshold"}) {
+    EXPECT_EQ(keys.count(key), 1u) << key;
+  }
+  for (const auto& [key, value] : toList(ProfileParameters())) EXPECT_EQ(keys.count(key), 1u) << key;
+}
+
+TEST(PipelineParameters, MessagesCarryTheFullName) {
+  for (const char* key :
+       {"sensor.timing.sweep_period_s", "sensor.vertical_angle.angle_deg", "vehicle.dynamics.mass_kg",
+        "sweep_correction.max_truncation_m", "model.sigma_x_m", "history.max_age_s", "road.time_constant_s",
+        "ukf.min_sigma", "ukf.sigma_points.alpha", "filter.initial_sigma_m", "registration.cloud.map_voxel_m",
+        "registration.reference.range_m", "registration.reference.voxels.voxel_size_m",
+        "registration.initialization.kernel_m", "registration.point.kernel_m",
+        "registration.point.observability.lever_m", "registration.plane.kernel_m",
+        "registration.plane.observability.lever_m", "registration.corner_extraction.ransac.inlier_distance_m",
+        "fusion.gate_sigma", "monitor.rate_window_s", "monitor.indicator.threshold",
+        "monitor.predictor.alert_limit_m", "monitor.thresholds.failing_s"}) {
+    const std::string said = refusalOf(std::string(key) + "=-99.5");
+    EXPECT_TRUE(startsWith(said, std::string(key) + " = -99.5: must be ")) << key << ": " << said;
+  }
+}
+
+// Every number, text and list in the tree is checked, and the message names it.
+TEST(PipelineParameters, EveryFieldRefusesWhatCannotBe) {
+  PipelineParameters params;
+  detail::visitLeaves(params, "", [&](const std::string& key, auto& field) {
+    using Field = std::decay_t<decltype(field)>;
+    const Field valid = field;
+    std::vector<Field> bad;
+    if constexpr (std::is_same_v<Field, double>) bad = {kNan, -1e30};
+    if constexpr (std::is_same_v<Field, int>) bad = {std::numeric_limits<int>::min()};
+    if constexpr (std::is_same_v<Field, std::string>) bad = {"", "nonsense"};
+    if constexpr (std::is_same_v<Field, std::vector<double>>) {
+      bad = {{}, {1.0, 2.0}, std::vector<double>(valid.size(), kNan), std::vector<double>(valid.size() + 1, 0.0)};
+    }
+    for (const Field& value : bad) {
+      field = value;
+      const std::string said = refusal(params);
+      EXPECT_TRUE(startsWith(said, key + " = ") || startsWith(said, key + ": ")) << key << " is refused with: " << said;
+    }
+    field = valid;
+  });
+  EXPECT_EQ(refusal(params), "");
+}
+
+TEST(PipelineParameters, SomeMeasurementMustBeUsed) {
+  PipelineParameters params;
+  params.profile.registration.use_point = params.profile.registration.use_plane = false;
+  EXPECT_EQ(refusal(params), "");
+  params.profile.registration.use_corners = false;
+  EXPECT_TRUE(startsWith(refusal(params), "registration.use_point = false")) << refusal(params);
+}
+
+TEST(PipelineParameters, AStructAloneNamesWhatItKnows) {
+  RegistrationParameters registration;
+  registration.plane.observability.lever_m = -1.0;
+  try {
+    registration.validate();
+    FAIL();
+  } catch (const ParameterError& error) {
+    EXPECT_TRUE(startsWith(error.what(), "plane.observability.lever_m = -1")) << error.what();
+  }
+}
+
+TEST(PipelineParameters, PlacesInTheBaseFrame) {
+  SensorParameters sensor;
+  EXPECT_TRUE(sensor.T_base_lidar().isApprox(Pose::Identity()));
+  sensor.lidar_in_base = {-0.6, 0.1, 1.73, 0.01, -0.02, 0.3};
+  const Pose T_base_lidar = sensor.T_base_lidar();
+  EXPECT_TRUE(T_base_lidar.translation().isApprox(Eigen::Vector3d(-0.6, 0.1, 1.73)));
+  EXPECT_TRUE(T_base_lidar.linear().isApprox(rotationFromRpy(0.01, -0.02, 0.3)));
+
+  VehicleFileParameters vehicle;
+  EXPECT_TRUE(vehicle.T_base_cog().isApprox(Pose::Identity()));
+  vehicle.cog_in_base = {0.265, -0.1, 0.543};
+  const Pose T_base_cog = vehicle.T_base_cog();
+  EXPECT_TRUE(T_base_cog.translation().isApprox(Eigen::Vector3d(0.265, -0.1, 0.543)));
+  EXPECT_TRUE(T_base_cog.linear().isIdentity());
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,174 @@
+#include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+ObservabilityParams testParams() {
+  ObservabilityParams params;
+  params.lever_m = 10.0;
+  params.min_information_share = 0.01;
+  params.weak_sigma_m = 3.0;
+  params.weak_sigma_deg = 5.0;
+  return params;
+}
+
+/// H = weight diag(shares), rotation shares at the lever of testParams().
+NormalEquations diagonalEquations(const Vector6d& shares, double weight) {
+  NormalEquations equations;
+  Vector6d lever2;
+  lever2 << 1.0, 1.0, 1.0, 100.0, 100.0, 100.0;
+  equations.H = (weight * shares.cwiseProduct(lever2)).asDiagonal();
+  equations.weight = weight;
+  return equations;
+}
+
+Vector6d vector6(double a, double b, double c, double d, double e, double f) {
+  Vector6d v;
+  v << a, b, c, d, e, f;
+  return v;
+}
+
+NormalEquations wellConditioned() {
+  NormalEquations equations = diagonalEquations(vector6(0.3, 0.5, 0.2, 0.4, 0.3, 0.6), 1e4);
+  const Matrix6d mix = rotateCovariance(equations.H, rotationFromRpy(0.2, -0.4, 1.0));
+  equations.H = mix;
+  equations.H(0, 5) = equations.H(5, 0) = 900.0;
+  equations.b = vector6(10.0, -20.0, 5.0, 100.0, -70.0, 30.0);
+  return equations;
+}
+
+TEST(NormalEquations, wellConditionedIsSolvedExactly) {
+  const NormalEquations equations = wellConditioned();
+  const Solution solution = solveObserved(equations, testParams());
+  EXPECT_EQ(solution.weak_directions, 0);
+  EXPECT_LT((equations.H * solution.dx - equations.b).norm(), 1e-9);
+}
+
+TEST(NormalEquations, wellConditionedCovarianceIsTheInverse) {
+  const NormalEquations equations = wellConditioned();
+  const Matrix6d expected = 20.0 * equations.H.inverse();
+  EXPECT_LT((covarianceObserved(equations, 20.0, testParams()) - expected).norm(), 1e-9 * expected.norm());
+}
+
+TEST(NormalEquations, unobservedAxisStaysAndIsUncertain) {
+  NormalEquations equations = diagonalEquations(vector6(0.005, 0.6, 0.4, 0.3, 0.3, 0.3), 1e4);
+  equations.b.setConstant(50.0);
+  const Solution solution = solveObserved(equations, testParams());
+  EXPECT_EQ(solution.weak_directions, 1);
+  EXPECT_EQ(solution.dx[0], 0.0);
+  EXPECT_NEAR(solution.dx[1], 50.0 / 6000.0, 1e-12);
+  EXPECT_NEAR(solution.dx[5], 50.0 / 3e5, 1e-12);
+  const Matrix6d C = covarianceObserved(equations, 1.0, testParams());
+  EXPECT_NEAR(std::sqrt(C(0, 0)), 3.0, 1e-9);
+  EXPECT_NEAR(C(1, 1), 1.0 / 6000.0, 1e-12);
+}
+
+TEST(NormalEquations, unobservedRotationGetsTheWeakAngle) {
+  NormalEquations equations = diagonalEquations(vector6(0.3, 0.3, 0.4, 0.0, 0.005, 0.3), 1e4);
+  equations.b.setConstant(50.0);
+  const Solution solution = solveObserved(equations, testParams());
+  EXPECT_EQ(solution.weak_directions, 2);
+  EXPECT_EQ(solution.dx[3], 0.0);
+  EXPECT_EQ(solution.dx[4], 0.0);
+  const Matrix6d C = covarianceObserved(equations, 1.0, testParams());
+  EXPECT_NEAR(std::sqrt(C(3, 3)), 5.0 * kDegree, 1e-9);
+  EXPECT_NEAR(std::sqrt(C(4, 4)), 5.0 * kDegree, 1e-9);
+}
+
+TEST(NormalEquations, unobservedDirectionNeedNotBeAnAxis) {
+  NormalEquations equations = diagonalEquations(vector6(0.0, 0.6, 0.4, 0.3, 0.3, 0.3), 1e4);
+  const Eigen::Matrix3d R = rotationFromRpy(0.0, 0.0, 30.0 * kDegree);
+  equations.H = rotateCovariance(equations.H, R).eval();
+  equations.b << 50.0, 80.0, 0.0, 0.0, 0.0, 0.0;
+  const Eigen::Vector3d along = R.col(0), across = R.col(1);
+  const Solution solution = solveObserved(equations, testParams());
+  EXPECT_EQ(solution.weak_directions, 1);
+  EXPECT_NEAR(along.dot(solution.dx.head<3>()), 0.0, 1e-12);
+  EXPECT_NEAR(across.dot(solution.dx.head<3>()), across.dot(equations.b.head<3>()) / 6000.0, 1e-12);
+  const Eigen::Matrix3d C = covarianceObserved(equations, 1.0, testParams()).topLeftCorner<3, 3>();
+  EXPECT_NEAR(along.dot(C * along), 9.0, 1e-9);
+  EXPECT_NEAR(across.dot(C * across), 1.0 / 6000.0, 1e-9);
+}
+
+TEST(NormalEquations, theThresholdIsAShareOfTheWeight) {
+  for (const double weight : {1.0, 1e6}) {
+    NormalEquations equations = diagonalEquations(vector6(0.0101, 0.5, 0.5, 0.0099, 0.3, 0.3), weight);
+    EXPECT_EQ(solveObserved(equations, testParams()).weak_directions, 1) << weight;
+    equations.H *= 0.5;
+    EXPECT_EQ(solveObserved(equations, testParams()).weak_directions, 2) << weight;
+  }
+}
+
+TEST(NormalEquations, nothingAtAllIsAllWeak) {
+  const NormalEquations nothing;
+  const Solution solution = solveObserved(nothing, testParams());
+  EXPECT_EQ(solution.weak_directions, 6);
+  EXPECT_TRUE(solution.dx.isZero(0.0));
+  EXPECT_EQ(solution.min_horizontal_share, 0.0);
+  const Matrix6d C = covarianceObserved(nothing, 1.0, testParams());
+  ASSERT_TRUE(C.allFinite());
+  EXPECT_NEAR(std::sqrt(C(0, 0)), 3.0, 1e-9);
+  EXPECT_NEAR(std::sqrt(C(5, 5)), 5.0 * kDegree, 1e-9);
+}
+
+TEST(NormalEquations, noObservedDirectionIsWorseThanAnUnobservedOne) {
+  NormalEquations equations = diagonalEquations(vector6(0.02, 0.5, 0.48, 0.3, 0.3, 0.3), 10.0);
+  const Matrix6d C = covarianceObserved(equations, 1e3, testParams());
+  EXPECT_NEAR(std::sqrt(C(0, 0)), 3.0, 1e-9);
+  EXPECT_LE(C(5, 5), std::pow(5.0 * kDegree, 2) + 1e-12);
+}
+
+TEST(NormalEquations, covarianceIsSymmetricPositiveDefinite) {
+  for (const NormalEquations& equations :
+       {wellConditioned(), NormalEquations(), diagonalEquations(vector6(0.0, 0.5, 0.5, 0.3, 0.0, 0.3), 1e5)}) {
+    const Matrix6d C = covarianceObserved(equations, 20.0, testParams());
+    EXPECT_LT((C - C.transpose()).norm(), 1e-12);
+    EXPECT_GT(C.eigenvalues().real().minCoeff(), 0.0);
+  }
+}
+
+TEST(NormalEquations, horizontalShareIsTheWeakerOfTheTwo) {
+  EXPECT_NEAR(solveObserved(diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0), testParams()).min_horizontal_share,
+              0.1, 1e-12);
+  NormalEquations turned = diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0);
+  turned.H = rotateCovariance(turned.H, rotationFromRpy(0.0, 0.0, 0.7)).eval();
+  EXPECT_NEAR(solveObserved(turned, testParams()).min_horizontal_share, 0.1, 1e-12);
+}
+
+TEST(NormalEquations, aStepTurnsAboutTheVehicleAndMovesAlongOdom) {
+  const Pose T = poseFromVector(vector6(100.0, -50.0, 2.0, 0.1, -0.2, 2.0));
+  const Vector6d dx = 1e-5 * vector6(3.0, -2.0, 1.0, 0.3, 0.5, -0.7);
+  const Pose moved = applyStep(T, dx);
+  for (const Eigen::Vector3d& q : {Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(20.0, -10.0, 3.0)}) {
+    const Eigen::Vector3d arm = T.linear() * q;
+    const Eigen::Vector3d expected = T * q + dx.head<3>() + dx.tail<3>().cross(arm);
+    EXPECT_LT((moved * q - expected).norm(), 1e-8);
+  }
+  EXPECT_LT((moved.linear() * moved.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+}
+
+TEST(NormalEquations, validatesItsParameters) {
+  EXPECT_NO_THROW(ObservabilityParams().validate());
+  ObservabilityParams params = testParams();
+  params.lever_m = 0.0;
+  EXPECT_THROW(params.validate(), ParameterError);
+  params = testParams();
+  params.min_information_share = 0.5;
+  EXPECT_THROW(params.validate(), ParameterError);
+  params = testParams();
+  params.weak_sigma_deg = -1.0;
+  EXPECT_THROW(params.validate(), ParameterError);
+}
+
+}  // namespace
+}  // namespace fail_aware

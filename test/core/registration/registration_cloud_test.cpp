@@ -1,0 +1,171 @@
+#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "synthetic_scene.hpp"
+
+namespace fail_aware {
+namespace {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+RegistrationCloudBuilder::Params testParams() {
+  RegistrationCloudBuilder::Params params;
+  params.min_range_m = 3.0;
+  params.max_range_m = 20.0;
+  params.map_voxel_m = 0.3;
+  params.plane_voxel_m = 1.0;
+  params.point_voxel_m = 1.5;
+  return params;
+}
+
+/// A room's sweep whose times tell each point: its number in microseconds.
+CorrectedSweep numberedSweep(unsigned seed = 1) {
+  CorrectedSweep sweep;
+  sweep.stamp_s = 12.5;
+  sweep.points_lidar = seenFrom(sampleScene(room(), 20.0, 0.01, seed), poseOf(0.0, 0.0, 1.0, 0.0, 0.0, 0.0));
+  for (std::size_t i = 0; i < sweep.points_lidar.size(); ++i) sweep.times_s.push_back(1e-6f * static_cast<float>(i));
+  return sweep;
+}
+
+std::size_t numberOf(float time_s) { return static_cast<std::size_t>(std::lround(1e6 * static_cast<double>(time_s))); }
+
+/// Every point is the sweep's of that time, moved into the vehicle's frame; in the sweep's order.
+void expectFromSweep(const Points& points_cog, const std::vector<float>& times_s, const CorrectedSweep& sweep,
+                     const Pose& T_cog_lidar) {
+  ASSERT_EQ(points_cog.size(), times_s.size());
+  EXPECT_TRUE(std::is_sorted(times_s.begin(), times_s.end()));
+  for (std::size_t i = 0; i < points_cog.size(); ++i) {
+    const Eigen::Vector3d expected = T_cog_lidar * sweep.points_lidar[numberOf(times_s[i])].cast<double>();
+    ASSERT_LT((points_cog[i].cast<double>() - expected).norm(), 1e-5);
+  }
+}
+
+void expectWithin(const std::vector<float>& times_s, const std::vector<float>& all_times_s) {
+  EXPECT_TRUE(std::includes(all_times_s.begin(), all_times_s.end(), times_s.begin(), times_s.end()));
+}
+
+TEST(RegistrationCloud, thinsIntoTheVehiclesFrame) {
+  const Pose T_cog_lidar = poseOf(0.7, -0.2, 1.2, 1.0, -2.0, 30.0);
+  const CorrectedSweep sweep = numberedSweep();
+  RegistrationCloud cloud;
+  RegistrationCloudBuilder(testParams()).build(sweep, T_cog_lidar, cloud);
+  EXPECT_EQ(cloud.stamp_s, 12.5);
+  EXPECT_GT(cloud.map_points_cog.size(), 2 * cloud.plane_points_cog.size());
+  EXPECT_GT(cloud.plane_points_cog.size(), cloud.point_points_cog.size());
+  EXPECT_GT(cloud.point_points_cog.size(), 100u);
+  expectFromSweep(cloud.map_points_cog, cloud.map_times_s, sweep, T_cog_lidar);
+  expectFromSweep(cloud.plane_points_cog, cloud.plane_times_s, sweep, T_cog_lidar);
+  expectFromSweep(cloud.point_points_cog, cloud.point_times_s, sweep, T_cog_lidar);
+  expectWithin(cloud.plane_times_s, cloud.map_times_s);
+  expectWithin(cloud.point_times_s, cloud.map_times_s);
+}
+
+TEST(RegistrationCloud, rangesAreMeasuredFromTheLidar) {
+  CorrectedSweep sweep;
+  for (const float x : {-25.0f, -19.9f, -3.1f, -2.9f, 2.9f, 3.1f, 19.9f, 20.1f}) sweep.points_lidar.emplace_back(x, 0.0f, 0.0f);
+  Pose T_cog_lidar = Pose::Identity();
+  T_cog_lidar.translation().x() = 10.0;
+  RegistrationCloud cloud;
+  RegistrationCloudBuilder(testParams()).build(sweep, T_cog_lidar, cloud);
+  ASSERT_EQ(cloud.map_points_cog.size(), 4u);
+  EXPECT_NEAR(cloud.map_points_cog.front().x(), -9.9f, 1e-5f);
+  EXPECT_NEAR(cloud.map_points_cog.back().x(), 29.9f, 1e-5f);
+}
+
+TEST(RegistrationCloud, aReusedCloudHoldsNothingOfTheLastSweep) {
+  RegistrationCloudBuilder builder(testParams());
+  RegistrationCloud reused, fresh;
+  builder.build(numberedSweep(2), poseOf(0.0, 0.0, 1.0, 0.0, 0.0, 0.0), reused);
+  CorrectedSweep sweep = numberedSweep(3);
+  sweep.points_lidar.resize(5000);
+  sweep.times_s.clear();
+  builder.build(sweep, Pose::Identity(), reused);
+  RegistrationCloudBuilder(testParams()).build(sweep, Pose::Identity(), fresh);
+  EXPECT_EQ(reused.map_points_cog, fresh.map_points_cog);
+  EXPECT_EQ(reused.plane_points_cog, fresh.plane_points_cog);
+  EXPECT_EQ(reused.point_points_cog, fresh.point_points_cog);
+  EXPECT_TRUE(reused.map_times_s.empty());
+  EXPECT_TRUE(reused.plane_times_s.empty());
+  EXPECT_TRUE(reused.point_times_s.empty());
+}
+
+TEST(RegistrationCloud, leavesOutWhatIsNotFinite) {
+  CorrectedSweep sweep = numberedSweep();
+  const std::size_t good = sweep.points_lidar.size();
+  for (int i = 0; i < 10; ++i) {
+    sweep.points_lidar.emplace_back(std::numeric_limits<float>::quiet_NaN(), 5.0f, 0.0f);
+    sweep.times_s.push_back(0.1f);
+  }
+  RegistrationCloud cloud;
+  RegistrationCloudBuilder(testParams()).build(sweep, Pose::Identity(), cloud);
+  for (const float time : cloud.map_times_s) EXPECT_LT(numberOf(time), good);
+  for (const Eigen::Vector3f& p : cloud.map_points_cog) ASSERT_TRUE(p.allFinite());
+}
+
+TEST(RegistrationCloud, anEmptySweepGivesAnEmptyCloud) {
+  RegistrationCloud cloud;
+  RegistrationCloudBuilder(testParams()).build(CorrectedSweep(), Pose::Identity(), cloud);
+  EXPECT_TRUE(cloud.map_points_cog.empty());
+  EXPECT_TRUE(cloud.plane_points_cog.empty());
+  EXPECT_TRUE(cloud.point_points_cog.empty());
+}
+
+TEST(RegistrationCloud, recorrectMovesEveryPointByItsTime) {
+  const Pose T_cog_lidar = poseOf(0.7, 0.0, 1.2, 0.0, 0.0, 0.0);
+  CorrectedSweep sweep = numberedSweep();
+  for (std::size_t i = 0; i < sweep.times_s.size(); ++i) {
+    sweep.times_s[i] = -0.05f + 0.1f * static_cast<float>(i) / static_cast<float>(sweep.times_s.size());
+  }
+  RegistrationCloud before;
+  RegistrationCloudBuilder(testParams()).build(sweep, T_cog_lidar, before);
+  RegistrationCloud after = before;
+  Vector6d twist_cog;
+  twist_cog << 12.0, 0.1, 0.0, 0.01, -0.02, 0.3;
+  after.recorrect(twist_cog);
+  const auto expectMoved = [&](const Points& from, const Points& to, const std::vector<float>& times_s) {
+    ASSERT_EQ(from.size(), to.size());
+    double farthest = 0.0;
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const Eigen::Vector3d expected = expSe3(static_cast<double>(times_s[i]) * twist_cog) * from[i].cast<double>();
+      ASSERT_LT((to[i].cast<double>() - expected).norm(), 2e-4);
+      farthest = std::max(farthest, static_cast<double>((to[i] - from[i]).norm()));
+    }
+    EXPECT_GT(farthest, 0.4);
+  };
+  expectMoved(before.map_points_cog, after.map_points_cog, before.map_times_s);
+  expectMoved(before.plane_points_cog, after.plane_points_cog, before.plane_times_s);
+  expectMoved(before.point_points_cog, after.point_points_cog, before.point_times_s);
+  EXPECT_EQ(before.map_times_s, after.map_times_s);
+}
+
+TEST(RegistrationCloud, withoutTimesRecorrectChangesNothing) {
+  CorrectedSweep sweep = numberedSweep();
+  sweep.times_s.clear();
+  RegistrationCloud cloud;
+  RegistrationCloudBuilder(testParams()).build(sweep, Pose::Identity(), cloud);
+  const Points before = cloud.map_points_cog;
+  cloud.recorrect(Vector6d::Constant(1.0));
+  EXPECT_EQ(cloud.map_points_cog, before);
+}
+
+TEST(RegistrationCloud, validatesItsParameters) {
+  const auto rejects = [](auto change) {
+    RegistrationCloudBuilder::Params params = testParams();
+    change(params);
+    EXPECT_THROW(RegistrationCloudBuilder{params}, ParameterError);
+  };
+  EXPECT_NO_THROW(RegistrationCloudBuilder::Params().validate());
+  rejects([](auto& p) { p.max_range_m = p.min_range_m; });
+  rejects([](auto& p) { p.plane_voxel_m = 0.2; });
+  rejects([](auto& p) { p.point_voxel_m = 0.2; });
+  rejects([](auto& p) { p.min_points = 0; });
+}
+
+}  // namespace
+}  // namespace fail_aware
