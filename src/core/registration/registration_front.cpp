@@ -36,7 +36,8 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
       initialization_.findTwist(sweep, T_cog_lidar, prediction.stamp_s - first_cloud_.stamp_s);
   if (!twist) return;
   recorrectFor(*twist);
-  T_odom_cog_start_ = prediction.T_odom_cog_previous * expSe3(*twist * prediction.dt_s);
+  // from the first sweep on: the last estimate may be a prediction at standstill
+  T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * (prediction.stamp_s - first_cloud_.stamp_s));
   const double sigma_m = initialization_.params().step_mps * prediction.dt_s;
   start_covariance_.topRows<2>().setZero();
   start_covariance_.leftCols<2>().setZero();
@@ -54,9 +55,12 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog) {
 }
 
 void RegistrationFront::place(const FilterState& state) {
+  const bool between_measured = last_measured_ && state.corrected;
+  last_measured_ = state.corrected || state.dt_s <= 0.0;  // the first sweep defines the start pose
   if (!prepared_) return;
   prepared_ = false;
-  if (refine_correction_ && state.dt_s > 0.0) recorrectFor(logSe3(state.T_previous_now) / state.dt_s);
+  // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
+  if (refine_correction_ && between_measured && state.dt_s > 0.0) recorrectFor(logSe3(state.T_previous_now) / state.dt_s);
   only_first_placed_ = map().empty();
   if (only_first_placed_) {
     first_cloud_ = cloud_;
@@ -70,6 +74,7 @@ void RegistrationFront::reset() {
   initialization_.reset();
   only_first_placed_ = false;
   prepared_ = false;
+  last_measured_ = false;
 }
 
 }  // namespace fail_aware

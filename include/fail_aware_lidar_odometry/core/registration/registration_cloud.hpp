@@ -1,8 +1,8 @@
 // What the measurement algorithms take from a corrected sweep: three thinned clouds in the frame of the centre of
 // gravity, from one pass over the sweep.
 //
-// `map` (finest) goes into the reference, `plane` is registered point to plane, `point` point to point; each is a
-// subset of the one before. Deterministic: the first point of each voxel in the sweep's order. Cost: about 10 ns a point.
+// `map` (finest) goes into the reference; `plane` is registered point to plane, `point` point to point, both are
+// subsets of `map`. Deterministic: the first point of each voxel in the sweep's order. Cost: about 10 ns a point.
 #pragma once
 
 #include <Eigen/Core>

@@ -50,6 +50,7 @@ class RegistrationFront {
   Matrix6d start_covariance_ = Matrix6d::Identity();
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
+  bool last_measured_ = false;  ///< the last estimate is no mere prediction
 };
 
 }  // namespace fail_aware

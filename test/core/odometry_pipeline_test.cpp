@@ -1,0 +1,282 @@
+#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "../support/synthetic_street.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kPeriod_s = 0.1;
+constexpr int kSweeps = 40;
+
+PipelineParameters streetParameters() {
+  PipelineParameters params;
+  params.sensor.timing.stamp_reference = "mid";
+  params.sensor.lidar_in_base = {-0.595, 0.0, 1.73, 0.0, 0.0, 0.0};  // synthetic::Lidar's
+  params.vehicle.cog_in_base = {0.265, 0.0, 0.543};
+  return params;
+}
+
+std::vector<Sweep> scanDrive(const synthetic::Drive& drive, int sweeps, const synthetic::Lidar& lidar = {}) {
+  const synthetic::Street street;
+  std::vector<Sweep> out;
+  for (int i = 0; i < sweeps; ++i) {
+    out.push_back(street.scan([&](double t) { return drive.T_street_base(t); }, i * kPeriod_s,
+                              static_cast<std::uint32_t>(i), lidar));
+  }
+  return out;
+}
+
+/// The drive that most tests share: from the first sweep on at 14 m/s in a gentle left turn.
+const synthetic::Drive kDrive;
+const std::vector<Sweep>& driveSweeps() {
+  static const std::vector<Sweep> sweeps = scanDrive(kDrive, kSweeps);
+  return sweeps;
+}
+
+SweepResult stepWith(OdometryPipeline& pipeline, Sweep sweep) { return pipeline.step(sweep); }
+
+Sweep emptyAt(double stamp_s) {
+  Sweep sweep;
+  sweep.stamp_s = stamp_s;
+  return sweep;
+}
+
+std::vector<SweepResult> run(OdometryPipeline& pipeline, const std::vector<Sweep>& sweeps) {
+  std::vector<SweepResult> results;
+  for (const Sweep& sweep : sweeps) results.push_back(stepWith(pipeline, sweep));
+  return results;
+}
+
+struct PoseError {
+  double horizontal_m, vertical_m, yaw_deg;
+};
+
+PoseError poseError(const Pose& T_odom_base, const Pose& truth) {
+  const Pose error = truth.inverse() * T_odom_base;
+  return {error.translation().head<2>().norm(), std::abs(error.translation().z()),
+          std::abs(rpyFromRotation(error.linear()).z()) * 180.0 / M_PI};
+}
+
+void expectNear(const SweepResult& result, const Pose& truth, double tolerance_m, const std::string& what) {
+  const PoseError error = poseError(result.T_odom_base, truth);
+  EXPECT_LT(error.horizontal_m, tolerance_m) << what;
+  EXPECT_LT(error.vertical_m, 3.0 * tolerance_m) << what;
+  EXPECT_LT(error.yaw_deg, 0.2) << what;
+}
+
+bool sameBits(const Pose& a, const Pose& b) { return (a.matrix().array() == b.matrix().array()).all(); }
+
+void expectSame(const std::vector<SweepResult>& a, const std::vector<SweepResult>& b, const std::string& what) {
+  ASSERT_EQ(a.size(), b.size()) << what;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].status, b[i].status) << what << ", sweep " << i;
+    ASSERT_TRUE(sameBits(a[i].T_odom_base, b[i].T_odom_base)) << what << ", sweep " << i;
+    ASSERT_TRUE((a[i].state.covariance.array() == b[i].state.covariance.array()).all()) << what << ", sweep " << i;
+    ASSERT_TRUE((a[i].plane.covariance.array() == b[i].plane.covariance.array()).all()) << what << ", sweep " << i;
+    ASSERT_EQ(a[i].monitor.eta, b[i].monitor.eta) << what << ", sweep " << i;
+    ASSERT_EQ(a[i].monitor.reasons, b[i].monitor.reasons) << what << ", sweep " << i;
+  }
+}
+
+TEST(OdometryPipeline, FollowsAStreetWithinCentimetresFromAFlyingStart) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  const std::vector<SweepResult> results = run(pipeline, driveSweeps());
+  EXPECT_EQ(results[0].status, SweepStatus::kFirst);
+  EXPECT_TRUE(results[0].T_odom_base.isApprox(Pose::Identity(), 1e-12)) << "odom begins at base_link";
+  EXPECT_EQ(results[0].point.status, MeasurementStatus::kNoReference);
+  for (int i = 1; i < kSweeps; ++i) {
+    const SweepResult& r = results[static_cast<std::size_t>(i)];
+    EXPECT_EQ(r.status, SweepStatus::kCorrected) << i;
+    EXPECT_TRUE(r.point.ok() && r.plane.ok()) << i;
+    expectNear(r, kDrive.T_odom_base(i * kPeriod_s), 0.05, "sweep " + std::to_string(i));
+    EXPECT_NEAR(r.state.T_previous_now.translation().norm(), 1.4, 0.05) << i;
+    EXPECT_NEAR(r.state.stamp_s, i * kPeriod_s, 1e-12);
+    EXPECT_EQ(r.state.fusion.weights.size(), 3u);
+    EXPECT_GT(r.state.fusion.weights[OdometryPipeline::kPlane], 0.0) << i;
+    EXPECT_TRUE(r.monitor.time_to_failure.isKnown()) << i;
+    EXPECT_GE(r.times.total_ms, 0.0);
+  }
+  EXPECT_LT(results.back().monitor.sigma_y_m, 1.0);
+  EXPECT_GT(results.back().monitor.sigma_y_m, 0.005);
+  const std::vector<Eigen::Vector3d> reference = pipeline.referencePoints();
+  EXPECT_GT(reference.size(), 5000u);
+  for (const Eigen::Vector3d& point : reference) ASSERT_TRUE(point.allFinite());
+}
+
+TEST(OdometryPipeline, GivesTheSameBitsForAnyThreadsOnASecondRunAndAfterAReset) {
+  const std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 15);
+  OdometryPipeline one(streetParameters(), 1), two(streetParameters(), 2), again(streetParameters(), 1);
+  const std::vector<SweepResult> expected = run(one, sweeps);
+  expectSame(expected, run(two, sweeps), "two threads");
+  expectSame(expected, run(again, sweeps), "second run");
+  again.reset();
+  expectSame(expected, run(again, sweeps), "after a reset");
+}
+
+TEST(OdometryPipeline, OverEmptySweepsTheModelCarriesThePose) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 25);
+  for (const std::size_t lost : {10u, 14u, 15u, 16u}) sweeps[lost] = emptyAt(sweeps[lost].stamp_s);
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  for (std::size_t i = 1; i < results.size(); ++i) {
+    const SweepResult& r = results[i];
+    const bool lost = sweeps[i].empty();
+    EXPECT_EQ(r.status, lost ? SweepStatus::kPredicted : SweepStatus::kCorrected) << i;
+    EXPECT_EQ(r.state.corrected, !lost) << i;
+    expectNear(r, kDrive.T_odom_base(static_cast<double>(i) * kPeriod_s), lost ? 0.15 : 0.06, "sweep " + std::to_string(i));
+    constexpr std::uint32_t kLost = kReasonSweepEmpty | kReasonNoMeasurement | kReasonPredictionOnly;
+    EXPECT_EQ(r.monitor.reasons & kLost, lost ? kLost : 0u) << i;
+    if (lost) {
+      EXPECT_GE(static_cast<int>(r.monitor.state), static_cast<int>(FailAwareState::kDegraded)) << i;
+      EXPECT_GT(r.state.covariance(0, 0), results[i - 1].state.covariance(0, 0)) << i;
+    }
+  }
+}
+
+TEST(OdometryPipeline, ASweepWithTooFewPointsIsLikeAnEmptyOne) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 12);
+  sweeps[8].points_lidar.resize(100);
+  sweeps[8].intensities.resize(100);
+  sweeps[8].rings.resize(100);
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_EQ(results[8].status, SweepStatus::kPredicted);
+  EXPECT_EQ(results[9].status, SweepStatus::kCorrected);
+  expectNear(results[11], kDrive.T_odom_base(1.1), 0.05, "after it");
+}
+
+TEST(OdometryPipeline, TheSpeedIsFoundAlthoughTheFirstSweepsAreLost) {
+  for (const std::vector<std::size_t>& lost :
+       {std::vector<std::size_t>{0}, {0, 1, 2}, {1}, {1, 2}, {0, 2}, {2}, {0, 2, 3}}) {
+    std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
+    std::string name = "lost:";
+    for (const std::size_t i : lost) {
+      sweeps[i] = emptyAt(sweeps[i].stamp_s);
+      name += ' ' + std::to_string(i);
+    }
+    OdometryPipeline pipeline(streetParameters(), 1);
+    const std::vector<SweepResult> results = run(pipeline, sweeps);
+    EXPECT_EQ(results[0].status, SweepStatus::kFirst) << name;
+    EXPECT_EQ(results.back().status, SweepStatus::kCorrected) << name;
+    const Pose increment = results[6].T_odom_base.inverse() * results[7].T_odom_base;
+    EXPECT_NEAR(increment.translation().x(), 1.4, 0.03) << name;
+    // until two sweeps were there nothing is known of the way; from the first of them on it is
+    std::size_t first_seen = 0;
+    while (sweeps[first_seen].empty()) ++first_seen;
+    const Pose since_seen = results[first_seen].T_odom_base.inverse() * results.back().T_odom_base;
+    const Pose truth = kDrive.T_odom_base(0.7, kPeriod_s * static_cast<double>(first_seen));
+    EXPECT_LT(poseError(since_seen, truth).horizontal_m, 0.05) << name;
+  }
+}
+
+TEST(OdometryPipeline, AStampThatDoesNotAdvanceIsRefused) {
+  const std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 12);
+  OdometryPipeline undisturbed(streetParameters(), 1), pipeline(streetParameters(), 1);
+  const std::vector<SweepResult> expected = run(undisturbed, sweeps);
+  std::vector<SweepResult> results;
+  for (std::size_t i = 0; i < sweeps.size(); ++i) {
+    results.push_back(stepWith(pipeline, sweeps[i]));
+    if (i != 6) continue;
+    Sweep back = sweeps[6];
+    back.stamp_s = sweeps[2].stamp_s;
+    for (const Sweep& refused : {sweeps[6], back, emptyAt(sweeps[6].stamp_s), emptyAt(-1.0)}) {
+      const SweepResult r = stepWith(pipeline, refused);
+      EXPECT_EQ(r.status, SweepStatus::kStampNotAdvancing);
+      EXPECT_TRUE(sameBits(r.T_odom_base, results.back().T_odom_base)) << "the pose is the last one";
+      EXPECT_EQ(r.state.stamp_s, sweeps[6].stamp_s);
+      EXPECT_FALSE(r.point.ok() || r.plane.ok() || r.corners.ok());
+    }
+  }
+  expectSame(expected, results, "refused sweeps leave no trace");
+}
+
+TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  run(pipeline, std::vector<Sweep>(driveSweeps().begin() + 20, driveSweeps().begin() + 25));
+  pipeline.reset();
+  EXPECT_TRUE(pipeline.referencePoints().empty());
+  const std::vector<SweepResult> results =  // stamps go back
+      run(pipeline, std::vector<Sweep>(driveSweeps().begin() + 5, driveSweeps().begin() + 10));
+  EXPECT_EQ(results[0].status, SweepStatus::kFirst);
+  EXPECT_TRUE(results[0].T_odom_base.isApprox(Pose::Identity(), 1e-12));
+  EXPECT_EQ(results[0].monitor.sigma_x_m, 0.0);
+  expectNear(results[4], kDrive.T_odom_base(0.9, 0.5), 0.05, "after the reset");
+  EXPECT_TRUE(results[4].monitor.time_to_failure.isKnown()) << "it keeps serving";
+}
+
+TEST(OdometryPipeline, TimesToFailureAreKnownFromStartRedundantOn) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  for (std::size_t i = 0; i < 10; ++i) {
+    if (i == 5) pipeline.startRedundant();
+    const SweepResult r = stepWith(pipeline, driveSweeps()[i]);
+    EXPECT_EQ(r.monitor.time_to_failure.isKnown(), i >= 5) << i;
+    EXPECT_EQ(r.monitor.sigma_x_m > 0.0, i > 5) << i;
+  }
+}
+
+TEST(OdometryPipeline, AStandingVehicleStands) {
+  synthetic::Drive parked;
+  parked.speed_mps = 0.0;
+  parked.yaw_rate_rps = 0.0;
+  OdometryPipeline pipeline(streetParameters(), 1);
+  for (const SweepResult& r : run(pipeline, scanDrive(parked, 8))) expectNear(r, Pose::Identity(), 0.02, "parked");
+}
+
+TEST(OdometryPipeline, SweepsThatAreCompensatedAlreadyNeedNoTiming) {
+  synthetic::Lidar lidar;
+  lidar.rolling_shutter = false;
+  PipelineParameters params = streetParameters();
+  params.sensor.timing.source = "none";
+  OdometryPipeline pipeline(params, 1);
+  const std::vector<SweepResult> results = run(pipeline, scanDrive(kDrive, 10, lidar));
+  expectNear(results.back(), kDrive.T_odom_base(0.9), 0.05, "without timing");
+}
+
+TEST(OdometryPipeline, MeasurementsCanBeLeftOut) {
+  const std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
+  const auto lastWith = [&](bool point, bool plane, bool corners) {
+    PipelineParameters params = streetParameters();
+    params.profile.registration.use_point = point;
+    params.profile.registration.use_plane = plane;
+    params.profile.registration.use_corners = corners;
+    OdometryPipeline pipeline(params, 2);
+    return run(pipeline, sweeps).back();
+  };
+  const SweepResult plane = lastWith(false, true, false);
+  EXPECT_EQ(plane.status, SweepStatus::kCorrected);
+  EXPECT_FALSE(plane.point.ok() || plane.corners.ok());
+  EXPECT_EQ(plane.state.fusion.weights[OdometryPipeline::kPoint], 0.0);
+  EXPECT_EQ(plane.monitor.reasons & (kReasonMissingIcpPoint | kReasonMissingCorners), 0u) << "not asked for, not missed";
+  const SweepResult point = lastWith(true, false, true);
+  EXPECT_EQ(point.status, SweepStatus::kCorrected);
+  EXPECT_FALSE(point.plane.ok());
+  EXPECT_EQ(point.monitor.reasons & kReasonMissingIcpPlane, 0u);
+}
+
+TEST(OdometryPipeline, ParametersAreChecked) {
+  EXPECT_THROW(OdometryPipeline(streetParameters(), 0), ParameterError);
+  EXPECT_THROW(OdometryPipeline(streetParameters(), 257), ParameterError);
+  PipelineParameters params = streetParameters();
+  params.profile.registration.reference.voxels.voxel_size_m = -1.0;
+  try {
+    OdometryPipeline pipeline(params, 1);
+    FAIL();
+  } catch (const ParameterError& error) {
+    EXPECT_EQ(std::string(error.what()).rfind("registration.reference.voxels.voxel_size_m = -1", 0), 0u) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace fail_aware

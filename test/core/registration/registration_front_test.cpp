@@ -1,0 +1,242 @@
+#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "synthetic_drive.hpp"
+
+namespace fail_aware {
+namespace {
+
+using Points = std::vector<Eigen::Vector3f>;
+
+// mean distance of a sweep's points to the scene: of noise alone, and where 12 m/s was not corrected for
+constexpr double kStraight_m = 0.012, kBent_m = 0.035;
+
+RegistrationFront makeFront(bool refine_correction, int min_points = 500) {
+  RegistrationCloudBuilder::Params cloud;
+  cloud.min_range_m = 3.0;
+  cloud.max_range_m = 60.0;
+  cloud.min_points = min_points;
+  ReferenceMap::Params reference;
+  reference.sweeps = 0;
+  MotionInitialization::Params initialization;
+  initialization.max_range_m = 40.0;
+  return RegistrationFront(cloud, reference, initialization, refine_correction);
+}
+
+SyntheticDrive curve() {
+  SyntheticDrive drive;
+  drive.twist_cog = planarTwist(12.0, 0.2);
+  drive.car_ahead = false;
+  return drive;
+}
+
+/// The filter's words about a sweep dt after the last: predicted to have moved by `increment`.
+SweepPrediction predictionOf(double stamp_s, double dt_s, const Pose& T_previous, const Pose& increment, bool motion_known) {
+  SweepPrediction prediction;
+  prediction.stamp_s = stamp_s;
+  prediction.dt_s = dt_s;
+  prediction.T_odom_cog_previous = T_previous;
+  prediction.T_odom_cog = T_previous * increment;
+  prediction.motion_known = motion_known;
+  return prediction;
+}
+
+FilterState stateOf(const SweepPrediction& prediction, const Pose& T_odom_cog, bool corrected) {
+  FilterState state;
+  state.stamp_s = prediction.stamp_s;
+  state.dt_s = prediction.dt_s;
+  state.T_odom_cog = T_odom_cog;
+  state.T_previous_now = prediction.T_odom_cog_previous.inverse() * T_odom_cog;
+  state.corrected = corrected;
+  return state;
+}
+
+double distanceToScene(const Eigen::Vector3d& p, const Scene& scene) {
+  double nearest = 1e9;
+  for (const Rectangle& r : scene) {
+    const Eigen::Vector3d d = p - r.origin;
+    const double a = std::clamp(d.dot(r.side_u) / r.side_u.squaredNorm(), 0.0, 1.0);
+    const double b = std::clamp(d.dot(r.side_v) / r.side_v.squaredNorm(), 0.0, 1.0);
+    nearest = std::min(nearest, (d - a * r.side_u - b * r.side_v).norm());
+  }
+  return nearest;
+}
+
+double meanDistance(const std::vector<Eigen::Vector3d>& points, const Scene& scene) {
+  double sum = 0.0;
+  for (const Eigen::Vector3d& p : points) sum += distanceToScene(p, scene);
+  return sum / static_cast<double>(points.size());
+}
+
+std::vector<Eigen::Vector3d> moved(const Points& points, const Pose& T) {
+  std::vector<Eigen::Vector3d> out;
+  for (const Eigen::Vector3f& p : points) out.push_back(T * p.cast<double>());
+  return out;
+}
+
+/// Runs the first sweep through a front: the filter knows nothing and starts at the origin.
+void placeFirst(RegistrationFront& front, const SyntheticDrive& drive) {
+  const SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.0, 1), prediction, drive.T_cog_lidar));
+  EXPECT_TRUE(front.map().empty());
+  front.place(stateOf(prediction, Pose::Identity(), false));
+  EXPECT_FALSE(front.map().empty());
+}
+
+TEST(RegistrationFront, startsAtThePredictionOnceMotionIsKnown) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  const Pose guess = poseOf(0.7, 0.1, 0.0, 0.0, 0.0, 0.5);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), predictionOf(0.1, 0.1, Pose::Identity(), guess, true), drive.T_cog_lidar));
+  EXPECT_EQ(front.T_odom_cog_start().matrix(), guess.matrix());
+  EXPECT_GT(front.cloud().plane_points_cog.size(), 500u);
+}
+
+TEST(RegistrationFront, theSecondSweepStartsWhereTheSearchFoundIt) {
+  for (const bool refine : {true, false}) {
+    RegistrationFront front = makeFront(refine);
+    const SyntheticDrive drive = curve();
+    placeFirst(front, drive);
+    EXPECT_GT(meanDistance(front.map().points(), drive.scene), kBent_m);  // bent: the motion was not known
+    const SweepPrediction standstill = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
+    const CorrectedSweep sweep = drive.sweep(0.1, 2);
+    ASSERT_TRUE(front.prepare(sweep, standstill, drive.T_cog_lidar));
+    EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.1)), 0.1);
+    EXPECT_LT(rotationErrorDeg(front.T_odom_cog_start(), drive.pose(0.1)), 0.3);
+    // the second sweep is straight now, and so is the first, if that is wanted
+    EXPECT_LT(meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene), kStraight_m);
+    EXPECT_LT(meanDistance(moved(front.cloud().point_points_cog, drive.pose(0.1)), drive.scene), kStraight_m);
+    if (refine) {
+      EXPECT_LT(meanDistance(front.map().points(), drive.scene), kStraight_m);
+    } else {
+      EXPECT_GT(meanDistance(front.map().points(), drive.scene), kBent_m);
+    }
+  }
+}
+
+TEST(RegistrationFront, aLostSecondSweepDoesNotShiftTheThird) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  const SweepPrediction lost = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
+  EXPECT_FALSE(front.prepare(CorrectedSweep(), lost, drive.T_cog_lidar));
+  front.place(stateOf(lost, Pose::Identity(), false));
+  const SweepPrediction third = predictionOf(0.2, 0.1, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.2, 3), third, drive.T_cog_lidar));
+  EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.2)), 0.15);
+  EXPECT_LT(rotationErrorDeg(front.T_odom_cog_start(), drive.pose(0.2)), 0.5);
+  // nor bend it: the filter catches up two steps in one
+  front.place(stateOf(third, drive.pose(0.2), true));
+  EXPECT_LT(meanDistance(front.map().points(), drive.scene), kStraight_m);
+}
+
+TEST(RegistrationFront, whereNoMotionIsFoundItStartsAtThePrediction) {
+  RegistrationFront front = makeFront(true);
+  SyntheticDrive drive = curve();
+  drive.scene = {ground(-40.0, -40.0, 40.0, 40.0)};
+  placeFirst(front, drive);
+  const SweepPrediction standstill = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), standstill, drive.T_cog_lidar));
+  EXPECT_EQ(front.T_odom_cog_start().matrix(), Pose::Identity().matrix());
+}
+
+TEST(RegistrationFront, tooFewPointsAreNotPlaced) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  CorrectedSweep sweep = drive.sweep(0.0, 1);
+  sweep.points_lidar.resize(300);
+  sweep.times_s.resize(300);
+  const SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
+  EXPECT_FALSE(front.prepare(sweep, prediction, drive.T_cog_lidar));
+  front.place(stateOf(prediction, Pose::Identity(), false));
+  EXPECT_TRUE(front.map().empty());
+}
+
+TEST(RegistrationFront, aPreparedSweepIsPlacedOnce) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  const std::vector<Eigen::Vector3d> before = front.map().points();
+  front.place(stateOf(predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), true), poseOf(3.3, 0.0, 0.0, 0.0, 0.0, 0.0), true));
+  EXPECT_EQ(front.map().points(), before);
+}
+
+/// A few far points, one a voxel, with times from -50 to 50 ms.
+CorrectedSweep fewPoints() {
+  CorrectedSweep sweep;
+  for (int i = 0; i <= 10; ++i) {
+    sweep.points_lidar.emplace_back(20.0f, 3.0f * static_cast<float>(i) + 0.5f, 0.5f);
+    sweep.times_s.push_back(0.01f * static_cast<float>(i - 5));
+  }
+  return sweep;
+}
+
+std::vector<Eigen::Vector3d> sortedByY(std::vector<Eigen::Vector3d> points) {
+  std::sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.y() < b.y(); });
+  return points;
+}
+
+/// fewPoints() moved by the twist during the sweep.
+void expectBentBy(const Vector6d& twist, const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_cog) {
+  const CorrectedSweep sweep = fewPoints();
+  const std::vector<Eigen::Vector3d> sorted = sortedByY(points);
+  ASSERT_EQ(sorted.size(), sweep.points_lidar.size());
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const Eigen::Vector3d expected =
+        T_odom_cog * expSe3(static_cast<double>(sweep.times_s[i]) * twist) * sweep.points_lidar[i].cast<double>();
+    EXPECT_LT((sorted[i] - expected).norm(), 1e-3) << i;
+  }
+}
+
+TEST(RegistrationFront, placesTheSweepCorrectedForTheMotionThatWasEstimated) {
+  const Pose predicted = poseOf(1.0, 0.0, 0.0, 0.0, 0.0, 0.0), estimated = poseOf(1.2, 0.02, 0.0, 0.0, 0.0, 0.5);
+  for (const bool refine : {true, false}) {
+    RegistrationFront front = makeFront(refine, 1);
+    const SweepPrediction first = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), true);
+    CorrectedSweep beyond;  // a first sweep that leaves nothing near the second's points
+    beyond.points_lidar.emplace_back(-30.0f, -30.0f, 0.5f);
+    ASSERT_TRUE(front.prepare(beyond, first, Pose::Identity()));
+    front.place(stateOf(first, Pose::Identity(), false));
+    const SweepPrediction second = predictionOf(0.1, 0.1, Pose::Identity(), predicted, true);
+    ASSERT_TRUE(front.prepare(fewPoints(), second, Pose::Identity()));
+    front.place(stateOf(second, estimated, true));
+    std::vector<Eigen::Vector3d> points = sortedByY(front.map().points());
+    points.erase(points.begin());  // the first sweep's
+    const Vector6d missed = (logSe3(estimated) - logSe3(predicted)) / 0.1;
+    expectBentBy(refine ? missed : Vector6d(Vector6d::Zero()), points, estimated);
+  }
+}
+
+TEST(RegistrationFront, aJumpBackFromCoastingBendsNoSweep) {
+  RegistrationFront front = makeFront(true, 1);
+  const Pose step = poseOf(1.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+  const SweepPrediction coasted = predictionOf(0.1, 0.1, Pose::Identity(), step, true);
+  ASSERT_FALSE(front.prepare(CorrectedSweep(), coasted, Pose::Identity()));
+  front.place(stateOf(coasted, step, false));
+  const SweepPrediction next = predictionOf(0.2, 0.1, step, step, true);
+  ASSERT_TRUE(front.prepare(fewPoints(), next, Pose::Identity()));
+  const Pose measured = poseOf(2.5, 0.0, 0.0, 0.0, 0.0, 0.0);  // half a metre had been missed while coasting
+  front.place(stateOf(next, measured, true));
+  expectBentBy(Vector6d::Zero(), front.map().points(), measured);
+}
+
+TEST(RegistrationFront, afterAResetTheNextSweepIsTheFirst) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  front.reset();
+  EXPECT_TRUE(front.map().empty());
+  placeFirst(front, drive);
+  const SweepPrediction standstill = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), standstill, drive.T_cog_lidar));
+  EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.1)), 0.1);
+}
+
+}  // namespace
+}  // namespace fail_aware
