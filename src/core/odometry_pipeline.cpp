@@ -87,6 +87,7 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
   const bool registrable = front.prepare(corrected, prediction, T_cog_lidar);
   const auto point = [&] {
     Stopwatch watch;
+    if (use.use_point && !registrable) result.point.status = MeasurementStatus::kTooFewPoints;
     if (use.use_point && registrable) {
       result.point = multiplex.align(front.cloud().point_points_cog, front.map(), front.T_odom_cog_start(),
                                      front.startCovariance());
@@ -95,6 +96,7 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
   };
   const auto plane = [&] {
     Stopwatch watch;
+    if (use.use_plane && !registrable) result.plane.status = MeasurementStatus::kTooFewPoints;
     if (use.use_plane && registrable) {
       result.plane = normal_filtered.align(front.cloud().plane_points_cog, front.map(), front.T_odom_cog_start(),
                                            prediction.sigma_yaw_rad);

@@ -23,6 +23,8 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "offline_odometry";
+constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv", "summary.json",
+                                  "parameters.yaml"};
 
 struct Options {
   std::string kitti, output, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg;
@@ -58,6 +60,10 @@ fs::path makeOutput(const std::string& output) {
     throw InputError("cannot write in the output folder " + output);
   }
   fs::remove(probe, error);
+  for (const char* name : kFiles) {
+    const fs::path file = fs::path(output) / name;
+    if (fs::exists(file) && !std::ofstream(file, std::ios::app)) throw InputError("cannot write " + file.string());
+  }
   return output;
 }
 
@@ -72,13 +78,14 @@ struct BadScan {
 };
 
 int run(const Options& options) {
+  requireNotNegative("--redundant-at", options.redundant_at_s);  // NaN passes the option's own check
   const KittiDirectory directory = KittiDirectory::open(options.kitti);
   const auto all = static_cast<long>(directory.size());
   if (options.first >= all) {
     throw InputError("--first " + std::to_string(options.first) + ": " + options.kitti + " has " + std::to_string(all) +
                      " scans");
   }
-  const long last = options.count < 0 ? all : std::min(all, options.first + options.count);
+  const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
   PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
   params.sensor.timing.stamp_reference = "mid";  // KITTI's stamps mean facing forward; --set can say otherwise
   for (const std::string& assignment : options.set) setParameter(params, assignment);
@@ -136,11 +143,13 @@ int run(const Options& options) {
   summary["max_rss_mb"] = maxRssMb();
   summary["threads"] = options.threads;
   summary["profile"] = options.profile;
+  // a file's name need not be UTF-8
+  const std::string json = summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   std::ofstream file(output / "summary.json");
-  file << summary.dump(2) << "\n";
+  file << json << "\n";
   if (!file.flush()) throw std::runtime_error("cannot write " + (output / "summary.json").string());
   log.close();
-  std::cout << summary.dump(2) << std::endl;
+  std::cout << json << std::endl;
   if (bad_scans.size() == lidar_trajectory.size()) {
     return reportError(kName, "no scan of " + options.kitti + " could be used", kExitFailed);
   }

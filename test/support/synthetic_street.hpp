@@ -1,5 +1,6 @@
 // A made-up street and a spinning lidar in it, for tests of whole drives: every ray is intersected analytically with
-// the ground (z = 0), boxes (houses, garden walls, parked cars) and poles. The street runs along x, from -80 m to 240 m.
+// the ground (z = 0), boxes (houses, garden walls, parked cars) and poles. The street runs along x, from -80 m on to
+// 240 m.
 // The same seed gives the same points; the scene itself has no seed.
 #pragma once
 

@@ -8,6 +8,13 @@
 
 namespace fail_aware {
 
+namespace {
+
+/// False for what is not finite or has no voxel: |v| >= 1e9.
+bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e18; }
+
+}  // namespace
+
 void VoxelMap::Params::validate() const {
   requirePositive("voxel_size_m", voxel_size_m);
   requireWithin("max_points", max_points, 1, kMaxPoints);
@@ -50,9 +57,9 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
   touched_.clear();
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3d p = R * point.cast<double>() + t;
-    if (!p.allFinite()) continue;
-    const std::int32_t x = fastFloor(p.x() * inverse_size_), y = fastFloor(p.y() * inverse_size_),
-                       z = fastFloor(p.z() * inverse_size_);
+    const Eigen::Vector3d scaled = p * inverse_size_;
+    if (!isInReach(scaled)) continue;
+    const std::int32_t x = fastFloor(scaled.x()), y = fastFloor(scaled.y()), z = fastFloor(scaled.z());
     const std::uint32_t i = findOrAdd(x, y, z);
     Voxel& voxel = voxels_[i];
     Statistics& s = voxel.statistics;
@@ -145,6 +152,7 @@ void VoxelMap::clear() {
 
 bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
+  if (!isInReach(scaled)) return false;
   const std::int32_t x = fastFloor(scaled.x()), y = fastFloor(scaled.y()), z = fastFloor(scaled.z());
   const auto consider = [&](std::int32_t vx, std::int32_t vy, std::int32_t vz) {
     const auto it = index_.find(packVoxel(vx, vy, vz));
@@ -176,6 +184,7 @@ bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) c
 
 bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
+  if (!isInReach(scaled)) return false;
   const std::int32_t x = fastFloor(scaled.x() - 0.5), y = fastFloor(scaled.y() - 0.5), z = fastFloor(scaled.z() - 0.5);
   const auto max_points = static_cast<std::size_t>(params_.max_points);
   float best = static_cast<float>(max_distance_m * max_distance_m);

@@ -17,6 +17,17 @@ Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& stat
   return J * state_covariance * J.transpose();
 }
 
+// Nothing was there to register against: the first motion will be measured from this sweep on.
+bool beginReference(const std::vector<FusionInput>& measurements) {
+  bool any = false;
+  for (const FusionInput& input : measurements) {
+    if (!input.measurement) continue;
+    if (input.measurement->status != MeasurementStatus::kNoReference) return false;
+    any = true;
+  }
+  return any;
+}
+
 }  // namespace
 
 void PoseFilter::Params::validate() const {
@@ -111,7 +122,9 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     next.increment_covariance = incrementCovariance(next, prediction_);
   }
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
-  const bool measured = next.corrected || !started_;
+  const bool begins = !started_ || (!prediction_.motion_known && beginReference(measurements));
+  const bool measured = next.corrected || begins;
+  if (begins) history_.clear();
   started_ = true;
   state_ = next;
   if (measured) history_.push(next.stamp_s, next.T_odom_cog);

@@ -20,9 +20,9 @@ bool isPath(const std::string& name) {
 
 std::string resolve(const fs::path& folder, const std::string& name, const std::string& what) {
   const fs::path file = isPath(name) ? fs::path(name) : folder / (name + ".yaml");
-  if (fs::is_regular_file(file)) return file.string();
+  std::error_code error;  // a name that cannot be a file's is no file
+  if (fs::is_regular_file(file, error)) return file.string();
   std::vector<std::string> known;
-  std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".yaml") known.push_back(entry.path().stem().string());
   }
@@ -32,7 +32,10 @@ std::string resolve(const fs::path& folder, const std::string& name, const std::
   throw InputError("no " + what + " " + name + "; there are: " + list + "; or give the path of a yaml file");
 }
 
-bool isCfg(const fs::path& folder) { return fs::is_directory(folder / "profiles"); }
+bool isCfg(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_directory(folder / "profiles", error);
+}
 
 }  // namespace
 

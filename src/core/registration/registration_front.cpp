@@ -63,6 +63,7 @@ void RegistrationFront::place(const FilterState& state) {
   if (refine_correction_ && between_measured && state.dt_s > 0.0) recorrectFor(logSe3(state.T_previous_now) / state.dt_s);
   only_first_placed_ = map().empty();
   if (only_first_placed_) {
+    last_measured_ = true;  // by definition: the first motion is measured from here
     first_cloud_ = cloud_;
     T_odom_cog_first_ = state.T_odom_cog;
   }

@@ -28,7 +28,8 @@ Points randomPoints(std::size_t count, float half_width, unsigned seed) {
 
 TEST(VoxelFilter, keepsTheFirstPointOfEachVoxel) {
   VoxelFilter filter;
-  const Points points = {{2.6f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}, {2.1f, 0.9f, 0.9f}, {0.1f, 0.1f, 0.1f}, {0.1f, 1.1f, 0.1f}};
+  const Points points = {
+      {2.6f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}, {2.1f, 0.9f, 0.9f}, {0.1f, 0.1f, 0.1f}, {0.1f, 1.1f, 0.1f}};
   EXPECT_EQ(filter.select(points, 1.0, 0.0, kFar), (Indices{0, 1, 4}));
 }
 
@@ -54,7 +55,8 @@ TEST(VoxelFilter, agreesWithASetOfVoxels) {
     for (std::uint32_t i = 0; i < points.size(); ++i) {
       std::array<int, 3> voxel;
       for (int k = 0; k < 3; ++k) {
-        voxel[static_cast<std::size_t>(k)] = static_cast<int>(std::floor(points[i][k] * static_cast<float>(1.0 / size)));
+        voxel[static_cast<std::size_t>(k)] =
+            static_cast<int>(std::floor(points[i][k] * static_cast<float>(1.0 / size)));
       }
       if (seen.insert(voxel).second) expected.push_back(i);
     }
@@ -74,8 +76,8 @@ TEST(VoxelFilter, theSameWhateverItWasUsedForBefore) {
 
 TEST(VoxelFilter, rangeLimitsAreInclusive) {
   VoxelFilter filter;
-  const Points points = {{0.0f, 0.0f, 0.0f}, {2.99f, 0.0f, 0.0f}, {0.0f, 3.0f, 0.0f},
-                         {0.0f, 0.0f, -5.0f}, {6.0f, 8.0f, 0.0f}, {6.0f, 8.1f, 0.0f}};
+  const Points points = {{0.0f, 0.0f, 0.0f},  {2.99f, 0.0f, 0.0f}, {0.0f, 3.0f, 0.0f},
+                         {0.0f, 0.0f, -5.0f}, {6.0f, 8.0f, 0.0f},  {6.0f, 8.1f, 0.0f}};
   EXPECT_EQ(filter.select(points, 0.1, 3.0, 10.0), (Indices{2, 3, 4}));
   EXPECT_EQ(filter.select(points, 0.0, 3.0, 10.0), (Indices{2, 3, 4}));
 }
@@ -91,7 +93,7 @@ TEST(VoxelFilter, withoutAVoxelSizeEveryPointInRangeStays) {
 TEST(VoxelFilter, refusesWhatIsNotFinite) {
   VoxelFilter filter;
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
-  const Points points = {{nan, 1.0f, 1.0f},      {1.0f, nan, 1.0f}, {1.0f, 1.0f, nan},     {infinity, 1.0f, 1.0f},
+  const Points points = {{nan, 1.0f, 1.0f},      {1.0f, nan, 1.0f},  {1.0f, 1.0f, nan},      {infinity, 1.0f, 1.0f},
                          {1.0f, -infinity, nan}, {1.0f, 1.0f, 1.0f}, {1.0f, -infinity, 1.0f}};
   for (const double max_range : {kFar, 1e30, std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(filter.select(points, 0.5, 0.0, max_range), (Indices{5})) << max_range;
@@ -101,7 +103,8 @@ TEST(VoxelFilter, refusesWhatIsNotFinite) {
 
 TEST(VoxelFilter, candidatesAreIndicesIntoAllPoints) {
   VoxelFilter filter;
-  const Points points = {{0.1f, 0.0f, 0.0f}, {5.1f, 0.0f, 0.0f}, {0.2f, 0.0f, 0.0f}, {5.2f, 0.0f, 0.0f}, {9.0f, 0.0f, 0.0f}};
+  const Points points = {
+      {0.1f, 0.0f, 0.0f}, {5.1f, 0.0f, 0.0f}, {0.2f, 0.0f, 0.0f}, {5.2f, 0.0f, 0.0f}, {9.0f, 0.0f, 0.0f}};
   EXPECT_EQ(filter.select(points, Indices{2, 3, 4}, 1.0), (Indices{2, 3, 4}));
   EXPECT_EQ(filter.select(points, Indices{0, 2, 3}, 1.0), (Indices{0, 3}));
   EXPECT_TRUE(filter.select(points, Indices{}, 1.0).empty());

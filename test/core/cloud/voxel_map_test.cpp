@@ -101,10 +101,14 @@ TEST(VoxelMap, aLineIsNoPlane) {
 }
 
 TEST(VoxelMap, aThickPatchIsNoPlane) {
-  VoxelMap::PlaneMatch match;
-  VoxelMap map(testParams());
-  map.insert(patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 150, 0.16f, 4), Pose::Identity());
-  EXPECT_FALSE(map.findPlane(Eigen::Vector3d(0.5, 0.5, 0.5), match));
+  VoxelMap::Params params = testParams();
+  params.min_plane_flatness = 1.5;  // flat enough, but thick
+  for (const float sigma : {0.10f, 0.14f}) {
+    VoxelMap::PlaneMatch match;
+    VoxelMap map(params);
+    map.insert(patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 150, sigma, 4), Pose::Identity());
+    EXPECT_EQ(map.findPlane(Eigen::Vector3d(0.5, 0.5, 0.5), match), sigma < 0.12f) << sigma;
+  }
 }
 
 TEST(VoxelMap, fewPointsAreNoPlane) {
@@ -150,6 +154,18 @@ TEST(VoxelMap, isFrozenAfterMaxSamples) {
   EXPECT_EQ(map.points(), stored);
 }
 
+TEST(VoxelMap, isFrozenWithAllItsSamples) {
+  VoxelMap::Params params = testParams();
+  params.max_samples = 50;
+  VoxelMap map(params);
+  const Points points = patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 50, 0.01f, 25);
+  map.insert(Points(points.begin(), points.begin() + 45), Pose::Identity());
+  map.insert(Points(points.begin() + 45, points.end()), Pose::Identity());
+  VoxelMap::PlaneMatch match;
+  ASSERT_TRUE(map.findPlane(Eigen::Vector3d(0.5, 0.5, 0.5), match));
+  EXPECT_EQ(match.samples, 50.0f);
+}
+
 TEST(VoxelMap, storedPointsKeepTheirSpacingAndNumber) {
   VoxelMap map(testParams());
   const Points points = randomPoints(5000, 2.0f, 10);
@@ -158,7 +174,8 @@ TEST(VoxelMap, storedPointsKeepTheirSpacingAndNumber) {
   EXPECT_EQ(map.size(), 64u);
   EXPECT_EQ(stored.size(), 64u * 12u);
   for (std::size_t i = 0; i < stored.size(); ++i) {
-    for (std::size_t j = i + 1; j < stored.size() && (stored[i].array().floor() == stored[j].array().floor()).all(); ++j) {
+    for (std::size_t j = i + 1; j < stored.size() && (stored[i].array().floor() == stored[j].array().floor()).all();
+         ++j) {
       EXPECT_GE((stored[i] - stored[j]).norm(), 0.1 - 1e-6);
     }
   }
@@ -212,8 +229,8 @@ TEST(VoxelMap, findsPlanesAcrossTheNearFaceOnly) {
   EXPECT_TRUE(map.findPlane(Eigen::Vector3d(2.1, 0.5, 0.5), match));
   EXPECT_TRUE(map.findPlane(Eigen::Vector3d(1.5, -0.1, 0.5), match));
   EXPECT_TRUE(map.findPlane(Eigen::Vector3d(1.5, 0.5, 1.1), match));
-  EXPECT_FALSE(map.findPlane(Eigen::Vector3d(0.4, 0.5, 0.5), match));   // nearer to the other face
-  EXPECT_FALSE(map.findPlane(Eigen::Vector3d(0.9, 1.1, 0.5), match));   // shares only an edge
+  EXPECT_FALSE(map.findPlane(Eigen::Vector3d(0.4, 0.5, 0.5), match));  // nearer to the other face
+  EXPECT_FALSE(map.findPlane(Eigen::Vector3d(0.9, 1.1, 0.5), match));  // shares only an edge
   EXPECT_FALSE(map.findPlane(Eigen::Vector3d(-0.9, 0.5, 0.5), match));
 }
 
@@ -276,8 +293,8 @@ TEST(VoxelMap, forgetsFarVoxelsAndKeepsTheRestIntact) {
   VoxelMap map(testParams());
   Points points;
   for (int x = -30; x < 30; ++x) {
-    const Points some = patch({static_cast<float>(x) + 0.5f, 0.5f, 0.5f}, {0.1f * static_cast<float>(x), 0.0f, 1.0f}, 30,
-                              0.01f, static_cast<unsigned>(x + 100));
+    const Points some = patch({static_cast<float>(x) + 0.5f, 0.5f, 0.5f}, {0.1f * static_cast<float>(x), 0.0f, 1.0f},
+                              30, 0.01f, static_cast<unsigned>(x + 100));
     points.insert(points.end(), some.begin(), some.end());
   }
   map.insert(points, Pose::Identity());
@@ -341,6 +358,21 @@ TEST(VoxelMap, refusesWhatIsNotFinite) {
   EXPECT_TRUE(match.normal.allFinite());
   map.insert(good, translationPose(0.0, std::numeric_limits<double>::quiet_NaN(), 0.0));
   EXPECT_EQ(map.points(), clean.points());
+}
+
+TEST(VoxelMap, hasNothingForQueriesThatAreNotFinite) {
+  VoxelMap map(testParams());
+  map.insert(patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 50, 0.01f, 26), Pose::Identity());
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e30}) {
+    VoxelMap::PlaneMatch plane;
+    VoxelMap::PointMatch point;
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::Vector3d query(0.5, 0.5, 0.5);
+      query[axis] = bad;
+      EXPECT_FALSE(map.findPlane(query, plane));
+      EXPECT_FALSE(map.findNearest(query, 1.0, point));
+    }
+  }
 }
 
 TEST(VoxelMap, isEmptyAfterClear) {

@@ -334,8 +334,10 @@ TEST(PoseFilter, ParametersAreChecked) {
     return std::string();
   };
   EXPECT_EQ(refused([](PoseFilter::Params&) {}), "");
-  EXPECT_NE(refused([](PoseFilter::Params& p) { p.initial_sigma_m = 0.0; }).find("initial_sigma_m = 0"), std::string::npos);
-  EXPECT_NE(refused([](PoseFilter::Params& p) { p.increment_scale = -1.0; }).find("increment_scale"), std::string::npos);
+  EXPECT_NE(refused([](PoseFilter::Params& p) { p.initial_sigma_m = 0.0; }).find("initial_sigma_m = 0"),
+            std::string::npos);
+  EXPECT_NE(refused([](PoseFilter::Params& p) { p.increment_scale = -1.0; }).find("increment_scale"),
+            std::string::npos);
   EXPECT_NE(refused([](PoseFilter::Params& p) { p.max_speed_mps = kNan; }).find("max_speed_mps"), std::string::npos);
 }
 

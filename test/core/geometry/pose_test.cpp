@@ -83,8 +83,7 @@ TEST(Pose, logInvertsExp) {
   const std::vector<Eigen::Vector3d> axes = {Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ(),
                                              Eigen::Vector3d(1.0, -2.0, 0.5).normalized()};
   for (const Eigen::Vector3d& axis : axes) {
-    for (const double angle :
-         {0.0, 1e-12, 1e-9, 1e-6, 0.99e-4, 1.01e-4, 1e-2, 1.0, 3.0, M_PI - 1e-3, M_PI - 1e-6}) {
+    for (const double angle : {0.0, 1e-12, 1e-9, 1e-6, 0.99e-4, 1.01e-4, 1e-2, 1.0, 3.0, M_PI - 1e-3, M_PI - 1e-6}) {
       const Vector6d twist = twistOf({1.5, -30.0, 4.0}, angle * axis);
       EXPECT_LT((logSe3(expSe3(twist)) - twist).norm(), 1e-8) << angle;
     }
@@ -139,9 +138,9 @@ TEST(Pose, stateJacobianMatchesFiniteDifferences) {
   const Vector6d state = vector6(5.0, 6.0, 7.0, 0.3, -0.8, 2.0);
   Matrix6d expected;
   for (int i = 0; i < 6; ++i) {
-    expected.col(i) = errorOf(poseFromVector(state + kStep * Vector6d::Unit(i)),
-                              poseFromVector(state - kStep * Vector6d::Unit(i))) /
-                      (2.0 * kStep);
+    expected.col(i) =
+        errorOf(poseFromVector(state + kStep * Vector6d::Unit(i)), poseFromVector(state - kStep * Vector6d::Unit(i))) /
+        (2.0 * kStep);
   }
   EXPECT_LT((poseFromStateJacobian(state.tail<3>()) - expected).norm(), 1e-8);
 }

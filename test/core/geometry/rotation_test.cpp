@@ -149,8 +149,8 @@ TEST(Rotation, fixedAxisRatesMatchFiniteDifferences) {
         Matrix3 expected;
         for (int i = 0; i < 3; ++i) {
           const Vector3 up = rpy + kStep * Vector3::Unit(i), down = rpy - kStep * Vector3::Unit(i);
-          const Matrix3 turned = rotationFromRpy(up.x(), up.y(), up.z()) *
-                                 rotationFromRpy(down.x(), down.y(), down.z()).transpose();
+          const Matrix3 turned =
+              rotationFromRpy(up.x(), up.y(), up.z()) * rotationFromRpy(down.x(), down.y(), down.z()).transpose();
           expected.col(i) = logSo3(turned) / (2.0 * kStep);
         }
         EXPECT_LT((fixedAxisFromRpyRates(rpy) - expected).norm(), 1e-8) << rpy.transpose();

@@ -32,7 +32,7 @@ std::optional<Vector6d> twistFound(const SyntheticDrive& drive, const MotionInit
 
 void expectTwist(const std::optional<Vector6d>& twist, double speed_mps, double yaw_rate_rps) {
   ASSERT_TRUE(twist.has_value());
-  EXPECT_NEAR((*twist)[0], speed_mps, 1.0);
+  EXPECT_NEAR((*twist)[0], speed_mps, 0.7);
   EXPECT_NEAR((*twist)[5], yaw_rate_rps, 0.06);
   for (const int i : {1, 2, 3, 4}) EXPECT_EQ((*twist)[i], 0.0);
 }
@@ -106,6 +106,15 @@ TEST(MotionInitialization, findsNothingWhereTheSweepsDoNotOverlap) {
   MotionInitialization initialization(testParams());
   initialization.setFirst(here.sweep(0.0, 1), here.T_cog_lidar);
   EXPECT_FALSE(initialization.findTwist(elsewhere.sweep(0.1, 2), elsewhere.T_cog_lidar, 0.1).has_value());
+}
+
+TEST(MotionInitialization, looksNoFartherThanItsRange) {
+  MotionInitialization::Params params = testParams();
+  SyntheticDrive drive;
+  drive.scene = {wall(20.0, -10.0, 20.0, 10.0, 4.0)};
+  EXPECT_TRUE(twistFound(drive, params).has_value());
+  params.max_range_m = 15.0;
+  EXPECT_FALSE(twistFound(drive, params).has_value());
 }
 
 TEST(MotionInitialization, findsNothingWithoutTimeBetween) {

@@ -139,7 +139,8 @@ TEST(MultiplexIcp, fewerSeedsTakeTheLikelierErrors) {
 
 TEST(MultiplexIcp, recoversKnownMotionsBothWays) {
   MultiplexIcp::Params params = testParams();
-  params.step_translation_m = 5e-4;  // point to point creeps along a street: one seed stops 0.1 m short of it: one seed stops 0.1 m short
+  params.step_translation_m =
+      5e-4;  // point to point creeps along a street: one seed stops 0.1 m short of it: one seed stops 0.1 m short
   params.step_rotation_deg = 0.005;
   params.max_iterations = 100;
   const Pose T_a_b = poseOf(0.25, -0.1, 0.02, 0.1, -0.2, 1.0);
@@ -159,7 +160,8 @@ TEST(MultiplexIcp, recoversKnownMotionsBothWays) {
       const MultiplexIcp icp(params);
       const Measurement forward = icp.align(few_b, map_a, Pose::Identity(), P);
       const Measurement backward = icp.align(few_a, map_b, Pose::Identity(), P);
-      for (const auto& [measured, truth] : {std::make_pair(forward, T_a_b), std::make_pair(backward, T_a_b.inverse())}) {
+      for (const auto& [measured, truth] :
+           {std::make_pair(forward, T_a_b), std::make_pair(backward, T_a_b.inverse())}) {
         ASSERT_TRUE(measured.ok()) << toString(measured.status);
         EXPECT_LT(translationError(measured.T_odom_cog, truth), 0.05) << seeds;
         EXPECT_LT(rotationErrorDeg(measured.T_odom_cog, truth), 0.2) << seeds;
@@ -253,7 +255,8 @@ TEST(MultiplexIcp, seedsThatDisagreeWidenTheCovariance) {
   const VoxelMap map = mapOf(sampleScene(posts, 60.0, kNoise_m, 1), Pose::Identity());
   const Points points = seenFrom(sampleScene(posts, 25.0, kNoise_m, 2), poseOf(0.6, 0.0, 0.0, 0.0, 0.0, 0.0));
   MultiplexIcp::Params params = testParams();
-  const Measurement ambiguous = MultiplexIcp(params).align(points, map, Pose::Identity(), covarianceOf(0.5, 0.1, 0.05, 0.5));
+  const Measurement ambiguous =
+      MultiplexIcp(params).align(points, map, Pose::Identity(), covarianceOf(0.5, 0.1, 0.05, 0.5));
   EXPECT_GT(ambiguous.seed_spread_m, 0.3);
   EXPECT_GT(std::sqrt(ambiguous.covariance(0, 0)), 0.3 / std::sqrt(3.0));
   expectUsable(ambiguous);
@@ -303,8 +306,9 @@ TEST(MultiplexIcp, onlyTheBestSeedsAreRefined) {
 
 TEST(MultiplexIcp, withoutAReferenceItSaysSo) {
   const Pose start = poseOf(1.0, 2.0, 3.0, 0.0, 0.0, 40.0);
-  const Measurement m = MultiplexIcp(testParams()).align(Points(500, Eigen::Vector3f::Ones()), VoxelMap(), start,
-                                                         covarianceOf(0.1, 0.1, 0.1, 0.1));
+  const Measurement m =
+      MultiplexIcp(testParams())
+          .align(Points(500, Eigen::Vector3f::Ones()), VoxelMap(), start, covarianceOf(0.1, 0.1, 0.1, 0.1));
   EXPECT_EQ(m.status, MeasurementStatus::kNoReference);
   EXPECT_EQ(m.T_odom_cog.matrix(), start.matrix());
 }

@@ -138,8 +138,9 @@ TEST(NormalEquations, covarianceIsSymmetricPositiveDefinite) {
 }
 
 TEST(NormalEquations, horizontalShareIsTheWeakerOfTheTwo) {
-  EXPECT_NEAR(solveObserved(diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0), testParams()).min_horizontal_share,
-              0.1, 1e-12);
+  EXPECT_NEAR(
+      solveObserved(diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0), testParams()).min_horizontal_share,
+      0.1, 1e-12);
   NormalEquations turned = diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0);
   turned.H = rotateCovariance(turned.H, rotationFromRpy(0.0, 0.0, 0.7)).eval();
   EXPECT_NEAR(solveObserved(turned, testParams()).min_horizontal_share, 0.1, 1e-12);

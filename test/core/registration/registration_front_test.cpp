@@ -36,7 +36,8 @@ SyntheticDrive curve() {
 }
 
 /// The filter's words about a sweep dt after the last: predicted to have moved by `increment`.
-SweepPrediction predictionOf(double stamp_s, double dt_s, const Pose& T_previous, const Pose& increment, bool motion_known) {
+SweepPrediction predictionOf(double stamp_s, double dt_s, const Pose& T_previous, const Pose& increment,
+                             bool motion_known) {
   SweepPrediction prediction;
   prediction.stamp_s = stamp_s;
   prediction.dt_s = dt_s;
@@ -93,7 +94,8 @@ TEST(RegistrationFront, startsAtThePredictionOnceMotionIsKnown) {
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
   const Pose guess = poseOf(0.7, 0.1, 0.0, 0.0, 0.0, 0.5);
-  ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), predictionOf(0.1, 0.1, Pose::Identity(), guess, true), drive.T_cog_lidar));
+  ASSERT_TRUE(
+      front.prepare(drive.sweep(0.1, 2), predictionOf(0.1, 0.1, Pose::Identity(), guess, true), drive.T_cog_lidar));
   EXPECT_EQ(front.T_odom_cog_start().matrix(), guess.matrix());
   EXPECT_GT(front.cloud().plane_points_cog.size(), 500u);
 }
@@ -163,7 +165,8 @@ TEST(RegistrationFront, aPreparedSweepIsPlacedOnce) {
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
   const std::vector<Eigen::Vector3d> before = front.map().points();
-  front.place(stateOf(predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), true), poseOf(3.3, 0.0, 0.0, 0.0, 0.0, 0.0), true));
+  front.place(stateOf(predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), true),
+                      poseOf(3.3, 0.0, 0.0, 0.0, 0.0, 0.0), true));
   EXPECT_EQ(front.map().points(), before);
 }
 
@@ -178,7 +181,8 @@ CorrectedSweep fewPoints() {
 }
 
 std::vector<Eigen::Vector3d> sortedByY(std::vector<Eigen::Vector3d> points) {
-  std::sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.y() < b.y(); });
+  std::sort(points.begin(), points.end(),
+            [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.y() < b.y(); });
   return points;
 }
 

@@ -16,7 +16,7 @@ struct SyntheticDrive {
   Scene scene = street();
   double points_per_m2 = 4.0;
   double max_range_m = 30.0;
-  bool car_ahead = false;    ///< 9 m ahead, as fast as the vehicle
+  bool car_ahead = false;     ///< 9 m ahead, as fast as the vehicle
   bool ground_rings = false;  ///< the scan lines on flat ground, which travel with the sensor
 
   Pose pose(double time_s) const { return expSe3(twist_cog * time_s); }
@@ -39,7 +39,8 @@ struct SyntheticDrive {
       add((pose(stamp_s + time_s) * T_cog_lidar).inverse() * p, time_s);
     }
     if (car_ahead) {
-      const Scene car = {wall(9.0, -0.9, 9.0, 0.9, 1.5), wall(9.0, -0.9, 13.0, -0.9, 1.5), wall(9.0, 0.9, 13.0, 0.9, 1.5)};
+      const Scene car = {wall(9.0, -0.9, 9.0, 0.9, 1.5), wall(9.0, -0.9, 13.0, -0.9, 1.5),
+                         wall(9.0, 0.9, 13.0, 0.9, 1.5)};
       for (const Eigen::Vector3d& p : sampleScene(car, 150.0, 0.01, seed + 1000)) {
         const Eigen::Vector3d in_lidar = T_cog_lidar.inverse() * p;
         add(in_lidar, timeOf(in_lidar));

@@ -40,8 +40,9 @@ inline void addPost(Scene& scene, double x, double y, double width_m, double hei
 
 /// 24 m x 18 m, with a ledge and a pillar so that no half turn maps it onto itself.
 inline Scene room() {
-  Scene scene = {wall(-11.0, -8.0, 13.0, -8.0, 4.0), wall(13.0, -8.0, 13.0, 10.0, 4.0), wall(13.0, 10.0, -11.0, 10.0, 4.0),
-                 wall(-11.0, 10.0, -11.0, -8.0, 4.0), wall(5.0, 10.0, 5.0, 7.0, 3.0),   ground(-11.0, -8.0, 13.0, 10.0)};
+  Scene scene = {wall(-11.0, -8.0, 13.0, -8.0, 4.0), wall(13.0, -8.0, 13.0, 10.0, 4.0),
+                 wall(13.0, 10.0, -11.0, 10.0, 4.0), wall(-11.0, 10.0, -11.0, -8.0, 4.0),
+                 wall(5.0, 10.0, 5.0, 7.0, 3.0),     ground(-11.0, -8.0, 13.0, 10.0)};
   addPost(scene, -5.0, -4.0, 1.0, 4.0);
   return scene;
 }

@@ -1,0 +1,392 @@
+// Runs the built tool on a made-up drive; FAIL_AWARE_OFFLINE_ODOMETRY is its path (compile definition).
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "../support/synthetic_street.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+
+namespace fail_aware {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kScans = 10;
+const synthetic::Drive kDrive;
+
+using Row = std::map<std::string, std::string>;
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// Without comments.
+std::size_t rowsOf(const fs::path& path) {
+  const std::vector<std::string> lines = linesOf(content(path));
+  return static_cast<std::size_t>(
+      std::count_if(lines.begin(), lines.end(), [](const std::string& line) { return line.rfind("#", 0) != 0; }));
+}
+
+std::vector<std::string> cellsOf(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line) {
+    if (c == ',') {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  return cells;
+}
+
+std::vector<Row> readCsv(const fs::path& path) {
+  const std::vector<std::string> lines = linesOf(content(path));
+  std::vector<Row> rows;
+  if (lines.empty()) return rows;
+  const std::vector<std::string> names = cellsOf(lines[0]);
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const std::vector<std::string> cells = cellsOf(lines[i]);
+    EXPECT_EQ(cells.size(), names.size()) << "row " << i;
+    Row row;
+    for (std::size_t k = 0; k < std::min(names.size(), cells.size()); ++k) row[names[k]] = cells[k];
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+class OfflineOdometry : public ::testing::Test {
+ protected:
+  static fs::path base() { return fs::path(::testing::TempDir()) / ("offline_odometry_" + std::to_string(getpid())); }
+
+  static void SetUpTestSuite() {
+    fs::remove_all(base());
+    fs::create_directories(base() / "drive" / "velodyne");
+    const synthetic::Street street;
+    for (int i = 0; i < kScans; ++i) {
+      const Sweep sweep = street.scan([](double t) { return kDrive.T_street_base(t); }, 0.1 * i,
+                                      static_cast<std::uint32_t>(i));
+      std::vector<std::array<float, 4>> points;
+      for (const Eigen::Vector3f& p : sweep.points_lidar) points.push_back({p.x(), p.y(), p.z(), 0.5f});
+      std::ofstream(scan(base() / "drive", i), std::ios::binary)
+          .write(reinterpret_cast<const char*>(points.data()), static_cast<std::streamsize>(points.size() * 16));
+    }
+  }
+  static void TearDownTestSuite() { fs::remove_all(base()); }
+
+  void SetUp() override {
+    const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = base() / name;
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+
+  static fs::path scan(const fs::path& drive, int number) {
+    char name[16];
+    std::snprintf(name, sizeof(name), "%06d.bin", number);
+    return drive / "velodyne" / name;
+  }
+
+  /// A copy of the drive, to spoil.
+  fs::path copyOfDrive() const {
+    fs::copy(base() / "drive", folder_ / "drive", fs::copy_options::recursive);
+    return folder_ / "drive";
+  }
+
+  void runPlain(const std::string& arguments) {
+    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command =
+        "'" FAIL_AWARE_OFFLINE_ODOMETRY "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
+    const int status = std::system(command.c_str());
+    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    stdout_ = content(out);
+    stderr_ = content(err);
+  }
+
+  /// With a smaller search for the first speed than usual: a quicker test.
+  void run(const fs::path& drive, const std::string& more = "") {
+    runPlain("--kitti '" + drive.string() + "' --output '" + (folder_ / "out").string() +
+             "' --set registration.initialization.max_speed_mps=25"
+             " --set registration.initialization.max_yaw_rate_rps=0.2 " + more);
+  }
+
+  fs::path out(const std::string& name) const { return folder_ / "out" / name; }
+  nlohmann::json summary() const { return nlohmann::json::parse(content(out("summary.json"))); }
+
+  void expectRows(std::size_t rows) const {
+    EXPECT_EQ(rowsOf(out("trajectory_kitti.txt")), rows);
+    EXPECT_EQ(rowsOf(out("trajectory_tum.txt")), rows);
+    EXPECT_EQ(readCsv(out("per_sweep.csv")).size(), rows);
+    EXPECT_EQ(summary()["sweeps"], rows);
+  }
+
+  void expectOneLine(const std::string& part) const {
+    EXPECT_EQ(stderr_.rfind("offline_odometry: error: ", 0), 0u) << stderr_;
+    EXPECT_NE(stderr_.find(part), std::string::npos) << "'" << part << "' not in: " << stderr_;
+    EXPECT_EQ(stderr_.find('\n'), stderr_.size() - 1) << stderr_;
+  }
+
+  void expectRefused(const std::string& arguments, const std::string& part) {
+    runPlain(arguments);
+    EXPECT_EQ(exit_code_, 2) << arguments;
+    EXPECT_EQ(stdout_, "") << arguments;
+    expectOneLine(part);
+  }
+
+  fs::path folder_;
+  int exit_code_ = -1;
+  std::string stdout_, stderr_;
+};
+
+TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
+  run(base() / "drive");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(stderr_, "");
+  expectRows(kScans);
+
+  // 12 numbers a row, lidar frame, first pose identity, row by row where the lidar was
+  const std::vector<Pose> lidar = readKittiTrajectory(out("trajectory_kitti.txt").string());
+  ASSERT_EQ(lidar.size(), static_cast<std::size_t>(kScans));
+  EXPECT_TRUE(lidar[0].isApprox(Pose::Identity(), 1e-9));
+  const Pose T_base_lidar = synthetic::Lidar().T_base_lidar;
+  for (int i = 0; i < kScans; ++i) {
+    const Pose truth = T_base_lidar.inverse() * kDrive.T_odom_base(0.1 * i) * T_base_lidar;
+    EXPECT_LT((lidar[static_cast<std::size_t>(i)].translation() - truth.translation()).norm(), 0.1) << i;
+  }
+  std::istringstream last_tum(linesOf(content(out("trajectory_tum.txt"))).back());
+  double stamp_s = 0.0, x_m = 0.0;
+  last_tum >> stamp_s >> x_m;
+  EXPECT_NEAR(stamp_s, 0.9, 1e-6);
+  EXPECT_NEAR(x_m, kDrive.T_odom_base(0.9).translation().x(), 0.05) << "base_link";
+
+  const nlohmann::json json = summary();
+  EXPECT_EQ(nlohmann::json::parse(stdout_), json);
+  EXPECT_EQ(json["dropped"], 0);
+  EXPECT_TRUE(json["bad_scans"].empty());
+  EXPECT_EQ(json["threads"], 2);
+  EXPECT_EQ(json["profile"], "default");
+  EXPECT_EQ(json["by_status"]["corrected"], kScans - 1);
+  for (const char* key : {"mean_ms", "median_ms", "p95_ms", "p99_ms", "max_rss_mb"}) {
+    ASSERT_TRUE(json[key].is_number()) << key;
+    EXPECT_GT(json[key].get<double>(), 0.0) << key;
+  }
+  EXPECT_LE(json["median_ms"].get<double>(), json["p95_ms"].get<double>());
+  EXPECT_LE(json["p95_ms"].get<double>(), json["p99_ms"].get<double>());
+  const std::string parameters = content(out("parameters.yaml"));
+  EXPECT_NE(parameters.find("max_speed_mps: 25.0"), std::string::npos) << "the parameters used, --set included";
+  EXPECT_NE(parameters.find("stamp_reference: \"mid\""), std::string::npos);
+}
+
+TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
+  run(base() / "drive", "--redundant-at 0.45");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
+  ASSERT_EQ(rows.size(), static_cast<std::size_t>(kScans));
+  const std::vector<std::string> numbers = {
+      "stamp",        "time_to_failure", "time_to_failure_indicator", "time_to_failure_covariance", "eta",
+      "eta_rate",     "sigma_yaw",       "sigma_x",                   "sigma_y",                    "weight_point",
+      "weight_plane", "weight_corners",  "nis_point",                 "nis_plane",                  "nis_corners",
+      "ms_total",     "ms_point",        "ms_plane",                  "ms_corners"};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Row row = rows[i];
+    for (const std::string& name : numbers) {
+      ASSERT_EQ(row.count(name), 1u) << name;
+      char* end = nullptr;
+      const double value = std::strtod(row[name].c_str(), &end);
+      EXPECT_TRUE(std::isfinite(value) && !row[name].empty() && *end == '\0') << name << " = " << row[name];
+    }
+    for (const auto& [name, cell] : row) {
+      EXPECT_EQ(cell.find("nan"), std::string::npos) << name;
+      EXPECT_EQ(cell.find("inf"), std::string::npos) << name;
+    }
+    EXPECT_NEAR(std::stod(row["stamp"]), 0.1 * static_cast<double>(i), 1e-9);
+    EXPECT_EQ(row["status"], i == 0 ? "first" : "corrected");
+
+    // t1 is the first sweep that is 0.45 s or more after the first
+    const bool serving = i >= 5;
+    const double time_to_failure = std::stod(row["time_to_failure"]);
+    EXPECT_EQ(row["state"] == "UNKNOWN", !serving) << i;
+    EXPECT_EQ(time_to_failure == -1.0, !serving) << i;
+    EXPECT_GE(time_to_failure, serving ? 0.0 : -1.0);
+    EXPECT_EQ(std::stod(row["sigma_x"]) > 0.0, i > 5) << i;
+  }
+}
+
+TEST_F(OfflineOdometry, GivesTheSameBytesForAnyNumberOfThreads) {
+  run(base() / "drive", "--threads 1");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(summary()["threads"], 1);
+  const std::string kitti = content(out("trajectory_kitti.txt")), tum = content(out("trajectory_tum.txt"));
+  run(base() / "drive", "--threads 2");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(summary()["threads"], 2);
+  EXPECT_EQ(content(out("trajectory_kitti.txt")), kitti);
+  EXPECT_EQ(content(out("trajectory_tum.txt")), tum);
+}
+
+TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
+  const fs::path drive = copyOfDrive();
+  fs::resize_file(scan(drive, 3), fs::file_size(scan(drive, 3)) - 7);
+  fs::resize_file(scan(drive, 5), 0);
+  std::vector<float> nan(4 * 2000, std::numeric_limits<float>::quiet_NaN());
+  std::ofstream(scan(drive, 6), std::ios::binary)
+      .write(reinterpret_cast<const char*>(nan.data()), static_cast<std::streamsize>(nan.size() * sizeof(float)));
+  fs::remove(scan(drive, 8));
+  fs::create_directory(scan(drive, 8));  // cannot be read, root or not
+  run(drive);
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  expectRows(kScans);
+
+  const nlohmann::json json = summary();
+  EXPECT_EQ(json["dropped"], 4);
+  EXPECT_EQ(json["by_status"]["predicted"], 4);
+  ASSERT_EQ(json["bad_scans"].size(), 4u);
+  const std::vector<std::string> warnings = linesOf(stderr_);
+  ASSERT_EQ(warnings.size(), 4u) << stderr_;
+  const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
+  std::size_t k = 0;
+  for (const int number : {3, 5, 6, 8}) {
+    const std::string file = scan(drive, number).string();
+    EXPECT_EQ(json["bad_scans"][k]["file"], file);
+    EXPECT_NE(json["bad_scans"][k]["reason"].get<std::string>().find(file), std::string::npos);
+    EXPECT_NE(warnings[k].find(file), std::string::npos) << warnings[k];
+    Row row = rows[static_cast<std::size_t>(number)];
+    EXPECT_EQ(row["status"], "predicted") << number;
+    EXPECT_NE(row["reasons"].find("SWEEP_EMPTY"), std::string::npos) << row["reasons"];
+    ++k;
+  }
+  const std::vector<Pose> lidar = readKittiTrajectory(out("trajectory_kitti.txt").string());
+  EXPECT_NEAR(lidar.back().translation().x(), 12.6, 0.2);
+}
+
+TEST_F(OfflineOdometry, NamesNeedNotBeUtf8) {
+  const fs::path drive = folder_ / "stra\xdf" "e";
+  fs::create_directories(drive / "velodyne");
+  for (int i = 0; i < 2; ++i) fs::copy_file(scan(base() / "drive", i), scan(drive, i));
+  std::ofstream(scan(drive, 2)).close();
+  run(drive);
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(summary()["dropped"], 1);
+}
+
+TEST_F(OfflineOdometry, AGapInTheNumbersIsAGapInTime) {
+  const fs::path drive = copyOfDrive();
+  fs::remove(scan(drive, 4));
+  fs::remove(scan(drive, 7));
+  run(drive);
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(stderr_, "");
+  expectRows(kScans - 2);
+  EXPECT_EQ(summary()["dropped"], 0);
+  const std::vector<Pose> lidar = readKittiTrajectory(out("trajectory_kitti.txt").string());
+  EXPECT_NEAR((lidar[4].translation() - lidar[3].translation()).norm(), 2.8, 0.1) << "0.2 s at 14 m/s";
+  EXPECT_NEAR(lidar.back().translation().x(), 12.6, 0.2);
+}
+
+TEST_F(OfflineOdometry, RunsPartOfADrive) {
+  run(base() / "drive", "--first 3 --count 4");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  expectRows(4);
+  EXPECT_TRUE(readKittiTrajectory(out("trajectory_kitti.txt").string())[0].isApprox(Pose::Identity(), 1e-9));
+  EXPECT_NEAR(std::stod(readCsv(out("per_sweep.csv"))[0]["stamp"]), 0.3, 1e-9);
+  run(base() / "drive", "--first 8 --count 9223372036854775807");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  expectRows(2);
+}
+
+TEST_F(OfflineOdometry, RunsThePaperProfile) {
+  run(base() / "drive", "--profile paper --count 5");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(summary()["profile"], "paper");
+  expectRows(5);
+}
+
+TEST_F(OfflineOdometry, FailsWhenNoScanCanBeUsed) {
+  const fs::path drive = folder_ / "drive";
+  fs::create_directories(drive / "velodyne");
+  for (int i = 0; i < 3; ++i) std::ofstream(scan(drive, i)).close();
+  run(drive);
+  EXPECT_EQ(exit_code_, 1);
+  EXPECT_NE(stderr_.find("no scan of " + drive.string() + " could be used"), std::string::npos) << stderr_;
+  expectRows(3);
+}
+
+TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
+  const std::string drive = (base() / "drive").string(), output = (folder_ / "out").string();
+  const std::string good = "--kitti '" + drive + "' --output '" + output + "' ";
+  expectRefused("--output '" + output + "'", "--kitti");
+  expectRefused("--kitti '" + drive + "'", "--output");
+  expectRefused("--kitti /no/such/drive --output '" + output + "'", "/no/such/drive");
+  fs::create_directories(folder_ / "bare" / "velodyne");
+  expectRefused("--kitti '" + (folder_ / "bare").string() + "' --output '" + output + "'", "no scans");
+  const std::string a_file = scan(base() / "drive", 0).string();
+  expectRefused("--kitti '" + a_file + "' --output '" + output + "'", a_file);
+
+  expectRefused(good + "--set fusion.gate_sigmas=2.5", "fusion.gate_sigmas: unknown parameter");
+  expectRefused(good + "--set fusion.gate_sigma=-2.5", "fusion.gate_sigma = -2.5");
+  expectRefused(good + "--set registration.plane.observability.lever_m=0",
+                "registration.plane.observability.lever_m = 0");
+  expectRefused(good + "--set fusion.gate_sigma=wide", "fusion.gate_sigma: must be a number");
+  expectRefused(good + "--set fusion.gate_sigma", "key=value");
+  expectRefused(good + "--profile papre", "papre");
+  expectRefused(good + "--vehicle golf", "golf");
+  expectRefused(good + "--sensor vlp", "vlp");
+  expectRefused(good + "--cfg /no/such/cfg", "/no/such/cfg");
+  expectRefused(good + "--threads 0", "--threads");
+  expectRefused(good + "--threads many", "--threads");
+  expectRefused(good + "--first 10", "--first 10");
+  expectRefused(good + "--first -1", "--first");
+  expectRefused(good + "--count 0", "--count");
+  expectRefused(good + "--redundant-at -1", "--redundant-at");
+  expectRefused(good + "--redundant-at nan", "--redundant-at");
+  expectRefused(good + "--nonsense", "--nonsense");
+  EXPECT_FALSE(fs::exists(output)) << "nothing is made before everything is known to be good";
+}
+
+TEST_F(OfflineOdometry, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
+  const std::string drive = "--kitti '" + (base() / "drive").string() + "' ";
+  const fs::path file = folder_ / "file";
+  std::ofstream(file).close();
+  expectRefused(drive + "--output '" + file.string() + "'", file.string());
+  expectRefused(drive + "--output '" + (file / "deeper").string() + "'", file.string());
+  for (const char* taken : {"per_sweep.csv", "trajectory_kitti.txt", "trajectory_tum.txt", "summary.json",
+                            "parameters.yaml"}) {
+    const fs::path output = folder_ / (std::string("out_") + taken);
+    fs::create_directories(output / taken);  // a folder where the file belongs
+    expectRefused(drive + "--output '" + output.string() + "' --count 2", taken);
+  }
+}
+
+TEST_F(OfflineOdometry, HelpListsTheOptions) {
+  runPlain("--help");
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_EQ(stderr_, "");
+  for (const char* option : {"--kitti", "--output", "--profile", "--vehicle", "--sensor", "--cfg", "--set", "--threads",
+                             "--first", "--count", "--redundant-at"}) {
+    EXPECT_NE(stdout_.find(option), std::string::npos) << option;
+  }
+}
+
+}  // namespace
+}  // namespace fail_aware
