@@ -84,7 +84,9 @@ struct OdometryPipeline::Stages {
 
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
   const RegistrationParameters& use = params.profile.registration;
+  Stopwatch thinning;
   const bool registrable = front.prepare(corrected, prediction, T_cog_lidar);
+  result.times.correction_ms += thinning.lapMs();
   const auto point = [&] {
     Stopwatch watch;
     if (use.use_point && !registrable) result.point.status = MeasurementStatus::kTooFewPoints;

@@ -62,8 +62,8 @@ Pose VehicleFileParameters::T_base_cog() const {
 }
 
 void RegistrationParameters::validate() const {
-  requireParameter(use_point || use_plane || use_corners, "use_point", use_point,
-                   "true, or use_plane or use_corners be true");
+  requireParameter(use_point || use_plane, "use_point", use_point,
+                   "true, or use_plane be true (corners alone cannot find the first motion)");
   validateNested(*this);
 }
 

@@ -87,7 +87,8 @@ int run(const Options& options) {
   }
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
   PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
-  params.sensor.timing.stamp_reference = "mid";  // KITTI's stamps mean facing forward; --set can say otherwise
+  // KITTI's stamps mean facing forward; a sensor file or --set can say otherwise
+  if (params.sensor.timing.stamp_reference == "auto") params.sensor.timing.stamp_reference = "mid";
   for (const std::string& assignment : options.set) setParameter(params, assignment);
   params.validate();
   const fs::path output = makeOutput(options.output);

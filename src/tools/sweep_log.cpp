@@ -53,7 +53,7 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < w.size() ? w[i] : 0.0);
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < nis.size() ? nis[i] : -1.0);
   const StageTimes& t = r.times;
-  out_ << ',' << r.state.filter_nis << ',' << t.total_ms << ',' << t.correction_ms << ',' << t.point_ms << ','
+  out_ << ',' << (r.state.corrected ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ',' << t.correction_ms << ',' << t.point_ms << ','
        << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ',' << t.reference_ms;
   for (const Measurement* measurement : {&r.point, &r.plane, &r.corners}) writeMeasurement(out_, *measurement);
   out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_share << ','
@@ -68,12 +68,11 @@ nlohmann::ordered_json SweepLog::summary() const {
   nlohmann::ordered_json json;
   const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
   json["sweeps"] = sorted.size();
-  json["dropped"] = 0;
   json["mean_ms"] = sorted.empty() ? 0.0 : sum / static_cast<double>(sorted.size());
   json["median_ms"] = quantile(sorted, 0.5);
   json["p95_ms"] = quantile(sorted, 0.95);
   json["p99_ms"] = quantile(sorted, 0.99);
-  for (const SweepStatus status : {SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
+  for (const SweepStatus status : {SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
     json["by_status"][toString(status)] = by_status_[static_cast<std::size_t>(status)];
   }
   return json;

@@ -92,11 +92,12 @@ TEST(PipelineParameters, EveryFieldRefusesWhatCannotBe) {
   EXPECT_EQ(refusal(params), "");
 }
 
-TEST(PipelineParameters, SomeMeasurementMustBeUsed) {
+TEST(PipelineParameters, OneOfTheIcpsMustBeUsed) {
   PipelineParameters params;
-  params.profile.registration.use_point = params.profile.registration.use_plane = false;
+  params.profile.registration.use_corners = params.profile.registration.use_plane = false;
   EXPECT_EQ(refusal(params), "");
-  params.profile.registration.use_corners = false;
+  params.profile.registration.use_corners = true;
+  params.profile.registration.use_point = false;
   EXPECT_TRUE(startsWith(refusal(params), "registration.use_point = false")) << refusal(params);
 }
 

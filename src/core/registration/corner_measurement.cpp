@@ -13,15 +13,19 @@ Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepP
   for (const Corner& corner : extractor_.extract(sweep.points_lidar, R_odom_lidar)) {
     corners_cog_.push_back(movedCorner(T_cog_lidar, corner));
   }
-  if (!prediction.motion_known) return Measurement();
+  motion_known_ = prediction.motion_known;
+  if (!motion_known_) return Measurement();
   return alignment_.align(corners_cog_, reference_.corners(), prediction.T_odom_cog, prediction.covariance);
 }
 
-void CornerMeasurement::place(const FilterState& state) { reference_.update(corners_cog_, state.T_odom_cog); }
+void CornerMeasurement::place(const FilterState& state) {
+  if (motion_known_) reference_.update(corners_cog_, state.T_odom_cog);
+}
 
 void CornerMeasurement::reset() {
   reference_.clear();
   corners_cog_.clear();
+  motion_known_ = false;
 }
 
 }  // namespace fail_aware

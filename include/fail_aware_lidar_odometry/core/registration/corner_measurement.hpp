@@ -2,7 +2,7 @@
 // CornerSvd nodelet holds.
 //
 // measure() and place() are called once a sweep, in this order. Corners are taken from the sweep as it was corrected;
-// the refined motion moves them by millimetres. While no motion is known there is no measurement, only a reference.
+// the refined motion moves them by millimetres. While no motion is known sweeps are bent: no measurement, no reference.
 #pragma once
 
 #include <vector>
@@ -33,6 +33,7 @@ class CornerMeasurement {
   CornerReference reference_;
   CornerAlignment alignment_;
   std::vector<Corner> corners_cog_;
+  bool motion_known_ = false;
 };
 
 }  // namespace fail_aware
