@@ -1,0 +1,69 @@
+// The package's own messages <-> the core's structs, so that each stage can live in a nodelet of its own.
+// Nothing is lost but a pose's last bits (rotation matrix <-> quaternion). Stamps: messages get theirs from the sweep's
+// header, exactly; the core's stamp_s is their toSec(), as everywhere.
+#pragma once
+
+#include <fail_aware_lidar_odometry/FilterState.h>
+#include <fail_aware_lidar_odometry/PoseMeasurement.h>
+#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include <fail_aware_lidar_odometry/TimeToFailure.h>
+#include <std_msgs/Header.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+
+namespace fail_aware {
+
+namespace messages = ::fail_aware_lidar_odometry;
+
+/// The sources' names, as in offline's fusion.
+constexpr const char* kIcpPointToPoint = "icp_point_to_point";
+constexpr const char* kIcpPointToPlane = "icp_point_to_plane";
+constexpr const char* kCornerSvd = "corner_svd";
+
+/// What a measurement nodelet needs of a prediction.
+struct SweepTask {
+  SweepPrediction prediction;
+  Pose T_cog_lidar = Pose::Identity();
+
+  bool first() const { return prediction.dt_s <= 0.0; }
+};
+
+/// `header`: stamp of the sweep, frame of the odometry.
+messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Header& header,
+                                    const ros::Time& previous_stamp);
+/// Nothing if a pose is none.
+std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message);
+
+messages::PoseMeasurement toMessage(const Measurement& measurement, const std::string& source,
+                                    const std_msgs::Header& header);
+/// A pose that is none comes out not finite: the fusion counts it as invalid. An unknown status: kNoReference.
+Measurement fromMessage(const messages::PoseMeasurement& message);
+
+/// What a filter state message says beside the core's FilterState.
+struct SweepAccount {
+  struct Source {
+    std::string name;
+    std::optional<Measurement> measurement;  ///< nothing: not arrived by the deadline
+  };
+  std::vector<Source> sources;  ///< in the order of the fusion's inputs
+  int sweep_points = -1;        ///< -1: not known
+  int dropped_before = 0;
+};
+
+messages::FilterState toMessage(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header);
+/// Nothing if a pose is none.
+std::optional<FilterState> fromMessage(const messages::FilterState& message);
+
+/// The monitor's other input, as offline makes it: a source that the profile does not use is not missed.
+SweepCondition conditionOf(const messages::FilterState& message, const RegistrationParameters& registration);
+
+messages::TimeToFailure toMessage(const MonitorOutput& output, double horizon_s, const std_msgs::Header& header);
+
+}  // namespace fail_aware

@@ -1,0 +1,21 @@
+// The filter's estimate -> nav_msgs/Odometry of base_link.
+//
+// pose: base_link in odom, covariance accumulated since the start (fusion/odometry_covariance.hpp). twist: in base_link
+// at the stamp, the mean over the last sweep; its covariance is that of one increment. Zero in the first sweep.
+#pragma once
+
+#include <nav_msgs/Odometry.h>
+
+#include <string>
+
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+
+namespace fail_aware {
+
+/// `odometry_covariance`: of T_odom_cog. The header's stamp is left to the caller, who has it exactly.
+nav_msgs::Odometry toOdometryMessage(const FilterState& state, const Matrix6d& odometry_covariance,
+                                     const Pose& T_base_cog, const std::string& odom_frame,
+                                     const std::string& base_frame);
+
+}  // namespace fail_aware

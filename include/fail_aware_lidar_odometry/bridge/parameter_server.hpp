@@ -1,0 +1,39 @@
+// The parameter server -> parameter structs. The only reader of the server in this package.
+//
+// `rosparam load` puts cfg/profiles/*.yaml into profile/, cfg/vehicles/*.yaml into vehicle/ and cfg/sensors/*.yaml
+// into sensor/ of the graph's namespace; the same rules hold as for files (core/parameters/parameter_map.hpp): every
+// key must be there, an unknown one is refused.
+// Failure: ParameterError naming namespace, key and rule.
+#pragma once
+
+#include <ros/node_handle.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+
+namespace fail_aware {
+
+/// Nested structs become dotted keys. Lists must be of numbers.
+ParameterMap toParameterMap(const XmlRpc::XmlRpcValue& value);
+
+/// What stands below `name` of `node`, which need not exist; a copy of the server's.
+ParameterMap readParameterMap(const ros::NodeHandle& node, const std::string& name);
+
+template <class Struct>
+void readParameters(const ros::NodeHandle& node, const std::string& name, Struct& parameters,
+                    MissingKeys missing_keys = MissingKeys::kRefuse) {
+  const std::string place = name.empty() ? node.getNamespace() : node.resolveName(name);
+  try {
+    fromMap(parameters, readParameterMap(node, name), missing_keys);
+  } catch (const ParameterError& error) {
+    throw ParameterError(place + ": " + error.what());
+  }
+}
+
+/// profile/, vehicle/ and sensor/ below `node`, validated.
+PipelineParameters readPipelineParameters(const ros::NodeHandle& node);
+
+}  // namespace fail_aware

@@ -1,0 +1,43 @@
+// sensor_msgs/PointCloud2 <-> sweeps.
+//
+// Read: x y z (FLOAT32 or FLOAT64), and where they are there intensity | i, ring, time | t | timestamp, of any numeric
+// type at any offset, aligned or not. Points that are not finite or exactly zero are left out and counted. Times:
+// floats are s (absolute ones, FLOAT64, become relative to the stamp), integers ns.
+// Failure: status and a reason; the sweep is then empty. Never reads out of bounds. Cost: one pass over the cloud.
+#pragma once
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+
+namespace fail_aware {
+
+enum class CloudStatus {
+  kOk,
+  kEmpty,            ///< no point, or none that could be used
+  kBigEndian,
+  kNoCoordinates,    ///< x, y or z is missing or is no FLOAT32, FLOAT64
+  kBadLayout         ///< point_step, row_step, data or a field's place contradict each other
+};
+
+struct CloudReadResult {
+  CloudStatus status = CloudStatus::kOk;
+  std::string reason;  ///< for people; empty when kOk
+
+  bool ok() const { return status == CloudStatus::kOk; }
+};
+
+/// `sweep` is overwritten, its arrays' memory reused; the stamp is set in any case.
+CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep);
+
+/// x y z intensity time, FLOAT32, point_step 20. `intensities`: one a point, or empty (then 0). Times: relative to the
+/// stamp. Header left to the caller.
+void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensities, sensor_msgs::PointCloud2& cloud);
+
+/// Back from writeCloud's cloud; times that are all zero mean no timing.
+CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, CorrectedSweep& sweep);
+
+}  // namespace fail_aware

@@ -1,0 +1,195 @@
+#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr std::uint8_t kNotArrived = messages::FilterState::NOT_ARRIVED;
+
+static_assert(static_cast<int>(MeasurementStatus::kOk) == messages::PoseMeasurement::OK, "");
+static_assert(static_cast<int>(MeasurementStatus::kNoReference) == messages::PoseMeasurement::NO_REFERENCE, "");
+static_assert(static_cast<int>(MeasurementStatus::kTooFewPoints) == messages::PoseMeasurement::TOO_FEW_POINTS, "");
+static_assert(static_cast<int>(MeasurementStatus::kNotConverged) == messages::PoseMeasurement::NOT_CONVERGED, "");
+static_assert(static_cast<int>(MeasurementStatus::kDegenerate) == messages::PoseMeasurement::DEGENERATE, "");
+static_assert(static_cast<int>(MeasurementStatus::kTooFewCorners) == messages::PoseMeasurement::TOO_FEW_CORNERS, "");
+
+}  // namespace
+
+messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Header& header,
+                                    const ros::Time& previous_stamp) {
+  messages::SweepPrediction message;
+  message.header = header;
+  message.previous_stamp = task.first() ? ros::Time() : previous_stamp;
+  message.dt = task.prediction.dt_s;
+  message.previous_pose = toPoseMessage(task.prediction.T_odom_cog_previous);
+  message.pose = toPoseMessage(task.prediction.T_odom_cog);
+  message.covariance = toCovarianceMessage(task.prediction.covariance);
+  message.sigma_yaw = task.prediction.sigma_yaw_rad;
+  message.motion_known = task.prediction.motion_known;
+  message.lidar_in_cog = toPoseMessage(task.T_cog_lidar);
+  return message;
+}
+
+std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
+  const std::optional<Pose> previous = fromMessage(message.previous_pose), pose = fromMessage(message.pose),
+                            lidar = fromMessage(message.lidar_in_cog);
+  if (!previous || !pose || !lidar) return std::nullopt;
+  SweepTask task;
+  task.prediction.stamp_s = message.header.stamp.toSec();
+  task.prediction.dt_s = message.dt;
+  task.prediction.T_odom_cog_previous = *previous;
+  task.prediction.T_odom_cog = *pose;
+  task.prediction.covariance = fromMessage(message.covariance);
+  task.prediction.sigma_yaw_rad = message.sigma_yaw;
+  task.prediction.motion_known = message.motion_known != 0;
+  task.T_cog_lidar = *lidar;
+  return task;
+}
+
+messages::PoseMeasurement toMessage(const Measurement& measurement, const std::string& source,
+                                    const std_msgs::Header& header) {
+  messages::PoseMeasurement message;
+  message.header = header;
+  message.source = source;
+  message.status = static_cast<std::uint8_t>(measurement.status);
+  message.pose = toPoseMessage(measurement.T_odom_cog);
+  message.covariance = toCovarianceMessage(measurement.covariance);
+  message.rms_residual = measurement.rms_residual_m;
+  message.inlier_share = measurement.inlier_share;
+  message.inliers = static_cast<std::uint32_t>(measurement.inliers);
+  message.iterations = static_cast<std::uint32_t>(std::max(0, measurement.iterations));
+  message.seed_spread = measurement.seed_spread_m;
+  message.weak_directions = static_cast<std::uint8_t>(std::clamp(measurement.weak_directions, 0, 6));
+  message.min_information_share = measurement.min_information_share;
+  message.sweep_points = -1;
+  return message;
+}
+
+Measurement fromMessage(const messages::PoseMeasurement& message) {
+  Measurement measurement;
+  if (message.status <= messages::PoseMeasurement::TOO_FEW_CORNERS) {
+    measurement.status = static_cast<MeasurementStatus>(message.status);
+  }
+  const std::optional<Pose> pose = fromMessage(message.pose);
+  measurement.T_odom_cog = pose.value_or(Pose::Identity());
+  if (!pose) measurement.T_odom_cog.translation().setConstant(std::numeric_limits<double>::quiet_NaN());
+  measurement.covariance = fromMessage(message.covariance);
+  measurement.rms_residual_m = message.rms_residual;
+  measurement.inlier_share = message.inlier_share;
+  measurement.inliers = message.inliers;
+  measurement.iterations = static_cast<int>(message.iterations);
+  measurement.seed_spread_m = message.seed_spread;
+  measurement.weak_directions = message.weak_directions;
+  measurement.min_information_share = message.min_information_share;
+  return measurement;
+}
+
+messages::FilterState toMessage(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
+  messages::FilterState message;
+  message.header = header;
+  message.dt = state.dt_s;
+  message.pose = toPoseMessage(state.T_odom_cog);
+  message.covariance = toCovarianceMessage(state.covariance);
+  message.sigma_yaw = state.sigma_yaw_rad;
+  message.corrected = state.corrected;
+  message.increment = toPoseMessage(state.T_previous_now);
+  message.increment_covariance = toCovarianceMessage(state.increment_covariance);
+  for (const SweepAccount::Source& source : account.sources) {
+    message.measurement_names.push_back(source.name);
+    message.measurement_status.push_back(
+        source.measurement ? static_cast<std::uint8_t>(source.measurement->status) : kNotArrived);
+    message.min_information_share.push_back(source.measurement ? source.measurement->min_information_share : 0.0);
+    message.deadline_missed = message.deadline_missed || !source.measurement;
+  }
+  message.measurement_weights = state.fusion.weights;
+  message.measurement_nis = state.fusion.nis;
+  message.measurement_weights.resize(account.sources.size(), 0.0);
+  message.measurement_nis.resize(account.sources.size(), -1.0);
+  message.has_measurement = state.fusion.has_measurement;
+  std::copy(state.fusion.z.data(), state.fusion.z.data() + 6, message.fused_state.begin());
+  message.fused_covariance = toCovarianceMessage(state.fusion.R);
+  message.fused_nis = state.filter_nis;
+  message.all_gated_out = state.fusion.all_gated_out;
+  message.prediction_overruled = state.fusion.prediction_overruled;
+  message.prediction_invalid = state.fusion.prediction_invalid;
+  message.disagreement = state.fusion.disagreement_m;
+  message.disagreement_yaw = state.fusion.disagreement_yaw_rad;
+  message.valid_inputs = static_cast<std::uint32_t>(state.fusion.valid_inputs);
+  message.invalid_inputs = static_cast<std::uint32_t>(state.fusion.invalid_inputs);
+  message.sweep_points = account.sweep_points;
+  message.dropped_before = static_cast<std::uint32_t>(std::max(0, account.dropped_before));
+  return message;
+}
+
+std::optional<FilterState> fromMessage(const messages::FilterState& message) {
+  const std::optional<Pose> pose = fromMessage(message.pose), increment = fromMessage(message.increment);
+  if (!pose || !increment) return std::nullopt;
+  FilterState state;
+  state.stamp_s = message.header.stamp.toSec();
+  state.dt_s = message.dt;
+  state.T_odom_cog = *pose;
+  state.covariance = fromMessage(message.covariance);
+  state.sigma_yaw_rad = message.sigma_yaw;
+  state.corrected = message.corrected != 0;
+  state.T_previous_now = *increment;
+  state.increment_covariance = fromMessage(message.increment_covariance);
+  state.filter_nis = message.fused_nis;
+  state.fusion.has_measurement = message.has_measurement != 0;
+  state.fusion.z = Eigen::Map<const Vector6d>(message.fused_state.data());
+  state.fusion.R = fromMessage(message.fused_covariance);
+  state.fusion.weights = message.measurement_weights;
+  state.fusion.nis = message.measurement_nis;
+  state.fusion.all_gated_out = message.all_gated_out != 0;
+  state.fusion.prediction_overruled = message.prediction_overruled != 0;
+  state.fusion.prediction_invalid = message.prediction_invalid != 0;
+  state.fusion.disagreement_m = message.disagreement;
+  state.fusion.disagreement_yaw_rad = message.disagreement_yaw;
+  state.fusion.valid_inputs = static_cast<int>(message.valid_inputs);
+  state.fusion.invalid_inputs = static_cast<int>(message.invalid_inputs);
+  return state;
+}
+
+SweepCondition conditionOf(const messages::FilterState& message, const RegistrationParameters& registration) {
+  SweepCondition condition;
+  condition.empty = message.sweep_points == 0;
+  condition.dropped_before = static_cast<int>(message.dropped_before);
+  condition.point_missing = registration.use_point;
+  condition.plane_missing = registration.use_plane;
+  condition.corners_missing = registration.use_corners;
+  for (std::size_t i = 0; i < message.measurement_names.size(); ++i) {
+    if (i >= message.measurement_status.size()) break;
+    if (message.measurement_status[i] != messages::PoseMeasurement::OK) continue;
+    const std::string& name = message.measurement_names[i];
+    if (name == kIcpPointToPoint) condition.point_missing = false;
+    if (name == kCornerSvd) condition.corners_missing = false;
+    if (name != kIcpPointToPlane) continue;
+    condition.plane_missing = false;
+    if (i < message.min_information_share.size()) condition.min_information_share = message.min_information_share[i];
+  }
+  return condition;
+}
+
+messages::TimeToFailure toMessage(const MonitorOutput& output, double horizon_s, const std_msgs::Header& header) {
+  messages::TimeToFailure message;
+  message.header = header;
+  message.state = static_cast<std::uint8_t>(output.state);
+  message.reasons = output.reasons;
+  message.reasons_text = reasonText(output.reasons);
+  message.horizon = horizon_s;
+  message.time_to_failure = output.time_to_failure.seconds;
+  message.time_to_failure_indicator = output.time_to_failure_indicator.seconds;
+  message.time_to_failure_covariance = output.time_to_failure_covariance.seconds;
+  message.eta = output.eta;
+  message.eta_rate = output.eta_rate_per_s;
+  message.sigma_yaw = output.sigma_yaw_rad;
+  message.sigma_x = output.sigma_x_m;
+  message.sigma_y = output.sigma_y_m;
+  return message;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,67 @@
+#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+
+#include <vector>
+
+namespace fail_aware {
+
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+double numberOf(const std::string& key, XmlRpcValue value) {
+  if (value.getType() == XmlRpcValue::TypeInt) return static_cast<int>(value);
+  if (value.getType() == XmlRpcValue::TypeDouble) return static_cast<double>(value);
+  throw ParameterKeyError(key, key + ": must be a list of numbers");
+}
+
+void collect(const std::string& key, XmlRpcValue value, ParameterMap& map) {
+  switch (value.getType()) {
+    case XmlRpcValue::TypeBoolean: map[key] = static_cast<bool>(value); return;
+    case XmlRpcValue::TypeInt: map[key] = static_cast<int>(value); return;
+    case XmlRpcValue::TypeDouble: map[key] = static_cast<double>(value); return;
+    case XmlRpcValue::TypeString: map[key] = static_cast<std::string>(value); return;
+    case XmlRpcValue::TypeArray: {
+      std::vector<double> numbers;
+      for (int i = 0; i < value.size(); ++i) numbers.push_back(numberOf(key, value[i]));
+      map[key] = numbers;
+      return;
+    }
+    case XmlRpcValue::TypeStruct:
+      for (auto& member : value) collect(key.empty() ? member.first : key + '.' + member.first, member.second, map);
+      return;
+    default: throw ParameterKeyError(key, key + ": is of a type that no parameter has");
+  }
+}
+
+}  // namespace
+
+ParameterMap toParameterMap(const XmlRpcValue& value) {
+  ParameterMap map;
+  if (!value.valid()) return map;
+  if (value.getType() != XmlRpcValue::TypeStruct) throw ParameterError("is a value, not a group of parameters");
+  collect("", value, map);
+  return map;
+}
+
+ParameterMap readParameterMap(const ros::NodeHandle& node, const std::string& name) {
+  XmlRpcValue value;
+  const std::string place = name.empty() ? node.getNamespace() : node.resolveName(name);
+  if (!node.getParam(place, value)) return {};
+  return toParameterMap(value);
+}
+
+PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
+  for (const char* part : {"profile", "vehicle", "sensor"}) {
+    if (node.hasParam(part)) continue;
+    throw ParameterError(node.resolveName(part) + ": not on the parameter server; load a file of cfg/" + part +
+                         "s there (launch/odometry.launch does)");
+  }
+  PipelineParameters parameters;
+  readParameters(node, "profile", parameters.profile);
+  readParameters(node, "vehicle", parameters.vehicle);
+  readParameters(node, "sensor", parameters.sensor);
+  parameters.validate();
+  return parameters;
+}
+
+}  // namespace fail_aware

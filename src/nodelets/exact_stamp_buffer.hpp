@@ -1,0 +1,51 @@
+// The last few messages of one topic, found by their exact stamp. Bounded: the oldest gives way.
+#pragma once
+
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <deque>
+#include <utility>
+
+namespace fail_aware {
+
+template <class Value>
+class ExactStampBuffer {
+ public:
+  explicit ExactStampBuffer(std::size_t capacity) : capacity_(capacity) {}
+
+  /// False: an older one had to go.
+  bool push(const ros::Time& stamp, Value value) {
+    entries_.emplace_back(stamp, std::move(value));
+    if (entries_.size() <= capacity_) return true;
+    entries_.pop_front();
+    return false;
+  }
+
+  /// Null if there is none.
+  Value* find(const ros::Time& stamp) {
+    const auto at = std::find_if(entries_.rbegin(), entries_.rend(), [&](const auto& e) { return e.first == stamp; });
+    return at == entries_.rend() ? nullptr : &at->second;
+  }
+
+  /// Forgets it and all that came before it; returns how many came before it.
+  std::size_t popThrough(const ros::Time& stamp) {
+    std::size_t before = 0;
+    while (!entries_.empty()) {
+      const bool found = entries_.front().first == stamp;
+      entries_.pop_front();
+      if (found) break;
+      ++before;
+    }
+    return before;
+  }
+
+  void clear() { entries_.clear(); }
+
+ private:
+  std::size_t capacity_;
+  std::deque<std::pair<ros::Time, Value>> entries_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,145 @@
+// The fail-aware monitor in the live graph (core/fail_aware/monitor.hpp).
+// In: filter_state. Out: time_to_failure, one for every filter state and, when there is none for stale_sweeps periods,
+// FAILED with reason STALE at 10 Hz. Service: ~start_redundant. What silence means is measured on the clock of the
+// graph: simulated time if that is used, otherwise the steady clock.
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+#include <ros/ros.h>
+#include <std_srvs/Trigger.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+struct FailAwareMonitorNodeletParams {
+  bool start_redundant = true;  ///< t1 is the first sweep; false: the service says when
+  double stale_sweeps = 3.0;    ///< sweep periods without a filter state that mean failure
+  double min_period_s = 0.05;   ///< the measured sweep period is taken to be within these
+  double max_period_s = 0.15;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("start_redundant", self.start_redundant);
+    v("stale_sweeps", self.stale_sweeps);
+    v("min_period_s", self.min_period_s);
+    v("max_period_s", self.max_period_s);
+  }
+  void validate() const {
+    requirePositive("stale_sweeps", stale_sweeps);
+    requirePositive("min_period_s", min_period_s);
+    requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
+  }
+};
+
+class FailAwareMonitorNodelet : public nodelet::Nodelet {
+ private:
+  static constexpr std::uint32_t kQueue = 8;
+  static constexpr double kTimerPeriod_s = 0.05;
+  static constexpr double kStalePeriod_s = 0.1;
+
+  void onInit() override {
+    ros::NodeHandle& node = getNodeHandle();
+    ros::NodeHandle& private_node = getPrivateNodeHandle();
+    readParameters(private_node, "", params_, MissingKeys::kKeep);
+    params_.validate();
+    pipeline_ = readPipelineParameters(node);
+    monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
+    if (params_.start_redundant) monitor_->start();
+    updater_ = std::make_unique<diagnostic_updater::Updater>(node, private_node, getName());
+    updater_->setHardwareID("none");
+    updater_->add("time_to_failure", this, &FailAwareMonitorNodelet::diagnose);
+    publisher_ = node.advertise<messages::TimeToFailure>("time_to_failure", kQueue);
+    service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
+    subscriber_ = node.subscribe("filter_state", kQueue, &FailAwareMonitorNodelet::onState, this);
+    heard_s_ = now_s();
+    timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
+                                    [this](const ros::SteadyTimerEvent&) { checkStale(); });
+  }
+
+  static double now_s() {
+    return ros::Time::isSimTime() ? ros::Time::now().toSec() : ros::SteadyTime::now().toSec();
+  }
+
+  double staleAfter_s() const {
+    return params_.stale_sweeps * std::clamp(period_s_, params_.min_period_s, params_.max_period_s);
+  }
+
+  void onState(const messages::FilterStateConstPtr& message) {
+    const std::optional<FilterState> state = fromMessage(*message);
+    if (!state) return;
+    heard_s_ = now_s();
+    if (state->dt_s > 0.0) {
+      period_s_ = state->dt_s;
+    } else {
+      monitor_->reset();
+    }
+    output_ = monitor_->update(*state, conditionOf(*message, pipeline_.profile.registration));
+    header_ = message->header;
+    publish(header_);
+  }
+
+  void checkStale() {
+    const double now = now_s();
+    heard_s_ = std::min(heard_s_, now);  // simulated time may begin anew
+    published_s_ = std::min(published_s_, now);
+    const double silence_s = now - heard_s_;
+    if (silence_s < staleAfter_s() || now - published_s_ < kStalePeriod_s) return;
+    const bool heard = !header_.stamp.isZero();
+    output_.state = heard ? FailAwareState::kFailed : FailAwareState::kUnknown;
+    output_.reasons |= kReasonStale;
+    output_.time_to_failure = heard ? TimeToFailure::reached() : TimeToFailure::unknown();
+    std_msgs::Header header = header_;
+    if (heard) header.stamp += ros::Duration(silence_s);
+    publish(header);
+  }
+
+  void publish(const std_msgs::Header& header) {
+    published_s_ = now_s();
+    publisher_.publish(messages::TimeToFailureConstPtr(boost::make_shared<messages::TimeToFailure>(
+        toMessage(output_, pipeline_.profile.monitor.predictor.horizon_s, header))));
+  }
+
+  bool onStartRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    monitor_->start();
+    response.success = true;
+    response.message = "serves as the localisation from the next sweep on";
+    return true;
+  }
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+    using Level = diagnostic_msgs::DiagnosticStatus;
+    const bool failed = output_.state == FailAwareState::kFailed || output_.state == FailAwareState::kFailing;
+    const auto level = failed ? Level::ERROR : output_.state == FailAwareState::kOk ? Level::OK : Level::WARN;
+    const std::string reasons = reasonText(output_.reasons);
+    status.summary(level, std::string(toString(output_.state)) + (reasons.empty() ? "" : ": " + reasons));
+    status.add("time to failure (s)", output_.time_to_failure.seconds);
+    status.add("eta (rad)", output_.eta);
+    status.add("sigma x since start_redundant (m)", output_.sigma_x_m);
+    status.add("sigma y since start_redundant (m)", output_.sigma_y_m);
+  }
+
+  FailAwareMonitorNodeletParams params_;
+  PipelineParameters pipeline_;
+  std::unique_ptr<FailAwareMonitor> monitor_;
+  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  ros::Publisher publisher_;
+  ros::Subscriber subscriber_;
+  ros::ServiceServer service_;
+  ros::SteadyTimer timer_;
+  MonitorOutput output_;
+  std_msgs::Header header_;  ///< of the last filter state
+  double period_s_ = 0.1;
+  double heard_s_ = 0.0;
+  double published_s_ = 0.0;
+};
+
+}  // namespace fail_aware
+
+PLUGINLIB_EXPORT_CLASS(fail_aware::FailAwareMonitorNodelet, nodelet::Nodelet)

@@ -1,0 +1,13 @@
+// The registration front as the two ICP nodelets hold it.
+#pragma once
+
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+
+namespace fail_aware {
+
+inline RegistrationFront makeFront(const RegistrationParameters& params) {
+  return RegistrationFront(params.cloud, params.reference, params.initialization, params.refine_correction);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,195 @@
+#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace fail_aware {
+namespace {
+
+Pose somePose(double x) { return poseFromVector((Vector6d() << x, -2.0, 0.5, 0.02, -0.03, 2.5).finished()); }
+
+Matrix6d someCovariance() {
+  Matrix6d A;
+  for (int i = 0; i < 36; ++i) A(i / 6, i % 6) = std::sin(i + 1.0);
+  return A * A.transpose();
+}
+
+std_msgs::Header someHeader() {
+  std_msgs::Header header;
+  header.stamp = ros::Time(1317384506, 434103000);
+  header.frame_id = "odom";
+  return header;
+}
+
+TEST(GraphMessages, reasonBitsAndStatesAreTheCores) {
+  using Message = messages::TimeToFailure;
+  EXPECT_EQ(Message::REASON_STALE, kReasonStale);
+  EXPECT_EQ(Message::REASON_NO_MEASUREMENT, kReasonNoMeasurement);
+  EXPECT_EQ(Message::REASON_PREDICTION_ONLY, kReasonPredictionOnly);
+  EXPECT_EQ(Message::REASON_PREDICTION_OVERRULED, kReasonPredictionOverruled);
+  EXPECT_EQ(Message::REASON_MEASUREMENTS_DISAGREE, kReasonMeasurementsDisagree);
+  EXPECT_EQ(Message::REASON_WEAK_DIRECTION, kReasonWeakDirection);
+  EXPECT_EQ(Message::REASON_SWEEP_INCOMPLETE, kReasonSweepIncomplete);
+  EXPECT_EQ(Message::REASON_SWEEP_EMPTY, kReasonSweepEmpty);
+  EXPECT_EQ(Message::REASON_MISSING_ICP_POINT, kReasonMissingIcpPoint);
+  EXPECT_EQ(Message::REASON_MISSING_ICP_PLANE, kReasonMissingIcpPlane);
+  EXPECT_EQ(Message::REASON_MISSING_CORNERS, kReasonMissingCorners);
+  EXPECT_EQ(Message::REASON_ETA_THRESHOLD, kReasonEtaThreshold);
+  EXPECT_EQ(Message::REASON_COVARIANCE_LIMIT, kReasonCovarianceLimit);
+  EXPECT_EQ(Message::REASON_FROZEN_CLOUD, kReasonFrozenCloud);
+  EXPECT_EQ(Message::REASON_TIME_JUMP, kReasonTimeJump);
+  EXPECT_EQ(Message::REASON_DROPPED_SWEEPS, kReasonDroppedSweeps);
+  EXPECT_EQ(Message::REASON_LOW_VISIBILITY, kReasonLowVisibility);
+  EXPECT_EQ(reasonText(Message::REASON_LOW_VISIBILITY << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
+  EXPECT_EQ(Message::UNKNOWN, static_cast<int>(FailAwareState::kUnknown));
+  EXPECT_EQ(Message::OK, static_cast<int>(FailAwareState::kOk));
+  EXPECT_EQ(Message::DEGRADED, static_cast<int>(FailAwareState::kDegraded));
+  EXPECT_EQ(Message::FAILING, static_cast<int>(FailAwareState::kFailing));
+  EXPECT_EQ(Message::FAILED, static_cast<int>(FailAwareState::kFailed));
+}
+
+TEST(GraphMessages, predictionThereAndBack) {
+  SweepTask task;
+  task.prediction.dt_s = 0.1;
+  task.prediction.T_odom_cog_previous = somePose(1.0);
+  task.prediction.T_odom_cog = somePose(2.0);
+  task.prediction.covariance = someCovariance();
+  task.prediction.sigma_yaw_rad = 0.01;
+  task.prediction.motion_known = true;
+  task.T_cog_lidar = somePose(-0.5);
+  const ros::Time previous(1317384506, 330000000);
+  const messages::SweepPrediction message = toMessage(task, someHeader(), previous);
+  EXPECT_EQ(message.header.stamp, someHeader().stamp);
+  EXPECT_EQ(message.previous_stamp, previous);
+  const std::optional<SweepTask> back = fromMessage(message);
+  ASSERT_TRUE(back);
+  EXPECT_DOUBLE_EQ(back->prediction.stamp_s, someHeader().stamp.toSec());
+  EXPECT_DOUBLE_EQ(back->prediction.dt_s, 0.1);
+  EXPECT_TRUE(back->prediction.T_odom_cog_previous.isApprox(somePose(1.0), 1e-14));
+  EXPECT_TRUE(back->prediction.T_odom_cog.isApprox(somePose(2.0), 1e-14));
+  EXPECT_TRUE(back->T_cog_lidar.isApprox(somePose(-0.5), 1e-14));
+  EXPECT_EQ(back->prediction.covariance, someCovariance());
+  EXPECT_TRUE(back->prediction.motion_known);
+  task.prediction.dt_s = 0.0;
+  EXPECT_TRUE(toMessage(task, someHeader(), previous).previous_stamp.isZero());
+}
+
+TEST(GraphMessages, measurementThereAndBack) {
+  Measurement measurement;
+  measurement.status = MeasurementStatus::kTooFewCorners;
+  measurement.T_odom_cog = somePose(3.0);
+  measurement.covariance = someCovariance();
+  measurement.rms_residual_m = 0.04;
+  measurement.inlier_share = 0.7;
+  measurement.inliers = 123;
+  measurement.iterations = 9;
+  measurement.seed_spread_m = 0.02;
+  measurement.weak_directions = 2;
+  measurement.min_information_share = 0.3;
+  const Measurement back = fromMessage(toMessage(measurement, "x", someHeader()));
+  EXPECT_EQ(back.status, measurement.status);
+  EXPECT_TRUE(back.T_odom_cog.isApprox(measurement.T_odom_cog, 1e-14));
+  EXPECT_EQ(back.covariance, measurement.covariance);
+  EXPECT_EQ(back.rms_residual_m, 0.04);
+  EXPECT_EQ(back.inlier_share, 0.7);
+  EXPECT_EQ(back.inliers, 123u);
+  EXPECT_EQ(back.iterations, 9);
+  EXPECT_EQ(back.seed_spread_m, 0.02);
+  EXPECT_EQ(back.weak_directions, 2);
+  EXPECT_EQ(back.min_information_share, 0.3);
+}
+
+TEST(GraphMessages, measurementThatIsNoPoseIsNotFinite) {
+  messages::PoseMeasurement message;  // a quaternion of zeros
+  EXPECT_FALSE(isFinite(fromMessage(message).T_odom_cog));
+  message.pose.orientation.w = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(isFinite(fromMessage(message).T_odom_cog));
+  message.status = 77;
+  EXPECT_FALSE(fromMessage(message).ok());
+}
+
+FilterState someState() {
+  FilterState state;
+  state.dt_s = 0.1;
+  state.T_odom_cog = somePose(4.0);
+  state.covariance = someCovariance();
+  state.sigma_yaw_rad = 0.003;
+  state.corrected = true;
+  state.T_previous_now = somePose(1.2);
+  state.increment_covariance = 0.1 * someCovariance();
+  state.filter_nis = 5.5;
+  state.fusion.has_measurement = true;
+  state.fusion.z = vectorFromPose(somePose(4.1));
+  state.fusion.R = 2.0 * someCovariance();
+  state.fusion.weights = {0.8, 0.7};
+  state.fusion.nis = {3.0, 4.0};
+  state.fusion.prediction_overruled = true;
+  state.fusion.disagreement_m = 0.2;
+  state.fusion.valid_inputs = 2;
+  return state;
+}
+
+TEST(GraphMessages, stateThereAndBack) {
+  const FilterState state = someState();
+  const std::optional<FilterState> back = fromMessage(toMessage(state, SweepAccount{}, someHeader()));
+  ASSERT_TRUE(back);
+  EXPECT_DOUBLE_EQ(back->stamp_s, someHeader().stamp.toSec());
+  EXPECT_EQ(back->dt_s, state.dt_s);
+  EXPECT_TRUE(back->T_odom_cog.isApprox(state.T_odom_cog, 1e-14));
+  EXPECT_EQ(back->covariance, state.covariance);
+  EXPECT_EQ(back->sigma_yaw_rad, state.sigma_yaw_rad);
+  EXPECT_TRUE(back->corrected);
+  EXPECT_TRUE(back->T_previous_now.isApprox(state.T_previous_now, 1e-14));
+  EXPECT_EQ(back->increment_covariance, state.increment_covariance);
+  EXPECT_EQ(back->filter_nis, state.filter_nis);
+  EXPECT_EQ(back->fusion.z, state.fusion.z);
+  EXPECT_EQ(back->fusion.R, state.fusion.R);
+  EXPECT_TRUE(back->fusion.has_measurement);
+  EXPECT_TRUE(back->fusion.prediction_overruled);
+  EXPECT_FALSE(back->fusion.all_gated_out);
+  EXPECT_EQ(back->fusion.disagreement_m, 0.2);
+  EXPECT_EQ(back->fusion.valid_inputs, 2);
+}
+
+TEST(GraphMessages, conditionTellsWhatIsMissing) {
+  Measurement ok;
+  ok.status = MeasurementStatus::kOk;
+  ok.min_information_share = 0.25;
+  SweepAccount account;
+  account.sources = {{kIcpPointToPoint, Measurement()}, {kIcpPointToPlane, ok}, {kCornerSvd, std::nullopt}};
+  account.sweep_points = 0;
+  account.dropped_before = 2;
+  const messages::FilterState message = toMessage(someState(), account, someHeader());
+  EXPECT_TRUE(message.deadline_missed);
+  EXPECT_EQ(message.measurement_status.at(2), messages::FilterState::NOT_ARRIVED);
+  EXPECT_EQ(message.measurement_weights.size(), 3u);
+  RegistrationParameters use;
+  SweepCondition condition = conditionOf(message, use);
+  EXPECT_TRUE(condition.empty);
+  EXPECT_EQ(condition.dropped_before, 2);
+  EXPECT_TRUE(condition.point_missing);
+  EXPECT_FALSE(condition.plane_missing);
+  EXPECT_TRUE(condition.corners_missing);
+  EXPECT_EQ(condition.min_information_share, 0.25);
+  use.use_corners = false;
+  EXPECT_FALSE(conditionOf(message, use).corners_missing);
+  account.sweep_points = -1;
+  EXPECT_FALSE(conditionOf(toMessage(someState(), account, someHeader()), use).empty);
+}
+
+TEST(GraphMessages, timesToFailureAreNeverMistaken) {
+  MonitorOutput output;
+  messages::TimeToFailure message = toMessage(output, 60.0, someHeader());
+  EXPECT_EQ(message.time_to_failure, -1.0);
+  EXPECT_EQ(message.state, messages::TimeToFailure::UNKNOWN);
+  output.time_to_failure = TimeToFailure::fromSeconds(std::numeric_limits<double>::infinity(), 60.0);
+  output.reasons = kReasonStale;
+  message = toMessage(output, 60.0, someHeader());
+  EXPECT_EQ(message.time_to_failure, message.horizon);
+  EXPECT_EQ(message.reasons_text, "STALE");
+}
+
+}  // namespace
+}  // namespace fail_aware

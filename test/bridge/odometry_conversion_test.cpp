@@ -1,0 +1,47 @@
+#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+namespace fail_aware {
+namespace {
+
+TEST(OdometryMessage, isThatOfTheBaseWithTwistInIt) {
+  Pose T_base_cog = Pose::Identity();
+  T_base_cog.translation() << 0.3, 0.0, 0.5;
+  Vector6d twist = Vector6d::Zero();
+  twist[0] = 10.0;
+  twist[5] = 0.2;
+  const Pose T_odom_base = poseFromVector((Vector6d() << 5, 6, 0, 0, 0, 1.0).finished());
+  FilterState state;
+  state.dt_s = 0.1;
+  state.T_odom_cog = T_odom_base * T_base_cog;
+  state.T_previous_now = T_base_cog.inverse() * expSe3(0.1 * twist) * T_base_cog;
+  state.increment_covariance = 1e-4 * Matrix6d::Identity();
+  const nav_msgs::Odometry message =
+      toOdometryMessage(state, 1e-2 * Matrix6d::Identity(), T_base_cog, "odom", "base_link");
+  EXPECT_EQ(message.header.frame_id, "odom");
+  EXPECT_EQ(message.child_frame_id, "base_link");
+  EXPECT_TRUE(fromMessage(message.pose.pose)->isApprox(T_odom_base, 1e-12));
+  EXPECT_NEAR(message.twist.twist.linear.x, 10.0, 1e-9);
+  EXPECT_NEAR(message.twist.twist.linear.y, 0.0, 1e-9);
+  EXPECT_NEAR(message.twist.twist.angular.z, 0.2, 1e-9);
+  for (const CovarianceMessage& covariance : {message.pose.covariance, message.twist.covariance}) {
+    const Matrix6d C = fromMessage(covariance);
+    EXPECT_TRUE(C.isApprox(C.transpose(), 1e-12));
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(C).eigenvalues().minCoeff(), 0.0);
+  }
+  // the lever arm turns heading error into lateral error of base_link
+  EXPECT_NEAR(fromMessage(message.pose.covariance).trace(), 0.06 + 2 * 1e-2 * (0.09 + 0.25), 1e-9);
+}
+
+TEST(OdometryMessage, firstSweepHasNoTwist) {
+  const nav_msgs::Odometry message =
+      toOdometryMessage(FilterState(), Matrix6d::Identity(), Pose::Identity(), "odom", "base_link");
+  EXPECT_EQ(message.twist.twist.linear.x, 0.0);
+  EXPECT_EQ(message.twist.covariance[0], 0.0);
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,201 @@
+#include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace fail_aware {
+namespace {
+
+using sensor_msgs::PointField;
+
+struct FieldSpec {
+  const char* name;
+  std::uint32_t offset;
+  std::uint8_t datatype;
+};
+
+sensor_msgs::PointCloud2 makeCloud(const std::vector<FieldSpec>& fields, std::uint32_t point_step,
+                                   std::uint32_t count) {
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header.stamp = ros::Time(1000000000, 500000000);
+  for (const FieldSpec& spec : fields) {
+    PointField field;
+    field.name = spec.name;
+    field.offset = spec.offset;
+    field.datatype = spec.datatype;
+    field.count = 1;
+    cloud.fields.push_back(field);
+  }
+  cloud.height = 1;
+  cloud.width = count;
+  cloud.point_step = point_step;
+  cloud.row_step = point_step * count;
+  cloud.data.resize(cloud.row_step);
+  return cloud;
+}
+
+template <class T>
+void put(sensor_msgs::PointCloud2& cloud, std::size_t at, T value) {
+  std::memcpy(cloud.data.data() + at, &value, sizeof value);
+}
+
+/// As the Noetic velodyne driver packs: `time` is misaligned in every point.
+sensor_msgs::PointCloud2 velodyneCloud(const std::vector<Eigen::Vector3f>& points) {
+  const auto count = static_cast<std::uint32_t>(points.size());
+  auto cloud = makeCloud({{"x", 0, PointField::FLOAT32},
+                          {"y", 4, PointField::FLOAT32},
+                          {"z", 8, PointField::FLOAT32},
+                          {"intensity", 12, PointField::FLOAT32},
+                          {"ring", 16, PointField::UINT16},
+                          {"time", 18, PointField::FLOAT32}},
+                         22, count);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (int k = 0; k < 3; ++k) put(cloud, 22 * i + 4 * static_cast<std::size_t>(k), points[i][k]);
+    put(cloud, 22 * i + 12, 10.0f + static_cast<float>(i));
+    put(cloud, 22 * i + 16, static_cast<std::uint16_t>(63 - i));
+    put(cloud, 22 * i + 18, -0.01f * static_cast<float>(i));
+  }
+  return cloud;
+}
+
+const std::vector<Eigen::Vector3f> kPoints = {{1, 2, 3}, {-4, 5, -6}, {7.5f, -8.25f, 9}};
+
+TEST(ReadCloud, velodynePacking) {
+  Sweep sweep;
+  ASSERT_TRUE(readCloud(velodyneCloud(kPoints), sweep).ok());
+  EXPECT_DOUBLE_EQ(sweep.stamp_s, 1000000000.5);
+  EXPECT_EQ(sweep.points_lidar, kPoints);
+  EXPECT_EQ(sweep.intensities, (std::vector<float>{10, 11, 12}));
+  EXPECT_EQ(sweep.rings, (std::vector<std::uint16_t>{63, 62, 61}));
+  EXPECT_EQ(sweep.times_s, (std::vector<float>{-0.0f, -0.01f, -0.02f}));
+}
+
+TEST(ReadCloud, doublesShortNamesAndRowPadding) {
+  auto cloud = makeCloud({{"z", 1, PointField::FLOAT64},
+                          {"x", 9, PointField::FLOAT64},
+                          {"y", 17, PointField::FLOAT64},
+                          {"i", 0, PointField::UINT8}},
+                         25, 4);
+  cloud.height = 2;
+  cloud.width = 2;
+  cloud.row_step = 60;
+  cloud.data.assign(60 + 50, 0);  // the last row without its padding
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t at = 60 * (i / 2) + 25 * (i % 2);
+    put(cloud, at, static_cast<std::uint8_t>(200 + i));
+    put(cloud, at + 1, 3.0 + static_cast<double>(i));
+    put(cloud, at + 9, 1.0 + static_cast<double>(i));
+    put(cloud, at + 17, 2.0 + static_cast<double>(i));
+  }
+  Sweep sweep;
+  ASSERT_TRUE(readCloud(cloud, sweep).ok());
+  ASSERT_EQ(sweep.size(), 4u);
+  EXPECT_EQ(sweep.points_lidar[3], Eigen::Vector3f(4, 5, 6));
+  EXPECT_EQ(sweep.intensities, (std::vector<float>{200, 201, 202, 203}));
+  EXPECT_TRUE(sweep.times_s.empty());
+  EXPECT_TRUE(sweep.rings.empty());
+}
+
+TEST(ReadCloud, leavesOutWhatIsNoPoint) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  Sweep sweep;
+  ASSERT_TRUE(readCloud(velodyneCloud({{nan, 1, 1}, {1, 2, 3}, {1, inf, 1}, {0, 0, 0}, {4, 5, 6}}), sweep).ok());
+  EXPECT_EQ(sweep.points_lidar, (std::vector<Eigen::Vector3f>{{1, 2, 3}, {4, 5, 6}}));
+  EXPECT_EQ(sweep.points_dropped, 3u);
+  EXPECT_EQ(sweep.intensities, (std::vector<float>{11, 14}));
+  EXPECT_EQ(sweep.rings.size(), 2u);
+  EXPECT_EQ(sweep.times_s.size(), 2u);
+  const CloudReadResult all = readCloud(velodyneCloud({{nan, 1, 1}}), sweep);
+  EXPECT_EQ(all.status, CloudStatus::kEmpty);
+  EXPECT_TRUE(sweep.empty());
+}
+
+sensor_msgs::PointCloud2 timedCloud(const char* name, std::uint8_t datatype) {
+  auto cloud = makeCloud({{"x", 0, PointField::FLOAT32},
+                          {"y", 4, PointField::FLOAT32},
+                          {"z", 8, PointField::FLOAT32},
+                          {name, 12, datatype}},
+                         20, 1);
+  put(cloud, 0, 1.0f);
+  return cloud;
+}
+
+TEST(ReadCloud, timeOfEveryType) {
+  Sweep sweep;
+  auto absolute = timedCloud("timestamp", PointField::FLOAT64);
+  put(absolute, 12, 1000000000.45);
+  ASSERT_TRUE(readCloud(absolute, sweep).ok());
+  EXPECT_NEAR(sweep.times_s.at(0), -0.05, 1e-6);
+  auto nanoseconds = timedCloud("t", PointField::UINT32);
+  put(nanoseconds, 12, std::uint32_t{25000000});
+  ASSERT_TRUE(readCloud(nanoseconds, sweep).ok());
+  EXPECT_NEAR(sweep.times_s.at(0), 0.025, 1e-9);
+}
+
+TEST(ReadCloud, refusesWithAReason) {
+  Sweep sweep;
+  const auto status = [&](const sensor_msgs::PointCloud2& cloud) {
+    const CloudReadResult result = readCloud(cloud, sweep);
+    EXPECT_TRUE(sweep.empty());
+    EXPECT_EQ(result.ok(), result.reason.empty());
+    return result.status;
+  };
+  auto cloud = velodyneCloud(kPoints);
+  cloud.is_bigendian = true;
+  EXPECT_EQ(status(cloud), CloudStatus::kBigEndian);
+  EXPECT_EQ(status(velodyneCloud({})), CloudStatus::kEmpty);
+  EXPECT_EQ(status(sensor_msgs::PointCloud2()), CloudStatus::kEmpty);
+  cloud = velodyneCloud(kPoints);
+  cloud.row_step -= 1;
+  EXPECT_EQ(status(cloud), CloudStatus::kBadLayout);
+  cloud = velodyneCloud(kPoints);
+  cloud.data.pop_back();
+  EXPECT_EQ(status(cloud), CloudStatus::kBadLayout);
+  cloud = velodyneCloud(kPoints);
+  cloud.point_step = 0;
+  EXPECT_EQ(status(cloud), CloudStatus::kBadLayout);
+  cloud = velodyneCloud(kPoints);
+  cloud.fields[5].offset = 19;  // one byte beyond the point
+  EXPECT_EQ(status(cloud), CloudStatus::kBadLayout);
+  cloud.fields[5].offset = 0xffffffffu;
+  EXPECT_EQ(status(cloud), CloudStatus::kBadLayout);
+  cloud = velodyneCloud(kPoints);
+  cloud.width = cloud.height = 0xffffffffu;
+  EXPECT_EQ(status(cloud), CloudStatus::kBadLayout);
+  cloud = velodyneCloud(kPoints);
+  cloud.fields[2].name = "height";
+  EXPECT_EQ(status(cloud), CloudStatus::kNoCoordinates);
+  cloud = velodyneCloud(kPoints);
+  cloud.fields[0].datatype = PointField::INT32;
+  EXPECT_EQ(status(cloud), CloudStatus::kNoCoordinates);
+}
+
+TEST(CorrectedCloud, comesBackAsItWas) {
+  CorrectedSweep sweep, back;
+  sweep.points_lidar = kPoints;
+  sweep.times_s = {-0.05f, 0.0f, 0.05f};
+  sensor_msgs::PointCloud2 cloud;
+  cloud.header.stamp = ros::Time(12, 250000000);
+  writeCloud(sweep, {1, 2, 3}, cloud);
+  EXPECT_EQ(cloud.point_step, 20u);
+  EXPECT_EQ(cloud.data.size(), 60u);
+  ASSERT_TRUE(readCorrectedCloud(cloud, back).ok());
+  EXPECT_EQ(back.points_lidar, kPoints);
+  EXPECT_EQ(back.times_s, sweep.times_s);
+  EXPECT_DOUBLE_EQ(back.stamp_s, 12.25);
+  Sweep raw;
+  ASSERT_TRUE(readCloud(cloud, raw).ok());
+  EXPECT_EQ(raw.intensities, (std::vector<float>{1, 2, 3}));
+  sweep.times_s.clear();
+  writeCloud(sweep, {}, cloud);
+  ASSERT_TRUE(readCorrectedCloud(cloud, back).ok());
+  EXPECT_TRUE(back.times_s.empty());
+}
+
+}  // namespace
+}  // namespace fail_aware
