@@ -85,24 +85,16 @@ struct OdometryPipeline::Stages {
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
   const RegistrationParameters& use = params.profile.registration;
   Stopwatch thinning;
-  const bool registrable = front.prepare(corrected, prediction, T_cog_lidar);
+  front.prepare(corrected, prediction, T_cog_lidar);
   result.times.correction_ms += thinning.lapMs();
   const auto point = [&] {
     Stopwatch watch;
-    if (use.use_point && !registrable) result.point.status = MeasurementStatus::kTooFewPoints;
-    if (use.use_point && registrable) {
-      result.point = multiplex.align(front.cloud().point_points_cog, front.map(), front.T_odom_cog_start(),
-                                     front.startCovariance());
-    }
+    if (use.use_point) result.point = front.align(multiplex);
     result.times.point_ms = watch.lapMs();
   };
   const auto plane = [&] {
     Stopwatch watch;
-    if (use.use_plane && !registrable) result.plane.status = MeasurementStatus::kTooFewPoints;
-    if (use.use_plane && registrable) {
-      result.plane = normal_filtered.align(front.cloud().plane_points_cog, front.map(), front.T_odom_cog_start(),
-                                           prediction.sigma_yaw_rad);
-    }
+    if (use.use_plane) result.plane = front.align(normal_filtered, prediction.sigma_yaw_rad);
     result.times.plane_ms = watch.lapMs();
   };
   const auto corners = [&] {

@@ -17,9 +17,9 @@ class IcpPointToPlaneAlgorithm {
         icp_(params.profile.registration.plane) {}
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
-    if (!used_ || !front_.prepare(sweep, task.prediction, task.T_cog_lidar)) return Measurement();
-    return icp_.align(front_.cloud().plane_points_cog, front_.map(), front_.T_odom_cog_start(),
-                      task.prediction.sigma_yaw_rad);
+    if (!used_) return Measurement();
+    front_.prepare(sweep, task.prediction, task.T_cog_lidar);
+    return front_.align(icp_, task.prediction.sigma_yaw_rad);
   }
   void place(const FilterState& state) { front_.place(state); }
   void reset() { front_.reset(); }

@@ -30,6 +30,26 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   return true;
 }
 
+namespace {
+
+Measurement tooFewPoints() {
+  Measurement measurement;
+  measurement.status = MeasurementStatus::kTooFewPoints;
+  return measurement;
+}
+
+}  // namespace
+
+Measurement RegistrationFront::align(const MultiplexIcp& icp) const {
+  if (!prepared_) return tooFewPoints();
+  return icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_);
+}
+
+Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const {
+  if (!prepared_) return tooFewPoints();
+  return icp.align(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
+}
+
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                          const Pose& T_cog_lidar) {
   const std::optional<Vector6d> twist =

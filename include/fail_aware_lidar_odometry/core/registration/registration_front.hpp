@@ -8,7 +8,10 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
+#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 
@@ -28,6 +31,10 @@ class RegistrationFront {
   const Pose& T_odom_cog_start() const { return T_odom_cog_start_; }
   /// Its covariance: the prediction's, but as sure of the position as the search.
   const Matrix6d& startCovariance() const { return start_covariance_; }
+
+  /// The prepared sweep against the reference, from the start pose; kTooFewPoints if prepare() said false.
+  Measurement align(const MultiplexIcp& icp) const;
+  Measurement align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const;
 
   /// Takes the prepared sweep into the reference, at the estimate, corrected for the motion that was estimated.
   void place(const FilterState& state);
