@@ -5,10 +5,9 @@
 #include <ros/ros.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
-#include <functional>
-#include <map>
 #include <vector>
 
+#include "../support/graph_recorder.hpp"
 #include "../support/synthetic_street.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
@@ -20,38 +19,6 @@ namespace fail_aware {
 namespace {
 
 constexpr int kSweeps = 12;
-constexpr double kPatience_s = 30.0;
-
-bool waitFor(const std::function<bool()>& condition, double patience_s = kPatience_s) {
-  const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(patience_s);
-  while (!condition()) {
-    if (!ros::ok() || ros::SteadyTime::now() > end) return false;
-    ros::WallDuration(0.005).sleep();
-    ros::spinOnce();
-  }
-  return true;
-}
-
-template <class Message>
-class Recorder {
- public:
-  Recorder(ros::NodeHandle& node, const std::string& topic)
-      : subscriber_(node.subscribe<Message>(topic, 100, [this](const typename Message::ConstPtr& message) {
-          messages_[message->header.stamp].push_back(message);
-        })) {}
-
-  bool connected() const { return subscriber_.getNumPublishers() > 0; }
-  std::size_t count(const ros::Time& stamp) const {
-    const auto at = messages_.find(stamp);
-    return at == messages_.end() ? 0 : at->second.size();
-  }
-  const Message& at(const ros::Time& stamp) const { return *messages_.at(stamp).front(); }
-
- private:
-  std::map<ros::Time, std::vector<typename Message::ConstPtr>> messages_;
-  ros::Subscriber subscriber_;
-};
-
 std::vector<sensor_msgs::PointCloud2Ptr> driveClouds() {
   const synthetic::Street street;
   const synthetic::Drive drive;

@@ -1,0 +1,45 @@
+// What the tests of the live graph share: waiting for events, and messages kept by stamp.
+#pragma once
+
+#include <ros/ros.h>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace fail_aware {
+
+inline constexpr double kPatience_s = 30.0;
+
+inline bool waitFor(const std::function<bool()>& condition, double patience_s = kPatience_s) {
+  const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(patience_s);
+  while (!condition()) {
+    if (!ros::ok() || ros::SteadyTime::now() > end) return false;
+    ros::WallDuration(0.005).sleep();
+    ros::spinOnce();
+  }
+  return true;
+}
+
+template <class Message>
+class Recorder {
+ public:
+  Recorder(ros::NodeHandle& node, const std::string& topic)
+      : subscriber_(node.subscribe<Message>(topic, 100, [this](const typename Message::ConstPtr& message) {
+          messages_[message->header.stamp].push_back(message);
+        })) {}
+
+  bool connected() const { return subscriber_.getNumPublishers() > 0; }
+  std::size_t count(const ros::Time& stamp) const {
+    const auto at = messages_.find(stamp);
+    return at == messages_.end() ? 0 : at->second.size();
+  }
+  const Message& at(const ros::Time& stamp) const { return *messages_.at(stamp).front(); }
+
+ private:
+  std::map<ros::Time, std::vector<typename Message::ConstPtr>> messages_;
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace fail_aware
