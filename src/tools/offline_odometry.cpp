@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,21 @@ struct BadScan {
   std::string file, reason;
 };
 
+/// What a reader of per_sweep.csv needs to know of the run. `t1_stamp_s`: none if the run ended before t1.
+nlohmann::ordered_json describeRun(const PipelineParameters& params, long first, std::optional<double> t1_stamp_s) {
+  const MonitorParameters& monitor = params.profile.monitor;
+  nlohmann::ordered_json json;
+  json["first"] = first;
+  json["t1_stamp_s"] = t1_stamp_s ? nlohmann::ordered_json(*t1_stamp_s) : nlohmann::ordered_json(nullptr);
+  json["eta_threshold_rad"] = monitor.indicator.threshold;
+  json["horizon_s"] = monitor.indicator.horizon_s;
+  json["alert_limit_m"] = monitor.predictor.alert_limit_m;
+  json["failing_s"] = monitor.thresholds.failing_s;
+  json["degraded_s"] = monitor.thresholds.degraded_s;
+  json["lidar_in_base"] = params.sensor.lidar_in_base;
+  return json;
+}
+
 int run(const Options& options) {
   requireNotNegative("--redundant-at", options.redundant_at_s);  // NaN passes the option's own check
   const KittiDirectory directory = KittiDirectory::open(options.kitti);
@@ -101,7 +117,7 @@ int run(const Options& options) {
   std::vector<BadScan> bad_scans;
   std::size_t side_file_problems = 0, points_dropped = 0;
   Pose T_odom_lidar_first = Pose::Identity();
-  bool started = false;
+  std::optional<double> t1_stamp_s;
   Sweep sweep;
   {
     ProgressBar progress(static_cast<std::size_t>(last - options.first));
@@ -114,9 +130,9 @@ int run(const Options& options) {
       }
       points_dropped += sweep.points_dropped;
       const double since_first_s = sweep.stamp_s - directory.stamps()[static_cast<std::size_t>(options.first)];
-      if (!started && since_first_s >= options.redundant_at_s - 1e-6) {
+      if (!t1_stamp_s && since_first_s >= options.redundant_at_s - 1e-6) {
         pipeline.startRedundant();
-        started = true;
+        t1_stamp_s = sweep.stamp_s;
       }
       const double stamp_s = sweep.stamp_s;
       const SweepResult result = pipeline.step(sweep);
@@ -144,6 +160,7 @@ int run(const Options& options) {
   summary["max_rss_mb"] = maxRssMb();
   summary["threads"] = options.threads;
   summary["profile"] = options.profile;
+  summary["run"] = describeRun(params, options.first, t1_stamp_s);
   // a file's name need not be UTF-8
   const std::string json = summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
   std::ofstream file(output / "summary.json");

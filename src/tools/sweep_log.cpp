@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
@@ -38,7 +39,8 @@ SweepLog::SweepLog(const std::filesystem::path& csv) : path_(csv.string()), out_
       out_ << ',' << name << '_' << column;
     }
   }
-  out_ << ",seed_spread_m,min_information_share,disagreement_m\n";
+  out_ << ",seed_spread_m,min_information_share,disagreement_m,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw,speed_mps,"
+          "yaw_rate_rps\n";
 }
 
 void SweepLog::add(double stamp_s, const SweepResult& r) {
@@ -57,7 +59,12 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
        << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ',' << t.reference_ms;
   for (const Measurement* measurement : {&r.point, &r.plane, &r.corners}) writeMeasurement(out_, *measurement);
   out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_share << ','
-       << r.state.fusion.disagreement_m << '\n';
+       << r.state.fusion.disagreement_m;
+  const Matrix6d& c = m.covariance_since_start;
+  for (const double entry : {c(0, 0), c(0, 1), c(1, 1), c(2, 2), c(5, 5)}) out_ << ',' << entry;
+  const double dt_s = r.state.dt_s;
+  out_ << ',' << (dt_s > 0.0 ? r.state.T_previous_now.translation().x() / dt_s : 0.0) << ','
+       << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0) << '\n';
   total_ms_.push_back(t.total_ms);
   ++by_status_[static_cast<std::size_t>(r.status)];
 }

@@ -207,7 +207,9 @@ TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
       "stamp",        "time_to_failure", "time_to_failure_indicator", "time_to_failure_covariance", "eta",
       "eta_rate",     "sigma_yaw",       "sigma_x",                   "sigma_y",                    "weight_point",
       "weight_plane", "weight_corners",  "nis_point",                 "nis_plane",                  "nis_corners",
-      "ms_total",     "ms_point",        "ms_plane",                  "ms_corners"};
+      "ms_total",     "ms_point",        "ms_plane",                  "ms_corners",                 "cov_xx",
+      "cov_xy",       "cov_yy",          "cov_zz",                    "cov_yaw",                    "speed_mps",
+      "yaw_rate_rps"};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Row row = rows[i];
     for (const std::string& name : numbers) {
@@ -230,6 +232,15 @@ TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
     EXPECT_EQ(time_to_failure == -1.0, !serving) << i;
     EXPECT_GE(time_to_failure, serving ? 0.0 : -1.0);
     EXPECT_EQ(std::stod(row["sigma_x"]) > 0.0, i > 5) << i;
+    EXPECT_NEAR(std::sqrt(std::stod(row["cov_xx"])), std::stod(row["sigma_x"]), 1e-6) << i;
+    EXPECT_NEAR(std::sqrt(std::stod(row["cov_yy"])), std::stod(row["sigma_y"]), 1e-6) << i;
+    if (i == kScans - 1) EXPECT_NEAR(std::stod(row["speed_mps"]), kDrive.speed_mps, 1.0);
+  }
+  const nlohmann::json described = summary()["run"];
+  EXPECT_NEAR(described["t1_stamp_s"].get<double>(), 0.5, 1e-9);
+  EXPECT_EQ(described["first"], 0);
+  for (const char* key : {"eta_threshold_rad", "horizon_s", "alert_limit_m", "failing_s", "degraded_s"}) {
+    EXPECT_GT(described[key].get<double>(), 0.0) << key;
   }
 }
 

@@ -99,8 +99,9 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);
   if (indicator_.started()) {
     output.time_to_failure_indicator = indicator_.timeToFailure();
-    output.sigma_x_m = std::sqrt(std::max(0.0, covariance_.sinceMark()(0, 0)));
-    output.sigma_y_m = std::sqrt(std::max(0.0, covariance_.sinceMark()(1, 1)));
+    output.covariance_since_start = covariance_.sinceMark();
+    output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
+    output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
     if (rate_.rate()) output.time_to_failure_covariance = predictor_.predict(growth(state)).time_to_failure;
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);

@@ -59,6 +59,7 @@ struct MonitorOutput {
   double sigma_yaw_rad = 0.0;    ///< the filter's; -1: unknown
   double sigma_x_m = 0.0;        ///< accumulated since t1, in the frame at t1
   double sigma_y_m = 0.0;
+  Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
 };
 
 class FailAwareMonitor {
