@@ -150,6 +150,27 @@ void clear(Sweep& sweep) {
   sweep.points_dropped = 0;
 }
 
+/// One row of `count` points with these FLOAT32 fields, one after the other; data not filled in.
+void layOut(std::initializer_list<const char*> names, std::size_t count, sensor_msgs::PointCloud2& cloud) {
+  cloud.fields.clear();
+  cloud.point_step = 0;
+  for (const char* name : names) {
+    PointField field;
+    field.name = name;
+    field.offset = cloud.point_step;
+    field.datatype = PointField::FLOAT32;
+    field.count = 1;
+    cloud.fields.push_back(field);
+    cloud.point_step += static_cast<std::uint32_t>(sizeof(float));
+  }
+  cloud.is_bigendian = false;
+  cloud.is_dense = true;
+  cloud.height = 1;
+  cloud.width = static_cast<std::uint32_t>(count);
+  cloud.row_step = cloud.width * cloud.point_step;
+  cloud.data.resize(cloud.row_step);
+}
+
 bool usable(const Eigen::Vector3f& p) { return p.allFinite() && !p.isZero(0.0f); }
 
 }  // namespace
@@ -191,31 +212,25 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
 }
 
 void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensities, sensor_msgs::PointCloud2& cloud) {
-  static constexpr const char* kNames[] = {"x", "y", "z", "intensity", "time"};
-  constexpr std::uint32_t kFields = 5;
   const std::size_t count = sweep.points_lidar.size();
-  cloud.fields.resize(kFields);
-  for (std::uint32_t i = 0; i < kFields; ++i) {
-    PointField& field = cloud.fields[i];
-    field.name = kNames[i];
-    field.offset = i * static_cast<std::uint32_t>(sizeof(float));
-    field.datatype = PointField::FLOAT32;
-    field.count = 1;
-  }
-  cloud.is_bigendian = false;
-  cloud.is_dense = true;
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(count);
-  cloud.point_step = kFields * static_cast<std::uint32_t>(sizeof(float));
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.resize(cloud.row_step);
+  layOut({"x", "y", "z", "intensity", "time"}, count, cloud);
   const bool has_intensity = intensities.size() == count, has_time = sweep.times_s.size() == count;
   std::uint8_t* out = cloud.data.data();
   for (std::size_t i = 0; i < count; ++i, out += cloud.point_step) {
     const Eigen::Vector3f& p = sweep.points_lidar[i];
-    const float values[kFields] = {p.x(), p.y(), p.z(), has_intensity ? intensities[i] : 0.0f,
-                                   has_time ? sweep.times_s[i] : 0.0f};
+    const float values[] = {p.x(), p.y(), p.z(), has_intensity ? intensities[i] : 0.0f,
+                            has_time ? sweep.times_s[i] : 0.0f};
     std::memcpy(out, values, sizeof values);
+  }
+}
+
+void writePoints(const std::vector<Eigen::Vector3d>& points, sensor_msgs::PointCloud2& cloud) {
+  layOut({"x", "y", "z"}, points.size(), cloud);
+  std::uint8_t* out = cloud.data.data();
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3f p = point.cast<float>();
+    std::memcpy(out, p.data(), cloud.point_step);
+    out += cloud.point_step;
   }
 }
 

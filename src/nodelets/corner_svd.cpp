@@ -1,6 +1,7 @@
 // Corner alignment in the live graph (core/registration/corner_measurement.hpp).
 #include <pluginlib/class_list_macros.hpp>
 
+#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "measurement_nodelet.hpp"
 
@@ -10,21 +11,33 @@ class CornerSvdAlgorithm {
  public:
   static const char* name() { return kCornerSvd; }
 
-  explicit CornerSvdAlgorithm(const PipelineParameters& params)
-      : used_(params.profile.registration.use_corners),
+  CornerSvdAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
+      : markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
+        used_(params.profile.registration.use_corners),
         corners_(params.profile.registration.corner_extraction, params.profile.registration.corner_reference,
                  params.profile.registration.corner_alignment) {}
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
     if (!used_) return Measurement();
-    return corners_.measure(sweep, task.prediction, task.T_cog_lidar);
+    const Measurement measurement = corners_.measure(sweep, task.prediction, task.T_cog_lidar);
+    T_odom_cog_ = measurement.ok() ? measurement.T_odom_cog : task.prediction.T_odom_cog;
+    return measurement;
   }
   void place(const FilterState& state) { corners_.place(state); }
   void reset() { corners_.reset(); }
+  void show(const std_msgs::Header& header) {
+    if (markers_.getNumSubscribers() == 0) return;
+    std::vector<Corner> corners_odom;
+    for (const Corner& corner : corners_.cornersCog()) corners_odom.push_back(movedCorner(T_odom_cog_, corner));
+    markers_.publish(boost::make_shared<const visualization_msgs::MarkerArray>(
+        cornerMarkers(corners_odom, corners_.referenceOdom(), header)));
+  }
 
  private:
+  ros::Publisher markers_;
   bool used_;
   CornerMeasurement corners_;
+  Pose T_odom_cog_ = Pose::Identity();  ///< where the last corners were seen from
 };
 
 using CornerSvd = MeasurementNodelet<CornerSvdAlgorithm>;

@@ -1,6 +1,6 @@
 // The fail-aware monitor in the live graph (core/fail_aware/monitor.hpp).
 // In: filter_state. Out: time_to_failure, one for every filter state and, when there is none for stale_sweeps periods,
-// FAILED with reason STALE at 10 Hz. Service: ~start_redundant. What silence means is measured on the clock of the
+// FAILED with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each. Service: ~start_redundant. What silence means is measured on the clock of the
 // graph: simulated time if that is used, otherwise the steady clock.
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -56,6 +57,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     updater_->setHardwareID("none");
     updater_->add("time_to_failure", this, &FailAwareMonitorNodelet::diagnose);
     publisher_ = node.advertise<messages::TimeToFailure>("time_to_failure", kQueue);
+    marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1);
     service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
     subscriber_ = node.subscribe("filter_state", kQueue, &FailAwareMonitorNodelet::onState, this);
     heard_s_ = now_s();
@@ -82,6 +84,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     }
     output_ = monitor_->update(*state, conditionOf(*message, pipeline_.profile.registration));
     header_ = message->header;
+    base_position_odom_ = (state->T_odom_cog * pipeline_.vehicle.T_base_cog().inverse()).translation();
     publish(header_);
   }
 
@@ -104,6 +107,15 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     published_s_ = now_s();
     publisher_.publish(messages::TimeToFailureConstPtr(boost::make_shared<messages::TimeToFailure>(
         toMessage(output_, pipeline_.profile.monitor.predictor.horizon_s, header))));
+    if (!header.stamp.isZero() && marker_publisher_.getNumSubscribers() > 0) showMarkers(header);
+  }
+
+  void showMarkers(const std_msgs::Header& header) {
+    const auto markers = boost::make_shared<visualization_msgs::MarkerArray>(
+        uncertaintyMarkers(monitor_->horizontalCovarianceOdom(), base_position_odom_,
+                           pipeline_.profile.monitor.predictor.alert_limit_m, header));
+    markers->markers.push_back(timeToFailureMarker(output_, base_position_odom_, header));
+    marker_publisher_.publish(visualization_msgs::MarkerArrayConstPtr(markers));
   }
 
   bool onStartRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
@@ -129,11 +141,12 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   PipelineParameters pipeline_;
   std::unique_ptr<FailAwareMonitor> monitor_;
   std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, marker_publisher_;
   ros::Subscriber subscriber_;
   ros::ServiceServer service_;
   ros::SteadyTimer timer_;
   MonitorOutput output_;
+  Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
   std_msgs::Header header_;  ///< of the last filter state
   double period_s_ = 0.1;
   double heard_s_ = 0.0;

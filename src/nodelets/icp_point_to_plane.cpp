@@ -1,4 +1,5 @@
-// Normal-filtered ICP in the live graph (core/registration/normal_filtered_icp.hpp).
+// Normal-filtered ICP in the live graph (core/registration/normal_filtered_icp.hpp). Its reference is also published, as
+// `local_map`, once a second of sweep time.
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
@@ -11,8 +12,9 @@ class IcpPointToPlaneAlgorithm {
  public:
   static const char* name() { return kIcpPointToPlane; }
 
-  explicit IcpPointToPlaneAlgorithm(const PipelineParameters& params)
-      : used_(params.profile.registration.use_plane),
+  IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
+      : local_map_(node.advertise<sensor_msgs::PointCloud2>("local_map", 1)),
+        used_(params.profile.registration.use_plane),
         front_(makeFront(params.profile.registration)),
         icp_(params.profile.registration.plane) {}
 
@@ -23,8 +25,21 @@ class IcpPointToPlaneAlgorithm {
   }
   void place(const FilterState& state) { front_.place(state); }
   void reset() { front_.reset(); }
+  void show(const std_msgs::Header& header) {
+    const double since_s = (header.stamp - shown_stamp_).toSec();
+    if (local_map_.getNumSubscribers() == 0 || (since_s >= 0.0 && since_s < kLocalMapPeriod_s)) return;
+    shown_stamp_ = header.stamp;
+    const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
+    writePoints(front_.map().points(), *cloud);
+    cloud->header = header;
+    local_map_.publish(sensor_msgs::PointCloud2ConstPtr(cloud));
+  }
 
  private:
+  static constexpr double kLocalMapPeriod_s = 1.0;
+
+  ros::Publisher local_map_;
+  ros::Time shown_stamp_;
   bool used_;
   RegistrationFront front_;
   NormalFilteredIcp icp_;

@@ -1,6 +1,7 @@
 // Multiplex ICP in the live graph (core/registration/multiplex_icp.hpp).
 #include <pluginlib/class_list_macros.hpp>
 
+#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "icp_front.hpp"
 #include "measurement_nodelet.hpp"
@@ -11,23 +12,30 @@ class IcpPointToPointAlgorithm {
  public:
   static const char* name() { return kIcpPointToPoint; }
 
-  explicit IcpPointToPointAlgorithm(const PipelineParameters& params)
-      : used_(params.profile.registration.use_point),
+  IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
+      : markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
+        used_(params.profile.registration.use_point),
         front_(makeFront(params.profile.registration)),
         icp_(params.profile.registration.point) {}
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
     if (!used_) return Measurement();
     front_.prepare(sweep, task.prediction, task.T_cog_lidar);
-    return front_.align(icp_);
+    return front_.align(icp_, &tracks_);
   }
   void place(const FilterState& state) { front_.place(state); }
   void reset() { front_.reset(); }
+  void show(const std_msgs::Header& header) {
+    if (markers_.getNumSubscribers() == 0) return;
+    markers_.publish(boost::make_shared<const visualization_msgs::MarkerArray>(seedMarkers(tracks_, header)));
+  }
 
  private:
+  ros::Publisher markers_;
   bool used_;
   RegistrationFront front_;
   MultiplexIcp icp_;
+  std::vector<SeedTrack> tracks_;  ///< of the last measurement
 };
 
 using IcpPointToPoint = MeasurementNodelet<IcpPointToPointAlgorithm>;

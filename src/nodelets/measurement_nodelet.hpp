@@ -3,7 +3,9 @@
 //
 // A sweep is measured once its points and its prediction are there and the sweep before it was placed at its filter
 // state. The filter state of a measured sweep places it in the reference, also when the measurement came too late.
-// Algorithm: Algorithm(const PipelineParameters&), static name(), measure(corrected, task), place(state), reset().
+// Algorithm: Algorithm(node, const PipelineParameters&), static name(), measure(corrected, task), place(state), reset(),
+// and show(header), which publishes what it has for rviz once its measurement is out (header: stamp of the sweep, frame
+// of the odometry).
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -28,7 +30,7 @@ class MeasurementNodelet : public nodelet::Nodelet {
 
   void onInit() override {
     ros::NodeHandle& node = getNodeHandle();
-    algorithm_ = std::make_unique<Algorithm>(readPipelineParameters(node));
+    algorithm_ = std::make_unique<Algorithm>(node, readPipelineParameters(node));
     updater_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     updater_->setHardwareID("none");
     updater_->add(Algorithm::name(), this, &MeasurementNodelet::diagnose);
@@ -88,6 +90,7 @@ class MeasurementNodelet : public nodelet::Nodelet {
     message->sweep_points = static_cast<std::int32_t>(sweep_.points_lidar.size());
     message->duration = (ros::SteadyTime::now() - begin).toSec();
     publisher_.publish(messages::PoseMeasurementConstPtr(message));
+    algorithm_->show(prediction.header);
   }
 
   void placeMeasured() {

@@ -197,5 +197,17 @@ TEST(CorrectedCloud, comesBackAsItWas) {
   EXPECT_TRUE(back.times_s.empty());
 }
 
+TEST(WritePoints, areReadBack) {
+  sensor_msgs::PointCloud2 cloud;
+  writePoints({{1.0, 2.0, 3.0}, {-4.0, 5.0, 6.0}}, cloud);
+  EXPECT_EQ(cloud.point_step, 12u);
+  Sweep sweep;
+  ASSERT_TRUE(readCloud(cloud, sweep).ok());
+  EXPECT_EQ(sweep.points_lidar, (std::vector<Eigen::Vector3f>{{1, 2, 3}, {-4, 5, 6}}));
+  writePoints({}, cloud);
+  EXPECT_EQ(cloud.width, 0u);
+  EXPECT_TRUE(cloud.data.empty());
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -37,6 +37,9 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep);
 /// stamp. Header left to the caller.
 void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensities, sensor_msgs::PointCloud2& cloud);
 
+/// x y z, FLOAT32, point_step 12. Header left to the caller.
+void writePoints(const std::vector<Eigen::Vector3d>& points, sensor_msgs::PointCloud2& cloud);
+
 /// Back from writeCloud's cloud; times that are all zero mean no timing.
 CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, CorrectedSweep& sweep);
 

@@ -63,6 +63,11 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
   return reasons;
 }
 
+Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
+  const Eigen::Matrix3d R = T_odom_mark_.linear();
+  return (R * covariance_.sinceMark().topLeftCorner<3, 3>() * R.transpose()).topLeftCorner<2, 2>();
+}
+
 CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
   CovarianceGrowth growth;
   growth.covariance = horizontalBlock(covariance_.sinceMark());

@@ -32,6 +32,9 @@ Corner movedCorner(const Pose& T_a_b, const Corner& corner_b) {
   corner.J = T_a_b * corner_b.J;
   corner.N = T_a_b * corner_b.N;
   for (Eigen::Vector3d& normal : corner.normals) normal = T_a_b.linear() * normal;
+  for (Corner::Rectangle& rectangle : corner.rectangles) {
+    rectangle = {T_a_b * rectangle.low, T_a_b * rectangle.high};
+  }
   return corner;
 }
 
@@ -50,6 +53,7 @@ Corner withOtherPlane(const Corner& corner_odom) {
   std::swap(corner.normals[0], corner.normals[1]);
   std::swap(corner.plane_rms_m[0], corner.plane_rms_m[1]);
   std::swap(corner.plane_points[0], corner.plane_points[1]);
+  std::swap(corner.rectangles[0], corner.rectangles[1]);
   const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(corner.normals[0]).normalized();
   corner.N = corner.M + (along.x() < 0.0 ? -Corner::kPlaneLength : Corner::kPlaneLength) * along;
   return corner;

@@ -47,6 +47,24 @@ int countNearLine(const std::vector<Eigen::Vector3f>& points, const Eigen::Vecto
   return count;
 }
 
+Corner::Rectangle rectangleOf(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& on_line,
+                              const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d across = direction.cross(normal).normalized();
+  Eigen::Matrix<float, 2, 3> axes;
+  axes << direction.transpose().cast<float>(), across.transpose().cast<float>();
+  Eigen::Vector2f low = Eigen::Vector2f::Constant(std::numeric_limits<float>::max()), high = -low;
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector2f place = axes * (p - on_line.cast<float>());
+    low = low.cwiseMin(place);
+    high = high.cwiseMax(place);
+  }
+  if (points.empty()) low = high = Eigen::Vector2f::Zero();
+  const auto vertex = [&](const Eigen::Vector2f& v) {
+    return (on_line + static_cast<double>(v.x()) * direction + static_cast<double>(v.y()) * across).eval();
+  };
+  return {vertex(low), vertex(high)};
+}
+
 // The corners with most points first; none nearer than `distance_m` to a better one.
 std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distance_m) {
   std::stable_sort(corners.begin(), corners.end(),
@@ -253,6 +271,8 @@ bool CornerExtractor::makeCorner(const Plane& a, const Plane& b, const Eigen::Ma
   corner.normals = {reference.normal, other.normal};
   corner.plane_rms_m = {reference.rms_m, other.rms_m};
   corner.plane_points = {static_cast<int>(reference.inliers.size()), static_cast<int>(other.inliers.size())};
+  corner.rectangles = {rectangleOf(reference.inliers, corner.M, direction, reference.normal),
+                       rectangleOf(other.inliers, corner.M, direction, other.normal)};
   return corner.J.allFinite() && corner.N.allFinite();
 }
 

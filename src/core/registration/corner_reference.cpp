@@ -19,6 +19,7 @@ Corner blended(const Corner& corner, const Corner& seen, double share) {
     mean.normals[k] = mix(corner.normals[k], seen.normals[k]).normalized();
     mean.plane_rms_m[k] = (1.0 - share) * corner.plane_rms_m[k] + share * seen.plane_rms_m[k];
     mean.plane_points[k] = seen.plane_points[k];
+    mean.rectangles[k] = seen.rectangles[k];
   }
   return mean;
 }

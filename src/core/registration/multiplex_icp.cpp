@@ -14,8 +14,16 @@ constexpr double kDegree = M_PI / 180.0;
 
 struct Descent {
   Pose T;
+  std::vector<std::size_t> seeds;  ///< that have come together here
   bool settled = false;
 };
+
+void recordEnds(const std::vector<Descent>& descents, std::vector<SeedTrack>* tracks) {
+  if (tracks == nullptr) return;
+  for (const Descent& descent : descents) {
+    for (const std::size_t seed : descent.seeds) (*tracks)[seed].T_odom_cog_end = descent.T;
+  }
+}
 
 bool sameBasin(const Pose& a, const Pose& b, const MultiplexIcp::Params& params) {
   return (a.translation() - b.translation()).norm() < params.merge_translation_m &&
@@ -117,13 +125,18 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
 }
 
 Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
+                                const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
+                                std::vector<SeedTrack>* tracks) const {
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
+  if (tracks != nullptr) tracks->clear();
   if (map.empty()) return result;
 
   std::vector<Descent> descents;
-  for (const Pose& seed : seeds(T_odom_cog_predicted, predicted_covariance)) descents.push_back({seed, false});
+  for (const Pose& seed : seeds(T_odom_cog_predicted, predicted_covariance)) {
+    descents.push_back({seed, {descents.size()}, false});
+    if (tracks != nullptr) tracks->push_back({seed, seed, false});
+  }
 
   // together, on few points, until settled or merged
   if (descents.size() > 1) {
@@ -139,9 +152,12 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
         all_settled = all_settled && descent.settled;
       }
       for (std::size_t i = 1; i < descents.size();) {
-        const bool met = std::any_of(descents.begin(), descents.begin() + static_cast<std::ptrdiff_t>(i),
-                                     [&](const Descent& other) { return sameBasin(other.T, descents[i].T, params_); });
-        if (met) {
+        const auto end = descents.begin() + static_cast<std::ptrdiff_t>(i);
+        const auto met = std::find_if(descents.begin(), end, [&](const Descent& other) {
+          return sameBasin(other.T, descents[i].T, params_);
+        });
+        if (met != end) {
+          met->seeds.insert(met->seeds.end(), descents[i].seeds.begin(), descents[i].seeds.end());
           descents.erase(descents.begin() + static_cast<std::ptrdiff_t>(i));
         } else {
           ++i;
@@ -156,6 +172,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
       const double used = static_cast<double>((points_cog.size() + stride - 1) / stride);
       return (e.squared_error + (used - e.weight_unscaled) * params_.max_distance_m * params_.max_distance_m) / used;
     };
+    recordEnds(descents, tracks);
     if (static_cast<int>(descents.size()) > params_.max_refined_seeds) {
       std::vector<std::pair<double, std::size_t>> scores;
       for (std::size_t i = 0; i < descents.size(); ++i) scores.emplace_back(score(descents[i]), i);
@@ -172,6 +189,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
   Vector6d best_step = Vector6d::Zero();
   NormalEquations best_equations;
   std::vector<Pose> solutions;
+  std::vector<std::size_t> winners;  // seeds
   std::size_t most_inliers = 0;
   for (Descent& descent : descents) {
     NormalEquations equations;
@@ -196,6 +214,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     const double error = (equations.squared_error + (all - equations.weight_unscaled) * cut2) / all;
     if (solutions.size() > 1 && error >= best_error) continue;
     best_error = error;
+    winners = descent.seeds;
     best_converged = converged;
     best_step = step.dx;
     best_equations = equations;
@@ -205,6 +224,10 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     result.weak_directions = step.weak_directions;
     result.min_information_share = step.min_horizontal_share;
     result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
+  }
+  recordEnds(descents, tracks);
+  if (tracks != nullptr) {
+    for (const std::size_t seed : winners) (*tracks)[seed].won = true;
   }
   if (solutions.empty()) {
     result.T_odom_cog = T_odom_cog_predicted;

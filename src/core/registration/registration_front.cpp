@@ -40,9 +40,10 @@ Measurement tooFewPoints() {
 
 }  // namespace
 
-Measurement RegistrationFront::align(const MultiplexIcp& icp) const {
+Measurement RegistrationFront::align(const MultiplexIcp& icp, std::vector<SeedTrack>* tracks) const {
+  if (tracks != nullptr) tracks->clear();
   if (!prepared_) return tooFewPoints();
-  return icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_);
+  return icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_, tracks);
 }
 
 Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const {

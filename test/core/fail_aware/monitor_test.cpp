@@ -136,6 +136,21 @@ TEST(FailAwareMonitor, TheAccumulatedCovarianceGrowsWithDistanceInTheFrameAtT1) 
   }
 }
 
+TEST(FailAwareMonitor, TheHorizontalCovarianceIsAboutOdomsAxes) {
+  FailAwareMonitor ahead{MonitorParameters()}, aslant{MonitorParameters()};
+  Road straight(0.0), turned(0.5);
+  straight.sigma_yaw_step_rad = turned.sigma_yaw_step_rad = 2e-3;  // mostly lateral
+  EXPECT_TRUE(ahead.horizontalCovarianceOdom().isZero());
+  ahead.start();
+  aslant.start();
+  drive(ahead, straight, 100);
+  drive(aslant, turned, 100);
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(0.5).toRotationMatrix();
+  const Eigen::Matrix2d C = ahead.horizontalCovarianceOdom();
+  EXPECT_GT(C(1, 1), 4.0 * C(0, 0));
+  EXPECT_TRUE(aslant.horizontalCovarianceOdom().isApprox(R * C * R.transpose(), 1e-6));
+}
+
 TEST(FailAwareMonitor, TheCovariancesTimeToFailureRunsDown) {
   FailAwareMonitor monitor{MonitorParameters()};
   Road road;

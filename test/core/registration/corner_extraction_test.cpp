@@ -106,6 +106,19 @@ TEST(CornerExtraction, findsTheCornerOfAnLShapedWallWithinThreeCentimetres) {
     EXPECT_GT(corner.normals[1].dot(Eigen::Vector3d(-1, 0, 0)), 0.9999);
     EXPECT_NEAR(corner.plane_rms_m[0], 0.02, 0.01);
     EXPECT_GT(corner.points(), 2000);
+    // the walls: 8 m along x and 10 m along y, and the ground in line with them as far as their last cell goes; from the ground, or near it, to 6 m or to where the highest beam is
+    const Corner::Rectangle &along_x = corner.rectangles[0], &along_y = corner.rectangles[1];
+    for (const Corner::Rectangle* rectangle : {&along_x, &along_y}) {
+      EXPECT_GT(rectangle->low.z(), -kSensorHeight - 0.2);
+      EXPECT_LT(rectangle->low.z(), -kSensorHeight + 0.6);
+      EXPECT_GT(rectangle->high.z(), 0.0);
+    }
+    EXPECT_NEAR(std::min(along_x.low.x(), along_x.high.x()), 4.0, CornerExtractor::Params().cell_m);
+    EXPECT_NEAR(std::max(along_x.low.x(), along_x.high.x()), 12.0, CornerExtractor::Params().cell_m);
+    EXPECT_NEAR(along_x.low.y(), 7.0, 0.05);
+    EXPECT_NEAR(along_x.high.y(), 7.0, 0.05);
+    EXPECT_NEAR(std::min(along_y.low.y(), along_y.high.y()), -3.0, CornerExtractor::Params().cell_m);
+    EXPECT_NEAR(along_y.high.x(), 12.0, 0.05);
   }
 }
 

@@ -20,6 +20,8 @@ Corner cornerAt(double x, double y) {
   corner.normals = {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(-1, 0, 0)};
   corner.plane_rms_m = {0.01, 0.02};
   corner.plane_points = {100, 200};
+  corner.rectangles[0] = {{x, y, -1.0}, {x + 4.0, y, 2.0}};
+  corner.rectangles[1] = {{x, y, -1.0}, {x, y + 3.0, 2.0}};
   return corner;
 }
 
@@ -31,6 +33,15 @@ TEST(Corner, movesAsABody) {
   EXPECT_TRUE(moved.N.isApprox(T * Eigen::Vector3d(5, 5, 0)));
   EXPECT_TRUE(moved.normals[1].isApprox(T.linear() * Eigen::Vector3d(-1, 0, 0)));
   EXPECT_NEAR((moved.J - moved.M).norm(), 0.5, 1e-12);
+  EXPECT_TRUE(moved.rectangles[0].low.isApprox(T * Eigen::Vector3d(4, 5, -1)));
+  EXPECT_TRUE(moved.rectangles[0].high.isApprox(T * Eigen::Vector3d(8, 5, 2)));
+}
+
+TEST(Corner, itsWallsStayWhereTheyAre) {
+  const Corner corner = cornerAt(4, 5), slid = atHeight(corner, 1.0), swapped = withOtherPlane(corner);
+  EXPECT_EQ(slid.rectangles[1].high, corner.rectangles[1].high);
+  EXPECT_EQ(swapped.rectangles[0].high, corner.rectangles[1].high);
+  EXPECT_EQ(swapped.rectangles[1].low, corner.rectangles[0].low);
 }
 
 TEST(Corner, slidesAlongItsTiltedLine) {

@@ -172,6 +172,36 @@ TEST(MultiplexIcp, recoversKnownMotionsBothWays) {
   }
 }
 
+TEST(MultiplexIcp, tracksTellWhereEachSeedBeganAndEnded) {
+  const MultiplexIcp icp(testParams());
+  const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
+  const Points points = seenFrom(sampleScene(room(), 2.0, kNoise_m, 2), Pose::Identity());
+  const Pose T0 = poseOf(0.05, -0.05, 0.0, 0.0, 0.0, 0.3);
+  const Matrix6d P = covarianceOf(0.2, 0.2, 0.05, 0.5);
+  std::vector<SeedTrack> tracks(3);
+  const Measurement m = icp.align(points, map, T0, P, &tracks);
+  ASSERT_TRUE(m.ok()) << toString(m.status);
+  const std::vector<Pose> seeds = icp.seeds(T0, P);
+  ASSERT_EQ(tracks.size(), seeds.size());
+  int winners = 0;
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    EXPECT_EQ(tracks[i].T_odom_cog_seed.matrix(), seeds[i].matrix());
+    EXPECT_LT(translationError(tracks[i].T_odom_cog_end, Pose::Identity()), 0.1) << "one basin";
+    if (!tracks[i].won) continue;
+    ++winners;
+    EXPECT_EQ(tracks[i].T_odom_cog_end.matrix(), m.T_odom_cog.matrix());
+  }
+  EXPECT_GT(winners, 0);
+  const Measurement unwatched = icp.align(points, map, T0, P);
+  EXPECT_EQ(unwatched.T_odom_cog.matrix(), m.T_odom_cog.matrix()) << "looking changes nothing";
+
+  icp.align(points, VoxelMap(), T0, P, &tracks);
+  EXPECT_TRUE(tracks.empty()) << "no reference";
+  icp.align(Points(20, Eigen::Vector3f(500, 500, 500)), map, T0, P, &tracks);
+  ASSERT_EQ(tracks.size(), 8u);
+  for (const SeedTrack& track : tracks) EXPECT_FALSE(track.won);
+}
+
 // One Gauss-Newton step against numerically differentiated offsets to the nearest points at the start.
 TEST(MultiplexIcp, aStepIsThatOfFiniteDifferences) {
   MultiplexIcp::Params params = testParams();

@@ -75,6 +75,9 @@ class FailAwareMonitor {
   /// The covariance of T_odom_cog since the first sweep (published with the odometry), geometry/pose.hpp's convention.
   const Matrix6d& odometryCovariance() const { return covariance_.covariance(); }
 
+  /// The covariance of (x, y) accumulated since t1, m^2, about odom's axes; zero before t1.
+  Eigen::Matrix2d horizontalCovarianceOdom() const;
+
   void reset();
 
  private:

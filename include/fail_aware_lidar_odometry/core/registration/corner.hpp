@@ -26,6 +26,12 @@ struct Corner {
   std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
   std::array<double, 2> plane_rms_m{0.0, 0.0};
   std::array<int, 2> plane_points{0, 0};  ///< RANSAC inliers
+  /// The rectangle that holds a plane's inliers when last seen, as opposite vertices; sides along the line and across.
+  struct Rectangle {
+    Eigen::Vector3d low = Eigen::Vector3d::Zero();
+    Eigen::Vector3d high = Eigen::Vector3d::Zero();
+  };
+  std::array<Rectangle, 2> rectangles;  ///< for display alone
   int points() const { return plane_points[0] + plane_points[1]; }
 
   Eigen::Vector3d lineDirection() const { return (J - M).normalized(); }

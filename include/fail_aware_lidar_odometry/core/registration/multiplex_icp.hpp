@@ -19,6 +19,14 @@
 
 namespace fail_aware {
 
+/// A seed and where its descent ended, for display. Seeds that met share their end; one that was not refined ends
+/// where the joint descent left it.
+struct SeedTrack {
+  Pose T_odom_cog_seed = Pose::Identity();
+  Pose T_odom_cog_end = Pose::Identity();
+  bool won = false;  ///< its end is the measurement
+};
+
 class MultiplexIcp {
  public:
   struct Params {
@@ -78,9 +86,11 @@ class MultiplexIcp {
   /// The seed poses for a prediction whose state (x, y, z, roll, pitch, yaw) has covariance P.
   std::vector<Pose> seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;
 
-  /// points_cog: m, frame of the centre of gravity at the sweep's stamp.
+  /// points_cog: m, frame of the centre of gravity at the sweep's stamp. `tracks`: if given, one for every seed, in
+  /// the order of seeds(); none without a reference.
   Measurement align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                    const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;
+                    const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
+                    std::vector<SeedTrack>* tracks = nullptr) const;
 
   const Params& params() const { return params_; }
 

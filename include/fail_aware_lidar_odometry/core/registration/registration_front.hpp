@@ -6,6 +6,8 @@
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
 #pragma once
 
+#include <vector>
+
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
@@ -33,7 +35,7 @@ class RegistrationFront {
   const Matrix6d& startCovariance() const { return start_covariance_; }
 
   /// The prepared sweep against the reference, from the start pose; kTooFewPoints if prepare() said false.
-  Measurement align(const MultiplexIcp& icp) const;
+  Measurement align(const MultiplexIcp& icp, std::vector<SeedTrack>* tracks = nullptr) const;
   Measurement align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const;
 
   /// Takes the prepared sweep into the reference, at the estimate, corrected for the motion that was estimated.
