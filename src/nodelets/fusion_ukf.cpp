@@ -8,74 +8,31 @@
 // cloud is counted in a diagnostic by its cause.
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <nav_msgs/Odometry.h>
-#include <nav_msgs/Path.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_srvs/Trigger.h>
-#include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_broadcaster.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "bounded_path.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fusion_ukf_params.hpp"
+#include "lidar_place.hpp"
+#include "sweep_intake.hpp"
 
 namespace fail_aware {
-
-struct FusionUkfNodeletParams {
-  std::string odom_frame = "odom";
-  std::string base_frame = "base_link";
-  bool publish_tf = true;                   ///< odom_frame -> base_frame
-  std::string lidar_in_base_source = "tf";  ///< tf: looked up once; parameter: sensor/lidar_in_base
-  double deadline_s = 0.25;                 ///< from prediction to closing a sweep
-  double first_deadline_s = 2.0;            ///< while no motion is known: the search for it takes longer
-  int queue_size = 3;                       ///< sweeps that may wait for the open one
-  double max_reorder_s = 0.5;               ///< a stamp further back than this is a jump in time: reset
-  int absent_after_sweeps = 3;              ///< misses in a row until a source is no longer waited for
-  int path_max_poses = 2000;
-  double path_spacing_m = 0.5;
-
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("odom_frame", self.odom_frame);
-    v("base_frame", self.base_frame);
-    v("publish_tf", self.publish_tf);
-    v("lidar_in_base_source", self.lidar_in_base_source);
-    v("deadline_s", self.deadline_s);
-    v("first_deadline_s", self.first_deadline_s);
-    v("queue_size", self.queue_size);
-    v("max_reorder_s", self.max_reorder_s);
-    v("absent_after_sweeps", self.absent_after_sweeps);
-    v("path_max_poses", self.path_max_poses);
-    v("path_spacing_m", self.path_spacing_m);
-  }
-  void validate() const {
-    if (odom_frame.empty() || base_frame.empty()) throw ParameterError("odom_frame, base_frame: must not be empty");
-    if (lidar_in_base_source != "tf" && lidar_in_base_source != "parameter") {
-      throw ParameterError("lidar_in_base_source: must be tf or parameter, not " + lidar_in_base_source);
-    }
-    requirePositive("deadline_s", deadline_s);
-    requirePositive("first_deadline_s", first_deadline_s);
-    requireWithin("queue_size", queue_size, 1, 100);
-    requireNotNegative("max_reorder_s", max_reorder_s);
-    requireWithin("absent_after_sweeps", absent_after_sweeps, 1, 1000);
-    requireWithin("path_max_poses", path_max_poses, 1, 100000);
-    requireNotNegative("path_spacing_m", path_spacing_m);
-  }
-};
 
 class FusionUkfNodelet : public nodelet::Nodelet {
  private:
@@ -91,8 +48,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   };
 
   struct Counts {
-    std::size_t sweeps = 0, predicted_only = 0, overload = 0, duplicate = 0, reordered = 0, refused_stamp = 0,
-                wrong_frame = 0, no_transform = 0, resets = 0;
+    std::size_t sweeps = 0, predicted_only = 0, no_transform = 0, resets = 0, time_jumps = 0;
   };
 
   void onInit() override {
@@ -108,12 +64,13 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     filter_ = std::make_unique<PoseFilter>(profile.filter, profile.ukf,
                                            VehicleModel(pipeline.vehicle.dynamics, profile.model), profile.history,
                                            profile.road, profile.fusion);
+    path_ = std::make_unique<BoundedPath>(static_cast<std::size_t>(params_.path_max_poses), params_.path_spacing_m);
+    intake_.setLimits(static_cast<std::size_t>(params_.queue_size), params_.max_reorder_s);
     reset();
     if (params_.lidar_in_base_source == "parameter") {
-      T_base_lidar_ = pipeline.sensor.T_base_lidar();
+      lidar_.use(pipeline.sensor.T_base_lidar());
     } else {
-      tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
-      tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
+      lidar_.useTransforms(params_.base_frame);
     }
     if (params_.publish_tf) tf_broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
 
@@ -143,73 +100,33 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) {
     const std_msgs::Header& header = cloud->header;
-    if (!lidarKnown(header.frame_id)) return;
-    if (header.stamp.isZero()) {
-      lose(counts_.refused_stamp);
-      return;
+    switch (lidar_.find(header.frame_id)) {
+      case LidarPlace::Answer::kKnown: break;
+      case LidarPlace::Answer::kNoTransform: ++counts_.no_transform; return;
+      case LidarPlace::Answer::kOtherFrame: intake_.refuseFrame(); return;
     }
-    if (!newest_stamp_.isZero() && header.stamp <= newest_stamp_) {
-      const double back_s = (newest_stamp_ - header.stamp).toSec();
-      if (back_s <= params_.max_reorder_s) {
-        lose(back_s > 0.0 ? counts_.reordered : counts_.duplicate);
-        return;
-      }
-      NODELET_WARN("stamps jumped back by %.3f s: starting anew", back_s);
+    if (intake_.offer(header) == SweepIntake::Verdict::kJumpedBack) {
+      NODELET_WARN("stamps jumped back by %.3f s: starting anew", intake_.behind_s(header.stamp));
+      ++counts_.time_jumps;
       reset();
-    }
-    newest_stamp_ = header.stamp;
-    waiting_.push_back(header);
-    if (static_cast<int>(waiting_.size()) > params_.queue_size) {
-      waiting_.pop_front();
-      lose(counts_.overload);
+      intake_.offer(header);
     }
     openNext();
-  }
-
-  void lose(std::size_t& cause) {
-    ++cause;
-    ++dropped_before_;
-  }
-
-  bool lidarKnown(std::string frame) {
-    if (!frame.empty() && frame[0] == '/') frame.erase(0, 1);
-    if (T_base_lidar_) {
-      if (lidar_frame_.empty()) lidar_frame_ = frame;
-      if (frame == lidar_frame_) return true;
-      ++counts_.wrong_frame;
-      return false;
-    }
-    if (frame == params_.base_frame) {
-      T_base_lidar_ = Pose::Identity();
-    } else {
-      try {
-        T_base_lidar_ =
-            fromMessage(tf_buffer_->lookupTransform(params_.base_frame, frame, ros::Time(0)).transform);
-      } catch (const tf2::TransformException& error) {
-        transform_error_ = error.what();
-      }
-    }
-    lidar_frame_ = frame;
-    if (!T_base_lidar_) {
-      ++counts_.no_transform;
-      return false;
-    }
-    tf_listener_.reset();
-    return true;
   }
 
   // ---- one sweep ----------------------------------------------------------------------------------------------------
 
   void openNext() {
-    while (!open_ && !waiting_.empty()) {
-      std_msgs::Header header = waiting_.front();
-      waiting_.pop_front();
+    while (!open_) {
+      std::optional<std_msgs::Header> next = intake_.next();
+      if (!next) return;
+      std_msgs::Header& header = *next;
       SweepTask task;
       if (!filter_->predict(header.stamp.toSec(), task.prediction)) {
-        lose(counts_.refused_stamp);
+        intake_.refuseStamp();
         continue;
       }
-      task.T_cog_lidar = T_base_cog_.inverse() * *T_base_lidar_;
+      task.T_cog_lidar = T_base_cog_.inverse() * lidar_.T_base_lidar();
       header.frame_id = params_.odom_frame;
       open_ = header;
       sweep_points_ = -1;
@@ -252,7 +169,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     open_.reset();
     SweepAccount account;
     account.sweep_points = sweep_points_;
-    account.dropped_before = dropped_before_;
+    account.dropped_before = intake_.takeDropped();
     std::vector<FusionInput> inputs;
     for (Source& source : sources_) {
       if (!source.measurement) ++source.missed;
@@ -267,7 +184,6 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     ++counts_.sweeps;
     if (!state.corrected && state.dt_s > 0.0) ++counts_.predicted_only;
     last_corrected_ = state.corrected;
-    dropped_before_ = 0;
     last_stamp_ = header.stamp;
     publish(state, account, header);
   }
@@ -287,23 +203,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       transform.transform = toTransformMessage(T_odom_base);
       tf_broadcaster_->sendTransform(transform);
     }
-    extendPath(T_odom_base, header);
-  }
-
-  void extendPath(const Pose& T_odom_base, const std_msgs::Header& header) {
-    const Eigen::Vector3d position = T_odom_base.translation();
-    if (!path_.empty() && (position - path_end_odom_).norm() < params_.path_spacing_m) return;
-    path_end_odom_ = position;
-    geometry_msgs::PoseStamped pose;
-    pose.header = header;
-    pose.pose = toPoseMessage(T_odom_base);
-    path_.push_back(pose);
-    if (static_cast<int>(path_.size()) > params_.path_max_poses) path_.pop_front();
-    if (path_publisher_.getNumSubscribers() == 0) return;
-    const auto message = boost::make_shared<nav_msgs::Path>();
-    message->header = header;
-    message->poses.assign(path_.begin(), path_.end());
-    path_publisher_.publish(nav_msgs::PathConstPtr(message));
+    if (path_->add(T_odom_base, header) && path_publisher_.getNumSubscribers() > 0) {
+      path_publisher_.publish(path_->message());
+    }
   }
 
   // ---- the rest -----------------------------------------------------------------------------------------------------
@@ -313,10 +215,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     filter_->reset(T_base_cog_);  // odom begins at base_link
     odometry_covariance_.reset(start_sigmas_.cwiseAbs2().asDiagonal());
     open_.reset();
-    waiting_.clear();
-    path_.clear();
-    last_stamp_ = newest_stamp_ = ros::Time();
-    dropped_before_ = 0;
+    intake_.clear();
+    path_->clear();
+    last_stamp_ = ros::Time();
     if (counts_.sweeps > 0) ++counts_.resets;
   }
 
@@ -333,9 +234,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     for (const Source& source : sources_) {
       if (source.missed >= params_.absent_after_sweeps) absent += ' ' + source.name;
     }
-    if (!T_base_lidar_ && counts_.no_transform > 0) {
+    if (!lidar_.known() && counts_.no_transform > 0) {
       status.summary(Level::ERROR,
-                     "no transform " + params_.base_frame + " -> " + lidar_frame_ + ": " + transform_error_);
+                     "no transform " + params_.base_frame + " -> " + lidar_.lidarFrame() + ": " + lidar_.error());
     } else if (counts_.sweeps == 0) {
       status.summary(Level::WARN, "no cloud yet");
     } else if (!absent.empty()) {
@@ -347,13 +248,15 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     status.add("sweeps", counts_.sweeps);
     status.add("sweeps without a usable measurement", counts_.predicted_only);
-    status.add("dropped: overload", counts_.overload);
-    status.add("dropped: duplicate stamp", counts_.duplicate);
-    status.add("dropped: stamp out of order", counts_.reordered);
-    status.add("dropped: stamp not usable", counts_.refused_stamp);
-    status.add("dropped: frame is not " + lidar_frame_, counts_.wrong_frame);
+    const SweepIntake::Counts& dropped = intake_.counts();
+    status.add("dropped: overload", dropped.overload);
+    status.add("dropped: duplicate stamp", dropped.duplicate);
+    status.add("dropped: stamp out of order", dropped.reordered);
+    status.add("dropped: stamp not usable", dropped.unusable_stamp);
+    status.add("dropped: frame is not " + lidar_.lidarFrame(), dropped.wrong_frame);
     status.add("dropped: no transform", counts_.no_transform);
     status.add("resets", counts_.resets);
+    status.add("resets because stamps jumped back", counts_.time_jumps);
     for (const Source& source : sources_) status.add("late: " + source.name, source.late);
   }
 
@@ -364,23 +267,16 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   OdometryCovariance odometry_covariance_;
   std::vector<Source> sources_;
 
-  std::optional<Pose> T_base_lidar_;
-  std::string lidar_frame_;
-  std::string transform_error_;
-  std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
-  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
+  LidarPlace lidar_;
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_broadcaster_;
 
-  std::deque<std_msgs::Header> waiting_;
+  SweepIntake intake_;
   std::optional<std_msgs::Header> open_;  ///< frame: odom
   int sweep_points_ = -1;                 ///< of the open sweep
-  int dropped_before_ = 0;
   bool last_corrected_ = false;
-  ros::Time newest_stamp_;                ///< accepted
   ros::Time last_stamp_;                  ///< closed
   ros::SteadyTime deadline_at_;
-  std::deque<geometry_msgs::PoseStamped> path_;
-  Eigen::Vector3d path_end_odom_ = Eigen::Vector3d::Zero();
+  std::unique_ptr<BoundedPath> path_;
   Counts counts_;
 
   std::unique_ptr<diagnostic_updater::Updater> updater_;

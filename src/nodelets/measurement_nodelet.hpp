@@ -2,7 +2,8 @@
 // Out: measurement/NAME, one message a sweep.
 //
 // A sweep is measured once its points and its prediction are there and the sweep before it was placed at its filter
-// state. The filter state of a measured sweep places it in the reference, also when the measurement came too late.
+// state. The filter state of a measured sweep places it in the reference, also when the measurement came too late. A
+// nodelet that is overloaded skips to the newest sweep.
 // Algorithm: Algorithm(node, const PipelineParameters&), static name(), measure(corrected, task), place(state), reset(),
 // and show(header), which publishes what it has for rviz once its measurement is out (header: stamp of the sweep, frame
 // of the odometry).
@@ -16,10 +17,11 @@
 #include <memory>
 #include <string>
 
-#include "exact_stamp_buffer.hpp"
+#include "deferred_call.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "sweep_matcher.hpp"
 
 namespace fail_aware {
 
@@ -35,38 +37,30 @@ class MeasurementNodelet : public nodelet::Nodelet {
     updater_->setHardwareID("none");
     updater_->add(Algorithm::name(), this, &MeasurementNodelet::diagnose);
     publisher_ = node.advertise<messages::PoseMeasurement>(std::string("measurement/") + Algorithm::name(), kQueue);
+    work_ = std::make_unique<DeferredCall>(node, [this] { work(); });
     state_subscriber_ = node.subscribe("filter_state", kQueue, &MeasurementNodelet::onState, this);
     prediction_subscriber_ = node.subscribe("sweep/prediction", kQueue, &MeasurementNodelet::onPrediction, this);
     cloud_subscriber_ = node.subscribe("sweep/points", kQueue, &MeasurementNodelet::onCloud, this);
   }
 
-  void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) {
-    clouds_.push(cloud->header.stamp, cloud);
-    advance();
+  void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) { take(cloud); }
+  void onPrediction(const messages::SweepPredictionConstPtr& prediction) { take(prediction); }
+  void onState(const messages::FilterStateConstPtr& state) { take(state); }
+
+  template <class MessagePtr>
+  void take(const MessagePtr& message) {
+    matcher_.add(message);
+    work_->request();
   }
 
-  void onPrediction(const messages::SweepPredictionConstPtr& prediction) {
-    predictions_.push(prediction->header.stamp, prediction);
-    newest_prediction_ = prediction;
-    advance();
-  }
-
-  void onState(const messages::FilterStateConstPtr& state) {
-    states_.push(state->header.stamp, state);
-    advance();
-  }
-
-  void advance() {
-    placeMeasured();
-    if (!newest_prediction_ || !clouds_.find(newest_prediction_->header.stamp)) return;
-    const messages::SweepPredictionConstPtr prediction = newest_prediction_;
-    const bool waits_for_place = !measured_stamp_.isZero() && measured_stamp_ == prediction->previous_stamp;
-    if (waits_for_place) return;
-    measure(*prediction, **clouds_.find(prediction->header.stamp));
-    skipped_ += predictions_.popThrough(prediction->header.stamp);
-    clouds_.popThrough(prediction->header.stamp);
-    newest_prediction_.reset();
-    placeMeasured();
+  void work() {
+    if (const messages::FilterStateConstPtr message = matcher_.takePlace()) {
+      if (const std::optional<FilterState> state = fromMessage(*message)) algorithm_->place(*state);
+    }
+    const std::optional<SweepMatcher::Job> job = matcher_.next();
+    if (!job) return;
+    measure(*job->prediction, *job->cloud);
+    work_->request();  // its filter state may be here already
   }
 
   void measure(const messages::SweepPrediction& prediction, const sensor_msgs::PointCloud2& cloud) {
@@ -76,13 +70,9 @@ class MeasurementNodelet : public nodelet::Nodelet {
       ++unusable_;
       return;
     }
-    if (task->first()) {
-      algorithm_->reset();
-      states_.clear();
-    }
+    if (task->first()) algorithm_->reset();
     if (!readCorrectedCloud(cloud, sweep_).ok()) sweep_.points_lidar.clear();
     const Measurement measurement = algorithm_->measure(sweep_, *task);
-    measured_stamp_ = prediction.header.stamp;
     ++sweeps_;
     last_status_ = measurement.status;
     auto message = boost::make_shared<messages::PoseMeasurement>(
@@ -93,19 +83,10 @@ class MeasurementNodelet : public nodelet::Nodelet {
     algorithm_->show(prediction.header);
   }
 
-  void placeMeasured() {
-    if (measured_stamp_.isZero()) return;
-    const messages::FilterStateConstPtr* message = states_.find(measured_stamp_);
-    if (message == nullptr) return;
-    if (const std::optional<FilterState> state = fromMessage(**message)) algorithm_->place(*state);
-    states_.popThrough(measured_stamp_);
-    measured_stamp_ = ros::Time();
-  }
-
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(diagnostic_msgs::DiagnosticStatus::OK, sweeps_ == 0 ? "no sweep yet" : toString(last_status_));
     status.add("sweeps", sweeps_);
-    status.add("sweeps skipped", skipped_);
+    status.add("sweeps skipped", matcher_.skipped());
     status.add("predictions not usable", unusable_);
   }
 
@@ -113,14 +94,11 @@ class MeasurementNodelet : public nodelet::Nodelet {
   std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::Publisher publisher_;
   ros::Subscriber cloud_subscriber_, prediction_subscriber_, state_subscriber_;
-  ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{kQueue};
-  ExactStampBuffer<messages::SweepPredictionConstPtr> predictions_{kQueue};
-  ExactStampBuffer<messages::FilterStateConstPtr> states_{kQueue};
-  messages::SweepPredictionConstPtr newest_prediction_;
-  ros::Time measured_stamp_;  ///< of the sweep that waits for its filter state; zero: none
+  SweepMatcher matcher_;
+  std::unique_ptr<DeferredCall> work_;
   CorrectedSweep sweep_;
   MeasurementStatus last_status_ = MeasurementStatus::kNoReference;
-  std::size_t sweeps_ = 0, skipped_ = 0, unusable_ = 0;
+  std::size_t sweeps_ = 0, unusable_ = 0;
 };
 
 }  // namespace fail_aware

@@ -1,0 +1,52 @@
+// FusionUkf's own parameters: those of its private namespace.
+#pragma once
+
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+struct FusionUkfNodeletParams {
+  std::string odom_frame = "odom";
+  std::string base_frame = "base_link";
+  bool publish_tf = true;                   ///< odom_frame -> base_frame
+  std::string lidar_in_base_source = "tf";  ///< tf: looked up once; parameter: sensor/lidar_in_base
+  double deadline_s = 0.25;                 ///< from prediction to closing a sweep
+  double first_deadline_s = 2.0;            ///< while no motion is known: the search for it takes longer
+  int queue_size = 3;                       ///< sweeps that may wait for the open one
+  double max_reorder_s = 0.5;               ///< a stamp further back than this is a jump in time: reset
+  int absent_after_sweeps = 3;              ///< misses in a row until a source is no longer waited for
+  int path_max_poses = 2000;
+  double path_spacing_m = 0.5;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("odom_frame", self.odom_frame);
+    v("base_frame", self.base_frame);
+    v("publish_tf", self.publish_tf);
+    v("lidar_in_base_source", self.lidar_in_base_source);
+    v("deadline_s", self.deadline_s);
+    v("first_deadline_s", self.first_deadline_s);
+    v("queue_size", self.queue_size);
+    v("max_reorder_s", self.max_reorder_s);
+    v("absent_after_sweeps", self.absent_after_sweeps);
+    v("path_max_poses", self.path_max_poses);
+    v("path_spacing_m", self.path_spacing_m);
+  }
+  void validate() const {
+    if (odom_frame.empty() || base_frame.empty()) throw ParameterError("odom_frame, base_frame: must not be empty");
+    if (lidar_in_base_source != "tf" && lidar_in_base_source != "parameter") {
+      throw ParameterError("lidar_in_base_source: must be tf or parameter, not " + lidar_in_base_source);
+    }
+    requirePositive("deadline_s", deadline_s);
+    requirePositive("first_deadline_s", first_deadline_s);
+    requireWithin("queue_size", queue_size, 1, 100);
+    requireNotNegative("max_reorder_s", max_reorder_s);
+    requireWithin("absent_after_sweeps", absent_after_sweeps, 1, 1000);
+    requireWithin("path_max_poses", path_max_poses, 1, 100000);
+    requireNotNegative("path_spacing_m", path_spacing_m);
+  }
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,44 @@
+// Where the lidar sits in base_link: given, or looked up in tf once, for the frame of the first cloud. Never an identity
+// in place of a transform that is missing; clouds of another frame are refused from then on.
+#pragma once
+
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+class LidarPlace {
+ public:
+  enum class Answer { kKnown, kNoTransform, kOtherFrame };
+
+  void useTransforms(const std::string& base_frame);
+  void use(const Pose& T_base_lidar) { T_base_lidar_ = T_base_lidar; }
+
+  /// Is the place of this cloud's lidar known?
+  Answer find(const std::string& cloud_frame);
+
+  bool known() const { return T_base_lidar_.has_value(); }
+  const Pose& T_base_lidar() const { return *T_base_lidar_; }
+  const std::string& lidarFrame() const { return lidar_frame_; }
+  /// tf's own words about the transform that is missing.
+  const std::string& error() const { return error_; }
+
+ private:
+  std::string base_frame_;
+  std::string lidar_frame_;
+  std::string error_;
+  std::optional<Pose> T_base_lidar_;
+  std::unique_ptr<tf2_ros::Buffer> buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> listener_;
+};
+
+/// tf2 knows no leading slash.
+std::string withoutSlash(const std::string& frame);
+
+}  // namespace fail_aware

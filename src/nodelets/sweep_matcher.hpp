@@ -1,0 +1,79 @@
+// Brings together what a measurement nodelet needs of one sweep, by exact stamp: its points, its prediction, and, for
+// the sweep measured before it, the filter state that places that one in the reference.
+//
+// Only the newest predicted sweep is ever measured: who falls behind skips, the filter has closed the others already.
+#pragma once
+
+#include <fail_aware_lidar_odometry/FilterState.h>
+#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <cstddef>
+#include <optional>
+
+#include "exact_stamp_buffer.hpp"
+
+namespace fail_aware {
+
+class SweepMatcher {
+ public:
+  using State = ::fail_aware_lidar_odometry::FilterStateConstPtr;
+  using Prediction = ::fail_aware_lidar_odometry::SweepPredictionConstPtr;
+
+  struct Job {
+    Prediction prediction;
+    sensor_msgs::PointCloud2ConstPtr cloud;
+  };
+
+  void add(const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds_.push(cloud->header.stamp, cloud); }
+
+  void add(const Prediction& prediction) {
+    if (prediction->dt <= 0.0) {  // a drive begins; it may repeat the last one's stamps
+      states_.clear();
+      measured_ = ros::Time();
+    }
+    if (newest_) ++skipped_;
+    newest_ = prediction;
+  }
+
+  void add(const State& state) { states_.push(state->header.stamp, state); }
+
+  /// The filter state of the sweep that was measured last; null: not there yet, or taken.
+  State takePlace() {
+    if (measured_.isZero()) return nullptr;
+    const State* found = states_.find(measured_);
+    if (found == nullptr) return nullptr;
+    const State state = *found;
+    states_.popThrough(measured_);
+    measured_ = ros::Time();
+    return state;
+  }
+
+  /// The sweep to measure now; it counts as measured. Nothing while its points, or the place of the sweep right before
+  /// it, are missing.
+  std::optional<Job> next() {
+    if (!newest_) return std::nullopt;
+    const ros::Time stamp = newest_->header.stamp;
+    const sensor_msgs::PointCloud2ConstPtr* cloud = clouds_.find(stamp);
+    if (cloud == nullptr) return std::nullopt;
+    if (!measured_.isZero() && measured_ == newest_->previous_stamp) return std::nullopt;
+    const Job job{newest_, *cloud};
+    clouds_.popThrough(stamp);
+    newest_ = nullptr;
+    measured_ = stamp;
+    return job;
+  }
+
+  std::size_t skipped() const { return skipped_; }
+
+ private:
+  static constexpr std::size_t kKept = 8;
+
+  ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{kKept};
+  ExactStampBuffer<State> states_{kKept};
+  Prediction newest_;
+  ros::Time measured_;  ///< of the sweep that waits for its filter state; zero: none
+  std::size_t skipped_ = 0;
+};
+
+}  // namespace fail_aware

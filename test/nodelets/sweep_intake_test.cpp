@@ -1,0 +1,62 @@
+#include "../../src/nodelets/sweep_intake.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fail_aware {
+namespace {
+
+using Verdict = SweepIntake::Verdict;
+
+std_msgs::Header at(double stamp_s) {
+  std_msgs::Header header;
+  header.stamp = ros::Time(stamp_s);
+  return header;
+}
+
+TEST(SweepIntake, SweepsComeOutInTheirOrder) {
+  SweepIntake intake;
+  EXPECT_FALSE(intake.next());
+  for (const double stamp_s : {10.0, 10.1, 10.2}) EXPECT_EQ(intake.offer(at(stamp_s)), Verdict::kQueued);
+  for (const double stamp_s : {10.0, 10.1, 10.2}) EXPECT_EQ(intake.next()->stamp, ros::Time(stamp_s));
+  EXPECT_FALSE(intake.next());
+  EXPECT_EQ(intake.takeDropped(), 0);
+}
+
+TEST(SweepIntake, OverloadDropsTheOldestAndCountsIt) {
+  SweepIntake intake;
+  intake.setLimits(2, 0.5);
+  for (int i = 0; i < 5; ++i) intake.offer(at(10.0 + 0.1 * i));
+  EXPECT_EQ(intake.counts().overload, 3u);
+  EXPECT_EQ(intake.takeDropped(), 3);
+  EXPECT_EQ(intake.takeDropped(), 0) << "told once";
+  EXPECT_EQ(intake.next()->stamp, ros::Time(10.3));
+}
+
+TEST(SweepIntake, StampsThatDoNotAdvanceAreRefusedByTheirCause) {
+  SweepIntake intake;
+  intake.offer(at(10.0));
+  EXPECT_EQ(intake.offer(at(10.0)), Verdict::kRefused);
+  EXPECT_EQ(intake.offer(at(9.5)), Verdict::kRefused) << "half a second back is a sweep out of order";
+  EXPECT_EQ(intake.offer(at(0.0)), Verdict::kRefused);
+  intake.refuseFrame();
+  EXPECT_EQ(intake.counts().duplicate, 1u);
+  EXPECT_EQ(intake.counts().reordered, 1u);
+  EXPECT_EQ(intake.counts().unusable_stamp, 1u);
+  EXPECT_EQ(intake.counts().wrong_frame, 1u);
+  EXPECT_EQ(intake.takeDropped(), 4);
+}
+
+TEST(SweepIntake, AJumpBackIsToldAndTheCloudIsTakenOnceCleared) {
+  SweepIntake intake;
+  intake.offer(at(10.0));
+  EXPECT_EQ(intake.offer(at(9.4)), Verdict::kJumpedBack);
+  EXPECT_NEAR(intake.behind_s(ros::Time(9.4)), 0.6, 1e-9);
+  intake.clear();
+  EXPECT_EQ(intake.offer(at(9.4)), Verdict::kQueued);
+  EXPECT_EQ(intake.next()->stamp, ros::Time(9.4));
+  EXPECT_FALSE(intake.next()) << "what waited before the jump is gone";
+  EXPECT_EQ(intake.takeDropped(), 0);
+}
+
+}  // namespace
+}  // namespace fail_aware
