@@ -144,7 +144,8 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   front.place(result.state);
   corner_measurement.place(result.state);
   result.times.reference_ms = stage.lapMs();
-  result.monitor = monitor.update(result.state, condition(sweep, result));
+  result.condition = condition(sweep, result);
+  result.monitor = monitor.update(result.state, result.condition);
   result.times.total_ms = total.lapMs();
   return result;
 }

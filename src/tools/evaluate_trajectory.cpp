@@ -1,12 +1,5 @@
 // Compares an estimated trajectory with the true one: JSON on stdout; with --output also files and plots.
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -22,9 +15,9 @@
 #include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "plot_script.hpp"
+#include "result_files.hpp"
 #include "tool_support.hpp"
-
-extern char** environ;
 
 namespace fail_aware {
 namespace {
@@ -169,22 +162,10 @@ Json evaluate(const Trajectories& in, const Options& options, const AbsoluteTraj
   return json;
 }
 
-std::ofstream create(const fs::path& path) {
-  errno = 0;
-  std::ofstream file(path);
-  if (!file) throw InputError(path.string() + ": cannot be written: " + std::strerror(errno));
-  return file;
-}
-
-void finish(std::ofstream& file, const fs::path& path) {
-  file.close();
-  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
-}
-
 /// Positions in the frame of the first pose, the estimate's laid on the truth there.
 void writeCsv(const fs::path& path, const Trajectories& in, const AbsoluteTrajectoryError& ate,
               const AbsoluteTrajectoryError& ate_aligned) {
-  std::ofstream file = create(path);
+  std::ofstream file = createFile(path);
   file << "time_s,distance_m,truth_x_m,truth_y_m,truth_z_m,estimate_x_m,estimate_y_m,estimate_z_m,error_m,"
           "error_aligned_m\n";
   file.precision(10);
@@ -201,53 +182,7 @@ void writeCsv(const fs::path& path, const Trajectories& in, const AbsoluteTrajec
     }
     file << '\n';
   }
-  finish(file, path);
-}
-
-/// scripts/plot_trajectory: $FAIL_AWARE_SCRIPTS_DIR, else beside this executable, else where the build says.
-fs::path findPlotScript() {
-  std::vector<fs::path> folders;
-  if (const char* folder = std::getenv("FAIL_AWARE_SCRIPTS_DIR")) {
-    folders.emplace_back(folder);
-  } else {
-    std::error_code ignored;
-    folders.push_back(fs::read_symlink("/proc/self/exe", ignored).parent_path());
-#ifdef FAIL_AWARE_SCRIPTS_DIR
-    folders.emplace_back(FAIL_AWARE_SCRIPTS_DIR);
-#endif
-  }
-  for (const fs::path& folder : folders) {
-    const fs::path script = folder / "plot_trajectory";
-    if (access(script.c_str(), X_OK) == 0) return script;
-  }
-  return {};
-}
-
-/// Plots are a convenience: what keeps them from being drawn is said in one line and is no failure.
-void plot(const fs::path& folder) {
-  const std::string script = findPlotScript().string();
-  if (script.empty()) {
-    std::cerr << kName << ": no plots: plot_trajectory was not found\n";
-    return;
-  }
-  std::string argument = folder.string();
-  std::string program = script;
-  char* const arguments[] = {program.data(), argument.data(), nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);  // stdout is for the JSON
-  pid_t child = 0;
-  const int refused = posix_spawn(&child, script.c_str(), &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (refused != 0) {
-    std::cerr << kName << ": no plots: " << script << ": " << std::strerror(refused) << '\n';
-    return;
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  const bool already_said = WIFEXITED(status) && WEXITSTATUS(status) == 3;
-  if (status != 0 && !already_said) std::cerr << kName << ": no plots: " << script << " failed\n";
+  finishFile(file, path);
 }
 
 int run(int argc, char** argv) {
@@ -258,11 +193,7 @@ int run(int argc, char** argv) {
   if (!parseArguments(app, argc, argv)) return kExitDone;
 
   const fs::path folder = options.output;
-  if (!folder.empty()) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
-  }
+  if (!folder.empty()) makeResultFolder(folder);
   const Trajectories in = load(options);
   const AbsoluteTrajectoryError ate =
       absoluteTrajectoryError(in.truth, in.estimate, firstPoseAlignment(in.truth, in.estimate));
@@ -273,11 +204,11 @@ int run(int argc, char** argv) {
   std::cout << json.dump(2) << std::endl;
   if (!std::cout) throw std::runtime_error("stdout: could not be written");
   if (!folder.empty()) {
-    std::ofstream file = create(folder / "evaluation.json");
+    std::ofstream file = createFile(folder / "evaluation.json");
     file << json.dump(2) << '\n';
-    finish(file, folder / "evaluation.json");
+    finishFile(file, folder / "evaluation.json");
     writeCsv(folder / "trajectory.csv", in, ate, ate_aligned);
-    plot(folder);
+    runPlotScript(kName, "plot_trajectory", folder);
   }
   return kExitDone;
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
 #include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
@@ -24,8 +25,8 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "offline_odometry";
-constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv", "summary.json",
-                                  "parameters.yaml"};
+constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv", "monitor_log.csv",
+                                  "summary.json", "parameters.yaml"};
 
 struct Options {
   std::string kitti, output, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg;
@@ -113,7 +114,7 @@ int run(const Options& options) {
   const Pose T_base_lidar = params.sensor.T_base_lidar();
   std::vector<Pose> lidar_trajectory;
   std::vector<StampedPose> base_trajectory;
-  SweepLog log(output / "per_sweep.csv");
+  SweepLog log(output);
   std::vector<BadScan> bad_scans;
   std::size_t side_file_problems = 0, points_dropped = 0;
   Pose T_odom_lidar_first = Pose::Identity();
@@ -130,7 +131,7 @@ int run(const Options& options) {
       }
       points_dropped += sweep.points_dropped;
       const double since_first_s = sweep.stamp_s - directory.stamps()[static_cast<std::size_t>(options.first)];
-      if (!t1_stamp_s && since_first_s >= options.redundant_at_s - 1e-6) {
+      if (!t1_stamp_s && since_first_s >= options.redundant_at_s - kStartTolerance_s) {
         pipeline.startRedundant();
         t1_stamp_s = sweep.stamp_s;
       }
@@ -179,7 +180,8 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app("Runs the odometry over a recorded drive. Writes trajectory_kitti.txt (lidar frame, first pose identity), "
-                 "trajectory_tum.txt (base_link), per_sweep.csv, summary.json, parameters.yaml.\n"
+                 "trajectory_tum.txt (base_link), per_sweep.csv, monitor_log.csv (for evaluate_fail_aware), summary.json, "
+                 "parameters.yaml.\n"
                  "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
                  kName);
     Options options;

@@ -9,6 +9,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 
 namespace fail_aware {
 
@@ -29,8 +30,15 @@ void writeMeasurement(std::ostream& out, const Measurement& m) {
 
 }  // namespace
 
-SweepLog::SweepLog(const std::filesystem::path& csv) : path_(csv.string()), out_(csv), by_status_(kStatuses, 0) {
+SweepLog::SweepLog(const std::filesystem::path& folder)
+    : path_((folder / "per_sweep.csv").string()),
+      monitor_path_((folder / "monitor_log.csv").string()),
+      out_(path_),
+      monitor_log_(monitor_path_),
+      by_status_(kStatuses, 0) {
   if (!out_) throw InputError("cannot write " + path_);
+  if (!monitor_log_) throw InputError("cannot write " + monitor_path_);
+  monitor_log_ << monitorLogHeader() << '\n';
   out_ << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
           "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
           "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference";
@@ -65,6 +73,9 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   const double dt_s = r.state.dt_s;
   out_ << ',' << (dt_s > 0.0 ? r.state.T_previous_now.translation().x() / dt_s : 0.0) << ','
        << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0) << '\n';
+  if (r.status != SweepStatus::kStampNotAdvancing) {
+    monitor_log_ << monitorLogRow({total_ms_.size(), r.state, r.condition}) << '\n';
+  }
   total_ms_.push_back(t.total_ms);
   ++by_status_[static_cast<std::size_t>(r.status)];
 }
@@ -87,7 +98,9 @@ nlohmann::ordered_json SweepLog::summary() const {
 
 void SweepLog::close() {
   out_.close();
+  monitor_log_.close();
   if (!out_) throw std::runtime_error("cannot complete " + path_);
+  if (!monitor_log_) throw std::runtime_error("cannot complete " + monitor_path_);
 }
 
 }  // namespace fail_aware

@@ -1,4 +1,4 @@
-// per_sweep.csv and the timing summary of a run.
+// per_sweep.csv, monitor_log.csv and the timing summary of a run.
 //
 // cov_*: the accumulated covariance since t1 (m, rad; about the axes at t1; zero before). speed_mps, yaw_rate_rps: of the
 // centre of gravity's last increment.
@@ -16,8 +16,8 @@ namespace fail_aware {
 
 class SweepLog {
  public:
-  /// Throws InputError if the file cannot be opened.
-  explicit SweepLog(const std::filesystem::path& csv);
+  /// Throws InputError if a file cannot be opened.
+  explicit SweepLog(const std::filesystem::path& folder);
 
   void add(double stamp_s, const SweepResult& result);
 
@@ -28,8 +28,8 @@ class SweepLog {
   void close();
 
  private:
-  std::string path_;
-  std::ofstream out_;
+  std::string path_, monitor_path_;
+  std::ofstream out_, monitor_log_;
   std::vector<double> total_ms_;
   std::vector<std::size_t> by_status_;
 };

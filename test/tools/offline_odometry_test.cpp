@@ -18,6 +18,8 @@
 #include <vector>
 
 #include "../support/synthetic_street.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 
 namespace fail_aware {
@@ -256,6 +258,35 @@ TEST_F(OfflineOdometry, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(content(out("trajectory_tum.txt")), tum);
 }
 
+TEST_F(OfflineOdometry, TheMonitorsLogReplaysToTheSameOutputForAnyStart) {
+  run(base() / "drive");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  const std::vector<MonitorInput> log = readMonitorLog(out("monitor_log.csv").string());
+  ASSERT_EQ(log.size(), static_cast<std::size_t>(kScans));
+  for (const std::string start : {"0", "0.3", "0.45", "5"}) {
+    run(base() / "drive", "--redundant-at " + start);
+    ASSERT_EQ(exit_code_, 0) << stderr_;
+    const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
+    const std::vector<MonitorOutput> outputs = replayMonitor(log, std::stod(start), MonitorParameters());
+    ASSERT_EQ(outputs.size(), rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      Row row = rows[i];
+      const MonitorOutput& m = outputs[i];
+      EXPECT_EQ(row["state"], toString(m.state)) << start << ", sweep " << i;
+      EXPECT_EQ(row["reasons"], reasonText(m.reasons)) << start << ", sweep " << i;
+      const auto expectSame = [&](const char* name, double value) {
+        EXPECT_NEAR(std::stod(row[name]), value, 1e-8 * (1.0 + std::abs(value))) << name << ", " << start << ", " << i;
+      };
+      expectSame("time_to_failure", m.time_to_failure.seconds);
+      expectSame("time_to_failure_indicator", m.time_to_failure_indicator.seconds);
+      expectSame("time_to_failure_covariance", m.time_to_failure_covariance.seconds);
+      expectSame("eta", m.eta);
+      expectSame("sigma_x", m.sigma_x_m);
+      expectSame("sigma_y", m.sigma_y_m);
+    }
+  }
+}
+
 TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
   const fs::path drive = copyOfDrive();
   fs::resize_file(scan(drive, 3), fs::file_size(scan(drive, 3)) - 7);
@@ -381,7 +412,7 @@ TEST_F(OfflineOdometry, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
   std::ofstream(file).close();
   expectRefused(drive + "--output '" + file.string() + "'", file.string());
   expectRefused(drive + "--output '" + (file / "deeper").string() + "'", file.string());
-  for (const char* taken : {"per_sweep.csv", "trajectory_kitti.txt", "trajectory_tum.txt", "summary.json",
+  for (const char* taken : {"per_sweep.csv", "monitor_log.csv", "trajectory_kitti.txt", "trajectory_tum.txt", "summary.json",
                             "parameters.yaml"}) {
     const fs::path output = folder_ / (std::string("out_") + taken);
     fs::create_directories(output / taken);  // a folder where the file belongs

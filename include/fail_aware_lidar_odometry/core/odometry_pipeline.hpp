@@ -45,6 +45,7 @@ struct SweepResult {
   Measurement point;
   Measurement plane;
   Measurement corners;
+  SweepCondition condition;  ///< what the monitor heard beside `state`
   MonitorOutput monitor;
   StageTimes times;
 };

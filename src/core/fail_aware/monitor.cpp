@@ -107,7 +107,11 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     output.covariance_since_start = covariance_.sinceMark();
     output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
     output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
-    if (rate_.rate()) output.time_to_failure_covariance = predictor_.predict(growth(state)).time_to_failure;
+    if (rate_.rate()) {
+      const CovariancePrediction prediction = predictor_.predict(growth(state));
+      output.time_to_failure_covariance = prediction.time_to_failure;
+      output.protection_level_m = prediction.radius_m;
+    }
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
   const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };

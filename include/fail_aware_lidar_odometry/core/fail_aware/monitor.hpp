@@ -45,6 +45,18 @@ struct SweepCondition {
   bool plane_missing = false;
   bool corners_missing = false;
   double min_information_share = 1.0;  ///< weakest horizontal direction, the ICPs' smaller; 1: not known
+
+  /// Every field: what the monitor's log is made of.
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("empty", self.empty);
+    v("incomplete", self.incomplete);
+    v("dropped_before", self.dropped_before);
+    v("point_missing", self.point_missing);
+    v("plane_missing", self.plane_missing);
+    v("corners_missing", self.corners_missing);
+    v("min_information_share", self.min_information_share);
+  }
 };
 
 struct MonitorOutput {
@@ -60,6 +72,7 @@ struct MonitorOutput {
   double sigma_x_m = 0.0;        ///< accumulated since t1, in the frame at t1
   double sigma_y_m = 0.0;
   Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
+  double protection_level_m = -1.0;  ///< the horizontal error is within this with the predictor's confidence; -1: unknown
 };
 
 class FailAwareMonitor {

@@ -1,0 +1,31 @@
+// monitor_log.csv: all that the fail-aware monitor hears in a run, so that it can be run again for any start (t1) and
+// any parameters without running the odometry (fail_aware/monitor_replay.hpp).
+//
+// One row a monitored sweep, one column a number of MonitorInput, with 17 digits: a double reads back as itself. Lists
+// (one entry a measurement source) stand in one cell, separated by ';'. Poses are the upper 3x4 of the matrix, row by
+// row; units m, s, rad.
+// Failure: readMonitorLog throws InputError naming file and line.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+
+namespace fail_aware {
+
+/// One call of FailAwareMonitor::update.
+struct MonitorInput {
+  std::size_t row = 0;  ///< of the sweep in the run's trajectory, counted from 0
+  FilterState state;
+  SweepCondition condition;
+};
+
+/// Without the line break.
+std::string monitorLogHeader();
+std::string monitorLogRow(const MonitorInput& input);
+
+std::vector<MonitorInput> readMonitorLog(const std::string& path);
+
+}  // namespace fail_aware

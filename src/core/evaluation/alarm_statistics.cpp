@@ -1,0 +1,73 @@
+#include "fail_aware_lidar_odometry/core/evaluation/alarm_statistics.hpp"
+
+#include <algorithm>
+
+namespace fail_aware {
+
+namespace {
+
+double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
+
+}  // namespace
+
+bool isAlarm(FailAwareState state) {
+  return state == FailAwareState::kFailing || state == FailAwareState::kFailed;
+}
+
+std::optional<LeadTime> leadTime(const FailAwareEpisode& episode) {
+  if (!episode.failed) return std::nullopt;
+  for (std::size_t i = 0; i < episode.sweepsBeforeFailure(); ++i) {
+    const FailAwareSweep& sweep = episode.sweeps[i];
+    if (isAlarm(sweep.output.state)) return LeadTime{sweep.remaining_s, sweep.speed_mps};
+  }
+  return std::nullopt;
+}
+
+AlarmStatistics alarmStatistics(const std::vector<FailAwareEpisode>& episodes, double early_s) {
+  AlarmStatistics statistics;
+  for (const FailAwareEpisode& episode : episodes) {
+    ++statistics.episodes;
+    if (episode.failed) {
+      ++statistics.failing;
+      const std::optional<LeadTime> lead = leadTime(episode);
+      if (lead) {
+        statistics.leads.push_back(*lead);
+      } else {
+        ++statistics.missed;
+      }
+    }
+    bool was_up = false;
+    for (std::size_t i = 0; i < episode.sweepsBeforeFailure(); ++i) {
+      const FailAwareSweep& sweep = episode.sweeps[i];
+      const bool is_up = isAlarm(sweep.output.state);
+      if (is_up && !was_up && sweep.remaining_s > early_s) ++statistics.false_alarms;
+      was_up = is_up;
+      // a sweep's state holds until the next sweep, at the end of the run for nothing
+      const bool last = i + 1 == episode.sweeps.size();
+      const double held_s = last ? 0.0 : episode.sweeps[i + 1].since_start_s - sweep.since_start_s;
+      statistics.watched_s += held_s;
+      if (is_up) statistics.alarm_s += held_s;
+      if (sweep.output.state == FailAwareState::kUnknown) statistics.unknown_s += held_s;
+    }
+  }
+  return statistics;
+}
+
+double AlarmStatistics::missedShare() const { return share(static_cast<double>(missed), static_cast<double>(failing)); }
+
+double AlarmStatistics::alarmShare() const { return share(alarm_s, watched_s); }
+
+double AlarmStatistics::availableShare() const { return share(watched_s - alarm_s - unknown_s, watched_s); }
+
+double AlarmStatistics::falseAlarmsPerHour() const {
+  return share(3600.0 * static_cast<double>(false_alarms), watched_s - alarm_s);
+}
+
+double AlarmStatistics::stopShare(double deceleration_mps2) const {
+  const auto enough = std::count_if(leads.begin(), leads.end(), [&](const LeadTime& lead) {
+    return lead.lead_s >= lead.speed_mps / deceleration_mps2;
+  });
+  return share(static_cast<double>(enough), static_cast<double>(failing));
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,323 @@
+#include "fail_aware_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iomanip>
+#include <optional>
+#include <sstream>
+
+#include "fail_aware_lidar_odometry/core/evaluation/alarm_statistics.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/concordance.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/consistency.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/stanford_diagram.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Predicted = std::optional<double>;
+
+constexpr double kIntervalLevel = 0.95;
+const std::vector<double> kReliabilityEdges_s = {0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0};
+constexpr const char* kSources[] = {"icp_point_to_point", "icp_point_to_plane", "corner_svd"};
+
+struct Predictor {
+  const char* name;
+  std::function<Predicted(const FailAwareSweep&)> later;       ///< larger means later
+  std::function<TimeToFailure(const MonitorOutput&)> seconds;  ///< empty: it gives no time, only an order
+};
+
+Predicted secondsOf(const TimeToFailure& time) { return time.isKnown() ? Predicted(time.seconds) : std::nullopt; }
+
+const std::vector<Predictor>& predictors() {
+  const auto timed = [](const char* name, TimeToFailure MonitorOutput::*member) {
+    return Predictor{name, [member](const FailAwareSweep& s) { return secondsOf(s.output.*member); },
+                     [member](const MonitorOutput& o) { return o.*member; }};
+  };
+  static const std::vector<Predictor> list = {
+      timed("combination", &MonitorOutput::time_to_failure),
+      timed("eta", &MonitorOutput::time_to_failure_indicator),
+      timed("covariance", &MonitorOutput::time_to_failure_covariance),
+      {"constant", [](const FailAwareSweep&) { return Predicted(0.0); }, {}},
+      {"elapsed_time", [](const FailAwareSweep& s) { return Predicted(-s.since_start_s); }, {}},
+      {"distance", [](const FailAwareSweep& s) { return Predicted(-s.distance_m); }, {}},
+      {"sqrt_trace_p", [](const FailAwareSweep& s) { return Predicted(-std::sqrt(s.output.covariance_since_start.topLeftCorner<2, 2>().trace())); },
+       {}},
+  };
+  return list;
+}
+
+Json orNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json intervalJson(const std::optional<Interval>& interval) {
+  return interval ? Json({interval->low, interval->high}) : Json(nullptr);
+}
+
+/// The samples of all episodes; `only_at`: those of one judged instant (0: 1 s, 1: 3 s, 2: 5 s after t1).
+Json concordanceJson(const std::vector<FailAwareEpisode>& episodes, const Predictor& predictor,
+                     const ReportOptions& options) {
+  std::vector<SurvivalSample> samples;
+  std::vector<Predicted> predicted;
+  std::vector<std::vector<SurvivalSample>> samples_at(3);
+  std::vector<std::vector<Predicted>> predicted_at(3);
+  for (std::size_t e = 0; e < episodes.size(); ++e) {
+    const std::vector<std::size_t> judged = judgedSweeps(episodes[e]);
+    for (std::size_t k = 0; k < judged.size(); ++k) {
+      const FailAwareSweep& sweep = episodes[e].sweeps[judged[k]];
+      samples.push_back({sweep.remaining_s, episodes[e].failed, e});
+      predicted.push_back(predictor.later(sweep));
+      if (k >= 3) continue;
+      samples_at[k].push_back(samples.back());
+      predicted_at[k].push_back(predicted.back());
+    }
+  }
+  const Concordance concordance(samples, predicted);
+  std::vector<SurvivalSample> by_run = samples;
+  for (SurvivalSample& sample : by_run) sample.group = episodes[sample.group].run;
+  Json json;
+  json["index"] = orNull(concordance.all().index());
+  json["interval"] = intervalJson(concordance.interval(options.resamples, kIntervalLevel, options.seed));
+  json["interval_runs"] =
+      intervalJson(Concordance(by_run, predicted).interval(options.resamples, kIntervalLevel, options.seed));
+  json["between_episodes"] = orNull(concordance.betweenGroups().index());
+  const char* names[] = {"at_1s", "at_3s", "at_5s"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    json[names[k]] = orNull(Concordance(samples_at[k], predicted_at[k]).all().index());
+  }
+  json["samples"] = samples.size();
+  json["comparable_pairs"] = concordance.all().comparable;
+  return json;
+}
+
+std::vector<JudgedPrediction> judgedPredictions(const FailAwareEpisode& episode, const Predictor& predictor) {
+  std::vector<JudgedPrediction> list;
+  for (const std::size_t i : judgedSweeps(episode)) {
+    const FailAwareSweep& sweep = episode.sweeps[i];
+    list.push_back({sweep.since_start_s, sweep.remaining_s, episode.failed, predictor.seconds(sweep.output)});
+  }
+  return list;
+}
+
+Json timesJson(const std::vector<FailAwareEpisode>& episodes, const Predictor& predictor) {
+  std::vector<JudgedPrediction> all;
+  StabilityStatistics stability;
+  for (const FailAwareEpisode& episode : episodes) {
+    const std::vector<JudgedPrediction> judged = judgedPredictions(episode, predictor);
+    stability = stability + stabilityOf(judged);
+    all.insert(all.end(), judged.begin(), judged.end());
+  }
+  const LateStatistics late = lateStatistics(all);
+  Json json;
+  json["late_share"] = late.lateShare();
+  json["late_share_of_failing"] = late.lateShareOfFailing();
+  json["late_decided"] = late.decided;
+  json["jump_share"] = stability.jumpShare();
+  json["sign_changes_per_minute"] = stability.signChangesPerMinute();
+  json["reliability"] = Json::array();
+  for (const ReliabilityBin& bin : reliabilityCurve(all, kReliabilityEdges_s)) {
+    json["reliability"].push_back({{"from_s", bin.from_s},
+                                   {"to_s", bin.to_s},
+                                   {"predictions", bin.predictions},
+                                   {"decided", bin.decided},
+                                   {"failed_within", bin.failed_within},
+                                   {"median_remaining_s", bin.median_remaining_s}});
+  }
+  return json;
+}
+
+Json alarmJson(const std::vector<FailAwareEpisode>& episodes, double early_s) {
+  const AlarmStatistics alarm = alarmStatistics(episodes, early_s);
+  std::vector<double> leads_s;
+  for (const LeadTime& lead : alarm.leads) leads_s.push_back(lead.lead_s);
+  Json json;
+  json["episodes"] = alarm.episodes;
+  json["failing"] = alarm.failing;
+  json["missed"] = alarm.missed;
+  json["missed_share"] = alarm.missedShare();
+  json["false_alarms"] = alarm.false_alarms;
+  json["false_alarms_per_hour"] = alarm.falseAlarmsPerHour();
+  json["watched_s"] = alarm.watched_s;
+  json["alarm_share"] = alarm.alarmShare();
+  json["available_share"] = alarm.availableShare();
+  json["lead_p5_s"] = leads_s.empty() ? Json(nullptr) : Json(quantile(leads_s, 0.05));
+  json["lead_p50_s"] = leads_s.empty() ? Json(nullptr) : Json(quantile(leads_s, 0.5));
+  json["stop_in_time_2mps2"] = alarm.stopShare(2.0);
+  json["stop_in_time_4mps2"] = alarm.stopShare(4.0);
+  return json;
+}
+
+Json stanfordJson(const std::vector<FailAwareEpisode>& episodes) {
+  std::vector<ErrorAndLevel> pairs;
+  double alert_limit_m = 0.0;
+  for (const FailAwareEpisode& episode : episodes) {
+    alert_limit_m = episode.alert_limit_m;
+    for (const FailAwareSweep& sweep : episode.sweeps) {
+      if (sweep.output.protection_level_m >= 0.0) pairs.push_back({sweep.error_m.norm(), sweep.output.protection_level_m});
+    }
+  }
+  const auto counts = stanfordCounts(pairs, alert_limit_m);
+  Json json;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    json[toString(static_cast<IntegrityRegion>(i))] =
+        pairs.empty() ? 0.0 : static_cast<double>(counts[i]) / static_cast<double>(pairs.size());
+  }
+  json["samples"] = pairs.size();
+  return json;
+}
+
+Json consistencyJson(const std::vector<double>& squared, int dof) {
+  const std::optional<Consistency> c = consistencyOf(squared, dof);
+  if (!c) return nullptr;
+  return {{"samples", c->samples},
+          {"dof", dof},
+          {"mean_per_dof", c->mean_per_dof},
+          {"median_over_expected", c->median_over_expected},
+          {"within_1_2_3_sigma", c->within_sigma}};
+}
+
+template <class Matrix>
+void addIfKnown(std::vector<double>& list, const Eigen::VectorXd& error, const Matrix& covariance) {
+  if (const std::optional<double> squared = normalisedErrorSquared(error, covariance)) list.push_back(*squared);
+}
+
+}  // namespace
+
+Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options) {
+  Json json = alarmJson(episodes, options.early_s);
+  for (const Predictor& predictor : predictors()) {
+    json["concordance"][predictor.name] = concordanceJson(episodes, predictor, options);
+    if (predictor.seconds) json["times"][predictor.name] = timesJson(episodes, predictor);
+  }
+  json["stanford"] = stanfordJson(episodes);
+  return json;
+}
+
+Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::vector<FailAwareEpisode>& episodes) {
+  std::vector<double> increments, horizontal_increments, accumulated;
+  std::vector<std::vector<double>> innovations(3);
+  for (const FailAwareRun* run : runs) {
+    for (std::size_t i = 1; i < run->log.size(); ++i) {
+      const FilterState& state = run->log[i].state;
+      for (std::size_t m = 0; m < state.fusion.nis.size() && m < innovations.size(); ++m) {
+        if (state.fusion.nis[m] >= 0.0) innovations[m].push_back(state.fusion.nis[m]);
+      }
+      if (state.dt_s <= 0.0) continue;
+      const Vector6d error = motionError(run->truth[i - 1].inverse() * run->truth[i], state.T_previous_now);
+      addIfKnown(increments, error, state.increment_covariance);
+      addIfKnown(horizontal_increments, Eigen::Vector3d(error[0], error[1], error[5]),
+                 horizontalBlock(state.increment_covariance));
+    }
+  }
+  for (const FailAwareEpisode& episode : episodes) {
+    double next_s = 1.0;
+    for (const FailAwareSweep& sweep : episode.sweeps) {
+      if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
+      addIfKnown(accumulated, sweep.error_m, sweep.output.covariance_since_start.topLeftCorner<2, 2>());
+      next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
+    }
+  }
+  Json json;
+  json["increment"] = consistencyJson(increments, 6);
+  json["increment_horizontal"] = consistencyJson(horizontal_increments, 3);
+  json["accumulated_position"] = consistencyJson(accumulated, 2);
+  for (std::size_t m = 0; m < innovations.size(); ++m) json["nis"][kSources[m]] = consistencyJson(innovations[m], 6);
+  return json;
+}
+
+void printTable(std::ostream& out, const Json& reports) {
+  const auto row = [&](const std::string& label, const std::function<std::string(const Json&)>& cell) {
+    out << std::left << std::setw(38) << label << std::right;
+    for (const auto& item : reports.items()) {
+      std::string text = "-";
+      try {
+        text = cell(item.value());
+      } catch (const nlohmann::json::exception&) {
+        // null: there is no such figure for this set
+      }
+      out << std::setw(std::max(14, static_cast<int>(item.key().size()) + 2)) << text;
+    }
+    out << '\n';
+  };
+  const auto number = [](const Json& value, int digits, double factor = 1.0) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(digits) << value.get<double>() * factor;
+    return text.str();
+  };
+  const auto path = [&](const std::string& label, const std::string& pointer, int digits, double factor = 1.0) {
+    row(label, [&](const Json& j) { return number(j.at(nlohmann::json::json_pointer(pointer)), digits, factor); });
+  };
+  out << std::left << std::setw(38) << "" << std::right;
+  for (const auto& item : reports.items()) {
+    out << std::setw(std::max(14, static_cast<int>(item.key().size()) + 2)) << item.key();
+  }
+  out << '\n';
+  path("episodes", "/episodes", 0);
+  path("  failing", "/failing", 0);
+  path("  missed, %", "/missed_share", 1, 100.0);
+  path("alarm up before the failure, % of time", "/alarm_share", 1, 100.0);
+  path("available, % of time", "/available_share", 1, 100.0);
+  path("false alarms per hour", "/false_alarms_per_hour", 1);
+  path("lead time p5, s", "/lead_p5_s", 1);
+  path("lead time p50, s", "/lead_p50_s", 1);
+  path("  enough to stop at 2 m/s^2, %", "/stop_in_time_2mps2", 0, 100.0);
+  path("  enough to stop at 4 m/s^2, %", "/stop_in_time_4mps2", 0, 100.0);
+  for (const Predictor& predictor : predictors()) {
+    const std::string base = std::string("/concordance/") + predictor.name;
+    path(std::string("concordance ") + predictor.name, base + "/index", 3);
+    row("  95 % interval", [&](const Json& j) {
+      const Json& interval = j.at(nlohmann::json::json_pointer(base + "/interval"));
+      return number(interval.at(0), 2) + ".." + number(interval.at(1), 2);
+    });
+    path("  between episodes only", base + "/between_episodes", 3);
+  }
+  for (const Predictor& predictor : predictors()) {
+    if (!predictor.seconds) continue;
+    const std::string base = std::string("/times/") + predictor.name, name = std::string(" ") + predictor.name;
+    path("late" + name + ", %", base + "/late_share", 1, 100.0);
+    path("  of failing episodes, %", base + "/late_share_of_failing", 1, 100.0);
+    path("  jumps over 50 %, %", base + "/jump_share", 1, 100.0);
+    path("  sign changes per minute", base + "/sign_changes_per_minute", 1);
+  }
+  for (std::size_t i = 0; i < kIntegrityRegions; ++i) {
+    const std::string region = toString(static_cast<IntegrityRegion>(i));
+    path("Stanford " + region + ", %", "/stanford/" + region, 2, 100.0);
+  }
+  path("NEES/dof increment (6)", "/consistency/increment/mean_per_dof", 2);
+  path("  x, y, yaw (3)", "/consistency/increment_horizontal/mean_per_dof", 2);
+  path("NEES/dof accumulated position", "/consistency/accumulated_position/mean_per_dof", 2);
+  const char* expected[] = {"39", "86", "99"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::string index = std::to_string(k);
+    path("  within " + std::to_string(k + 1) + " sigma, % (true: " + expected[k] + ")",
+         "/consistency/accumulated_position/within_1_2_3_sigma/" + index, 0, 100.0);
+  }
+  for (const char* source : kSources) {
+    path(std::string("NIS/dof ") + source, std::string("/consistency/nis/") + source + "/mean_per_dof", 2);
+  }
+}
+
+void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
+                      const std::vector<FailAwareEpisode>& episodes) {
+  out << "run,begin_s,failed,since_start_s,remaining_s,combination_s,eta_s,covariance_s,state,reasons,eta,error_m,"
+         "protection_level_m,speed_mps\n";
+  out << std::setprecision(8);
+  for (const FailAwareEpisode& episode : episodes) {
+    double next_s = 0.0;
+    for (const FailAwareSweep& sweep : episode.sweeps) {
+      if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
+      next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
+      const MonitorOutput& o = sweep.output;
+      out << runs[episode.run].name << ',' << episode.begin_s << ',' << (episode.failed ? 1 : 0) << ','
+          << sweep.since_start_s << ',' << sweep.remaining_s << ',' << o.time_to_failure.seconds << ','
+          << o.time_to_failure_indicator.seconds << ',' << o.time_to_failure_covariance.seconds << ','
+          << toString(o.state) << ',' << reasonText(o.reasons) << ',' << o.eta << ',' << sweep.error_m.norm() << ','
+          << o.protection_level_m << ',' << sweep.speed_mps << '\n';
+    }
+  }
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,63 @@
+#include "fail_aware_run.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth, const FailAwareRunOptions& options) {
+  FailAwareRun run;
+  fs::path path(folder);
+  if (path.filename().empty()) path = path.parent_path();
+  run.name = path.filename().string();
+  run.log = readMonitorLog((path / "monitor_log.csv").string());
+  // A run made before a parameter was there is as good as one with its default.
+  loadYaml((path / "parameters.yaml").string(), run.params, MissingKeys::kKeep);
+  if (!options.parameters.empty()) loadYaml(options.parameters, run.params, MissingKeys::kKeep);
+  for (const std::string& assignment : options.set) setParameter(run.params, assignment);
+  run.params.validate();
+
+  std::vector<Pose> poses = readKittiTrajectory(ground_truth);
+  if (!options.calib.empty()) poses = lidarFromCameraTrajectory(poses, readLidarToCamera(options.calib));
+  if (run.log.back().row >= poses.size()) {
+    throw InputError(ground_truth + " has " + std::to_string(poses.size()) + " poses, " + path.string() + " at least " +
+                     std::to_string(run.log.back().row + 1) + " sweeps: they do not belong together");
+  }
+  const Pose T_lidar_cog = run.params.sensor.T_base_lidar().inverse() * run.params.vehicle.T_base_cog();
+  for (const MonitorInput& input : run.log) run.truth.push_back(poses[input.row] * T_lidar_cog);
+  return run;
+}
+
+}  // namespace
+
+void addRunOptions(CLI::App& app, FailAwareRunOptions& options) {
+  app.add_option("--ground-truth", options.ground_truths,
+                 "true poses of a run, KITTI rows, lidar frame; may be repeated, in the order of --run")
+      ->required();
+  app.add_option("--run", options.runs, "folder that offline_odometry wrote; may be repeated")->required();
+  app.add_option("--calib", options.calib, "KITTI calib.txt: the ground truths are in the camera frame");
+  app.add_option("--parameters", options.parameters, "yaml file with parameters to replay the monitor with");
+  app.add_option("--set", options.set, "key=value, one such parameter; may be repeated")->take_all();
+}
+
+std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
+  if (options.ground_truths.size() != options.runs.size()) {
+    throw InputError(std::to_string(options.ground_truths.size()) + " x --ground-truth, " +
+                     std::to_string(options.runs.size()) + " x --run: there must be as many of one as of the other");
+  }
+  std::vector<FailAwareRun> runs;
+  for (std::size_t i = 0; i < options.runs.size(); ++i) {
+    runs.push_back(loadRun(options.runs[i], options.ground_truths[i], options));
+  }
+  return runs;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,33 @@
+// Files that tools write: made or refused with a line that says why, and known to be complete.
+#pragma once
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+
+namespace fail_aware {
+
+inline void makeResultFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
+}
+
+inline std::ofstream createFile(const std::filesystem::path& path) {
+  errno = 0;
+  std::ofstream file(path);
+  if (!file) throw InputError(path.string() + ": cannot be written: " + std::strerror(errno));
+  return file;
+}
+
+inline void finishFile(std::ofstream& file, const std::filesystem::path& path) {
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+}
+
+}  // namespace fail_aware

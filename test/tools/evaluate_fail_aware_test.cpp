@@ -1,0 +1,148 @@
+// Runs the built tool on made-up runs; EVALUATE_FAIL_AWARE is its path (compile definition).
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "made_up_run.hpp"
+
+namespace fail_aware {
+namespace {
+
+namespace fs = std::filesystem;
+
+class EvaluateFailAware : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string options(const std::string& run) const {
+    const std::string path = (folder_ / run).string();
+    return " --ground-truth '" + path + "/poses.txt' --run '" + path + "'";
+  }
+
+  void run(const std::string& arguments) {
+    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
+    const std::string command = "FAIL_AWARE_SCRIPTS_DIR=/nowhere '" EVALUATE_FAIL_AWARE "' " + arguments + " >'" +
+                                out.string() + "' 2>'" + err.string() + "'";
+    const int status = std::system(command.c_str());
+    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    stdout_ = content(out);
+    stderr_ = content(err);
+  }
+
+  static std::string content(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  nlohmann::json report() const { return nlohmann::json::parse(content(folder_ / "result" / "fail_aware.json")); }
+
+  void expectRefused(const std::string& arguments, const std::string& reason) {
+    run(arguments);
+    EXPECT_EQ(exit_code_, 2) << arguments;
+    EXPECT_EQ(stdout_, "");
+    EXPECT_EQ(stderr_.rfind("evaluate_fail_aware: error: ", 0), 0u) << stderr_;
+    EXPECT_NE(stderr_.find(reason), std::string::npos) << stderr_;
+    EXPECT_EQ(stderr_.find('\n'), stderr_.size() - 1) << stderr_;
+  }
+
+  fs::path folder_ = fs::path(::testing::TempDir()) / ("evaluate_fail_aware_" + std::to_string(getpid()));
+  int exit_code_ = -1;
+  std::string stdout_, stderr_;
+};
+
+TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
+  MadeUpRun good, bad;
+  bad.drift_m = 0.0101;  // 0.606 m after 6.0 s: t1 at 0, 5, .. 30 s fail, that at 35 s is watched for 4.9 s
+  good.write(folder_ / "good");
+  bad.write(folder_ / "bad");
+  run(options("good") + options("bad") + " --resamples 50 --output '" + (folder_ / "result").string() + "'");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(stderr_, "evaluate_fail_aware: no plots: plot_fail_aware was not found\n");
+  const nlohmann::json json = report();
+  EXPECT_EQ(json["good"]["episodes"], 8);
+  EXPECT_EQ(json["good"]["failing"], 0);
+  EXPECT_EQ(json["bad"]["failing"], 7);
+  EXPECT_EQ(json["pooled"]["episodes"], 16);
+  EXPECT_NEAR(json["bad"]["watched_s"].get<double>(), 7 * 6.0 + 4.9, 1e-6);
+  // the drift is no secret of time: elapsed time orders every pair of failing episodes rightly
+  EXPECT_EQ(json["bad"]["concordance"]["elapsed_time"]["index"], 1.0);
+  EXPECT_EQ(json["bad"]["concordance"]["constant"]["index"], 0.5);
+  EXPECT_TRUE(json["good"]["concordance"]["combination"]["index"].is_null()) << "no failure, no order";
+  EXPECT_EQ(json["bad"]["consistency"]["nis"]["icp_point_to_point"]["mean_per_dof"], 1.0);
+  EXPECT_TRUE(json["bad"]["consistency"]["nis"]["corner_svd"].is_null());
+  for (const char* name : {"combination", "eta", "covariance"}) EXPECT_TRUE(json["bad"]["times"].contains(name));
+
+  EXPECT_NE(stdout_.find("concordance combination"), std::string::npos);
+  EXPECT_EQ(stdout_.find("nan"), std::string::npos);
+  const std::string csv = content(folder_ / "result" / "predictions.csv");
+  EXPECT_EQ(csv.rfind("run,begin_s,failed,since_start_s,remaining_s,", 0), 0u);
+  EXPECT_NE(csv.find("\nbad,30,1,0,6,"), std::string::npos);
+}
+
+TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
+  MadeUpRun run_;
+  run_.sweeps = 3000;
+  run_.sigma_m = run_.said_sigma_m;
+  run_.sigma_yaw_rad = run_.said_sigma_yaw_rad;
+  run_.write(folder_ / "true");
+  run_.said_sigma_m *= 2.0;
+  run_.said_sigma_yaw_rad *= 2.0;
+  run_.write(folder_ / "modest");
+  run(options("true") + options("modest") + " --resamples 1 --episode-every 100 --output '" +
+      (folder_ / "result").string() + "'");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  const nlohmann::json json = report();
+  EXPECT_NEAR(json["true"]["consistency"]["increment_horizontal"]["mean_per_dof"].get<double>(), 1.0, 0.08);
+  EXPECT_NEAR(json["modest"]["consistency"]["increment_horizontal"]["mean_per_dof"].get<double>(), 0.25, 0.02);
+}
+
+TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
+  MadeUpRun made_up;
+  made_up.drift_m = 0.0101;
+  made_up.write(folder_ / "run");
+  const std::string output = " --resamples 1 --output '" + (folder_ / "result").string() + "'";
+  run(options("run") + output + " --set monitor.indicator.threshold=1.0e9 --set monitor.predictor.alert_limit_m=1.0e9");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(report()["run"]["missed"], 7) << "nothing is ever near such limits";
+  std::ofstream(folder_ / "strict.yaml") << "monitor:\n  indicator:\n    threshold: 1.0e-12\n";
+  run(options("run") + output + " --parameters '" + (folder_ / "strict.yaml").string() + "'");
+  ASSERT_EQ(exit_code_, 0) << stderr_;
+  EXPECT_EQ(report()["run"]["missed"], 0);
+  EXPECT_GT(report()["run"]["lead_p50_s"].get<double>(), 4.0);
+}
+
+TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
+  MadeUpRun made_up;
+  made_up.sweeps = 30;
+  made_up.write(folder_ / "run");
+  expectRefused("", "--ground-truth");
+  expectRefused("--run x --run y --ground-truth z", "as many of one as of the other");
+  expectRefused(options("absent"), "monitor_log.csv: cannot be read");
+  expectRefused(options("run") + " --set monitor.nonsense=1", "monitor.nonsense");
+  expectRefused(options("run") + " --alert-limit -1", "alert_limit_m");
+  expectRefused(options("run") + " --resamples 0", "--resamples");
+  std::ofstream(folder_ / "short.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  expectRefused("--ground-truth '" + (folder_ / "short.txt").string() + "' --run '" + (folder_ / "run").string() + "'",
+                "do not belong together");
+  std::ofstream(folder_ / "run" / "monitor_log.csv") << "stamp\n1\n";
+  expectRefused(options("run"), "run offline_odometry again");
+}
+
+TEST_F(EvaluateFailAware, HelpListsTheOptions) {
+  run("--help");
+  EXPECT_EQ(exit_code_, 0);
+  for (const char* option : {"--ground-truth", "--run", "--calib", "--output", "--set", "--parameters", "--resamples",
+                             "--seed", "--early"}) {
+    EXPECT_NE(stdout_.find(option), std::string::npos) << option;
+  }
+}
+
+}  // namespace
+}  // namespace fail_aware

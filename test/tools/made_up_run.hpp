@@ -1,0 +1,69 @@
+// A run folder as offline_odometry would have written it, made up: straight on at a constant speed, with errors of known
+// covariance, and its ground truth.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+
+namespace fail_aware {
+
+struct MadeUpRun {
+  int sweeps = 400;
+  double speed_mps = 10.0;
+  double drift_m = 0.0;       ///< sideways, a sweep: the estimate is to the left
+  double sigma_m = 0.0;       ///< true standard deviations of an increment's errors
+  double sigma_yaw_rad = 0.0;
+  double said_sigma_m = 0.01;  ///< what the filter says of them
+  double said_sigma_yaw_rad = 2e-4;
+  unsigned seed = 1;
+
+  /// Writes FOLDER/monitor_log.csv, FOLDER/parameters.yaml and FOLDER/poses.txt.
+  void write(const std::filesystem::path& folder, const PipelineParameters& params = {}) const {
+    std::filesystem::create_directories(folder);
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const Pose T_lidar_cog = params.sensor.T_base_lidar().inverse() * params.vehicle.T_base_cog();
+    std::vector<Pose> truth;
+    std::ofstream log(folder / "monitor_log.csv");
+    log << monitorLogHeader() << '\n';
+    Pose T_true = Pose::Identity(), T = Pose::Identity();
+    for (int i = 0; i < sweeps; ++i) {
+      MonitorInput input;
+      FilterState& s = input.state;
+      input.row = static_cast<std::size_t>(i);
+      s.stamp_s = 0.1 * i;
+      s.sigma_yaw_rad = 1e-3 + 1e-6 * (i % 2);
+      s.corrected = true;
+      s.fusion.valid_inputs = 3;
+      s.fusion.has_measurement = true;
+      s.fusion.weights = {1.0, 1.0, 1.0};
+      s.fusion.nis = {6.0, 6.0, -1.0};
+      if (i > 0) {
+        s.dt_s = 0.1;
+        Vector6d step = Vector6d::Zero(), error = Vector6d::Zero();
+        step[0] = speed_mps * s.dt_s;
+        error << sigma_m * normal(random), sigma_m * normal(random) + drift_m, sigma_m * normal(random), 0.0, 0.0,
+            sigma_yaw_rad * normal(random);
+        s.T_previous_now = poseFromVector(step + error);
+        T_true = T_true * poseFromVector(step);
+        T = T * s.T_previous_now;
+        s.increment_covariance.diagonal().head<3>().setConstant(said_sigma_m * said_sigma_m);
+        s.increment_covariance.diagonal().tail<3>().setConstant(said_sigma_yaw_rad * said_sigma_yaw_rad);
+      }
+      s.T_odom_cog = T;
+      log << monitorLogRow(input) << '\n';
+      truth.push_back(T_true * T_lidar_cog.inverse());
+    }
+    saveYaml((folder / "parameters.yaml").string(), params);
+    writeKittiTrajectory((folder / "poses.txt").string(), truth);
+  }
+};
+
+}  // namespace fail_aware
