@@ -17,15 +17,15 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr double kTextHeight_m = 0.5;
-constexpr double kTextAbove_m = 2.5;
+constexpr double kTextHeight_m = 1.0;
+constexpr double kTextAbove_m = 4.0;
 
 struct Colour {
   float r, g, b, a = 1.0f;
 };
 constexpr Colour kWhite{1.0f, 1.0f, 1.0f}, kGrey{0.6f, 0.6f, 0.6f}, kGreen{0.2f, 0.9f, 0.3f},
     kYellow{1.0f, 0.85f, 0.1f}, kOrange{1.0f, 0.5f, 0.0f}, kRed{1.0f, 0.15f, 0.1f}, kBlue{0.2f, 0.6f, 1.0f},
-    kMagenta{1.0f, 0.2f, 0.9f}, kWall{1.0f, 0.85f, 0.1f, 0.3f};
+    kMagenta{1.0f, 0.2f, 0.9f}, kWall{1.0f, 0.3f, 0.9f, 0.5f};
 
 std_msgs::ColorRGBA toMessage(const Colour& colour) {
   std_msgs::ColorRGBA message;
@@ -84,7 +84,8 @@ std::array<Eigen::Vector3d, 4> verticesOf(const Corner::Rectangle& rectangle, co
 }
 
 void addWall(const std::array<Eigen::Vector3d, 4>& vertices, Marker& marker) {
-  for (const std::size_t i : {0u, 1u, 2u, 0u, 2u, 3u}) addPoint(vertices[i], marker);
+  // a colour for each vertex: rviz then draws both sides alike, without light
+  for (const std::size_t i : {0u, 1u, 2u, 0u, 2u, 3u}) addColouredPoint(vertices[i], kWall, marker);
 }
 
 /// As high as its walls.
@@ -163,7 +164,7 @@ MarkerArray seedMarkers(const std::vector<SeedTrack>& tracks, const std_msgs::He
 MarkerArray cornerMarkers(const std::vector<Corner>& corners_odom, const std::vector<Corner>& reference_odom,
                           const std_msgs::Header& header) {
   Marker points = makeMarker(header, "corners", 0, Marker::SPHERE_LIST, 0.25, kWhite);
-  Marker lines = makeMarker(header, "corners", 1, Marker::LINE_LIST, 0.1, kYellow);
+  Marker lines = makeMarker(header, "corners", 1, Marker::LINE_LIST, 0.1, kWhite);
   Marker walls = makeMarker(header, "corner planes", 0, Marker::TRIANGLE_LIST, 1.0, kWall);
   Marker reference = makeMarker(header, "corner reference", 0, Marker::LINE_LIST, 0.06, kGrey);
   for (std::size_t i = 0; i < std::min(corners_odom.size(), kMaxCornerMarkers); ++i) {

@@ -3,8 +3,8 @@
 // namespace            from              what
 // seeds before         IcpPointToPoint   white arrows: the multiplex ICP's seeds. Offsets from the measurement are drawn
 // seeds after                            10 times as large. Arrows: where each ended, green: the best, orange: others
-// corners              CornerSvd         this sweep's: the line (yellow), M white, J blue, N magenta
-// corner planes                          their walls, one rectangle a plane
+// corners              CornerSvd         this sweep's: the line and M white, J blue, N magenta
+// corner planes                          their walls, one magenta rectangle a plane
 // corner reference                       grey lines of 1 m: the corners that the sweep's are aligned with
 // uncertainty          FailAwareMonitor  ellipses of 1, 2, 3 sigma: horizontal, accumulated since t1, at base_link
 // alert limit                            a red circle: the error that counts as failure
