@@ -1,0 +1,167 @@
+"""Reads what offline_odometry wrote into its output folder."""
+import csv
+import json
+import os
+
+import numpy as np
+
+from . import poses
+from .run import InputError, Measurement, Run
+
+MEASUREMENTS = [("point", "multiplex ICP"), ("plane", "normal-filtered ICP"), ("corners", "corner SVD")]
+STAGES = [("correction", "sweep correction"), ("point", "multiplex ICP"), ("plane", "normal-filtered ICP"),
+          ("corners", "corner SVD"), ("fusion", "fusion, UKF"), ("reference", "reference")]
+
+
+class _Table:
+    """per_sweep.csv, without the rows of refused sweeps (their stamp did not advance; the pose is the last one)."""
+
+    def __init__(self, path):
+        self.path = path
+        try:
+            with open(path, newline="", encoding="utf-8", errors="replace") as file:
+                rows = list(csv.reader(file))
+        except OSError as error:
+            raise InputError(f"cannot read {path}: {error.strerror}")
+        except csv.Error as error:
+            raise InputError(f"{path}: {error}")
+        if len(rows) < 2:
+            raise InputError(f"{path}: no sweep in it")
+        self.names = rows[0]
+        for number, row in enumerate(rows[1:], 2):
+            if len(row) != len(self.names):
+                raise InputError(f"{path}: line {number} has {len(row)} cells, the header {len(self.names)}")
+        self.rows = rows[1:]
+        refused = [status == "stamp_not_advancing" for status in self.text("status") or []]
+        self.kept = np.array([not bad for bad in refused] if refused else [True] * len(self.rows))
+        self.rows = [row for row, keep in zip(self.rows, self.kept) if keep]
+
+    def text(self, name):
+        """None: there is no such column."""
+        if name not in self.names:
+            return None
+        index = self.names.index(name)
+        return [row[index] for row in self.rows]
+
+    def numbers(self, name, unknown=None):
+        """None: there is no such column. `unknown`: the value that means it, given as NaN; not finite likewise."""
+        cells = self.text(name)
+        if cells is None:
+            return None
+        try:
+            values = np.array([float(cell) for cell in cells])
+        except ValueError:
+            raise InputError(f"{self.path}: column {name} does not hold numbers only")
+        values[~np.isfinite(values)] = np.nan
+        if unknown is not None:
+            values[values == unknown] = np.nan
+        return values
+
+
+def _read_json(path):
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            content = json.load(file)
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}")
+    except ValueError:
+        raise InputError(f"{path} is not JSON")
+    if not isinstance(content, dict):
+        raise InputError(f"{path} is not a JSON object")
+    return content
+
+
+def _covariance(table):
+    """Of x, y, z and yaw; None if the run has only an older per_sweep.csv."""
+    columns = {name: table.numbers("cov_" + name) for name in ("xx", "xy", "yy", "zz", "yaw")}
+    if any(column is None for column in columns.values()):
+        return None
+    C = np.zeros((len(columns["xx"]), 6, 6))
+    C[:, 0, 0], C[:, 1, 1], C[:, 2, 2], C[:, 5, 5] = columns["xx"], columns["yy"], columns["zz"], columns["yaw"]
+    C[:, 0, 1] = C[:, 1, 0] = columns["xy"]
+    return np.nan_to_num(C)
+
+
+def _measurements(table):
+    found = []
+    for key, label in MEASUREMENTS:
+        weight = table.numbers("weight_" + key)
+        if weight is None:
+            continue
+        nis = table.numbers("nis_" + key, unknown=-1.0)
+        nis = np.full(len(weight), np.nan) if nis is None else nis
+        found.append(Measurement(label, weight, nis, table.text(key + "_status")))
+    return found
+
+
+def _trajectory(folder, table):
+    """base_link at each kept sweep, from trajectory_tum.txt, which has a row for each scan file."""
+    path = os.path.join(folder, "trajectory_tum.txt")
+    if not os.path.exists(path):
+        return None
+    trajectory = poses.from_tum_rows(poses.read_rows(path, (8,)))
+    if len(trajectory.T) != len(table.kept):
+        raise InputError(f"{path} has {len(trajectory.T)} rows, {table.path} {len(table.kept)}")
+    return trajectory.T[table.kept]
+
+
+def read(folder):
+    table = _Table(os.path.join(folder, "per_sweep.csv"))
+    stamp_s = table.numbers("stamp")
+    if stamp_s is None or np.isnan(stamp_s).any():
+        raise InputError(f"{table.path}: no column stamp, or a stamp that is not finite")
+    summary = _read_json(os.path.join(folder, "summary.json"))
+    described = summary.get("run") or {}
+    run = Run(source=folder, kind="offline run", stamp_s=stamp_s, scans=len(table.kept),
+              scan_of_sweep=np.flatnonzero(table.kept))
+    run.status = table.text("status")
+    run.state = table.text("state")
+    reasons = table.text("reasons")
+    run.reasons = None if reasons is None else [[r for r in cell.split("|") if r] for cell in reasons]
+    for name, column in (("combined", "time_to_failure"), ("eta", "time_to_failure_indicator"),
+                         ("covariance", "time_to_failure_covariance")):
+        values = table.numbers(column, unknown=-1.0)
+        if values is not None:
+            run.time_to_failure_s[name] = values
+    run.eta = table.numbers("eta")
+    run.sigma_yaw = table.numbers("sigma_yaw", unknown=-1.0)
+    run.T_odom_base = _trajectory(folder, table)
+    run.covariance = _covariance(table)
+    run.measurements = _measurements(table)
+    run.fused_nis = table.numbers("nis_fused", unknown=-1.0)
+    for key, label in STAGES + [("total", "total")]:
+        values = table.numbers("ms_" + key)
+        if values is not None:
+            run.stage_ms[label] = values
+    _describe(run, described, table)
+    run.dropped = summary.get("dropped")
+    run.facts = {label: str(summary[key]) for label, key in (("profile", "profile"), ("threads", "threads"))
+                 if key in summary}
+    if "max_rss_mb" in summary:
+        run.facts["memory"] = f"{summary['max_rss_mb']:.0f} MB at most"
+    return run
+
+
+def _describe(run, described, table):
+    try:
+        run.t1_s = described.get("t1_stamp_s", _t1_from_states(run))
+        run.eta_threshold = described.get("eta_threshold_rad")
+        run.horizon_s = described.get("horizon_s")
+        run.alert_limit_m = float(described.get("alert_limit_m", run.alert_limit_m))
+        run.failing_s, run.degraded_s = described.get("failing_s"), described.get("degraded_s")
+        if "lidar_in_base" in described:
+            run.T_base_lidar = poses.from_xyz_rpy([float(value) for value in described["lidar_in_base"]])
+        run.first_row = int(described.get("first", 0))
+    except (TypeError, ValueError):
+        raise InputError(f"{os.path.join(os.path.dirname(table.path), 'summary.json')}: 'run' is not as "
+                         "offline_odometry writes it")
+
+
+def _t1_from_states(run):
+    """For runs whose summary.json does not say it: sigma since t1, or a time to failure, is there from t1 on."""
+    known = run.time_to_failure_s.get("combined")
+    if known is None or np.isnan(known).all():
+        return None
+    return float(run.stamp_s[np.flatnonzero(~np.isnan(known))[0]])

@@ -1,0 +1,69 @@
+"""The page: one HTML file, pictures inside."""
+import html
+
+from . import (comparison as comparisons, figure_error, figure_indicator, figure_measurements, figure_stage_times,
+               figure_time_to_failure, figure_timeline, figure_trajectory, style, summary)
+from .run import NotAvailable
+
+SECTIONS = [
+    ("trajectory", "Trajectory", figure_trajectory.draw,
+     "From above; odometry and truth laid on each other at t1, in position and heading. In an ellipse the odometry "
+     "expects to be with 95 % probability, by its own covariance since t1."),
+    ("error", "Error over distance", figure_error.draw,
+     "Against the truth, since t1. The bands are what the odometry expects of itself: a calibrated one stays within "
+     "1 sigma for about two thirds of the way, hardly ever beyond 3."),
+    ("indicator", "Fail-aware indicator", figure_indicator.draw,
+     "The article's figure: (a) heading uncertainty of the filter, (b) the indicator eta summed up from it, which "
+     "predicts when it reaches its threshold, (c) the true horizontal error."),
+    ("time_to_failure", "Time to failure", figure_time_to_failure.draw,
+     "Predicted against true. A prediction above the truth is late (unsafe), one below it early. At the top edge: "
+     "beyond the horizon. Gaps: unknown. Where the alert limit was not passed before the end, the truth is more than the "
+     "time left to the end (dotted)."),
+    ("timeline", "States, reasons, faults", figure_timeline.draw,
+     "What the planner was told, sweep by sweep, and why; below, the faults that were put in."),
+    ("weights", "Weights of the measurements", figure_measurements.draw_weights,
+     "1: as predicted. Gated out: a pose was there, but too far from the prediction. No pose: the algorithm said why in "
+     "its status."),
+    ("nis", "Normalised innovations", figure_measurements.draw_nis,
+     "How far each measurement was from the prediction, in units of what both claim to be uncertain. Below the band: "
+     "claims too modest; above: too bold."),
+    ("stage_times", "Time of the stages", figure_stage_times.draw,
+     "Offline: computing time, without reading files. Live: see the labels."),
+]
+
+STYLE = """
+body { font: 16px/1.45 sans-serif; color: #1a1a1a; max-width: 1080px; margin: 1.5em auto; padding: 0 1em; }
+h1 { font-size: 1.6em; margin-bottom: 0.2em; } h2 { font-size: 1.2em; margin: 1.8em 0 0.2em; }
+p { margin: 0.2em 0 0.6em; max-width: 60em; } p.why { color: #8a4b00; }
+table { border-collapse: collapse; margin: 0.8em 0; } td { padding: 0.2em 1.2em 0.2em 0; vertical-align: top; }
+td:first-child { color: #555; white-space: nowrap; } tr { border-bottom: 1px solid #e4e4e4; }
+img { width: 100%; height: auto; }
+"""
+
+
+def build(run, trajectory):
+    """The page's text."""
+    comparison = None
+    try:
+        comparison = comparisons.compare(run, trajectory)
+    except NotAvailable as why:
+        run.why_no_truth = str(why)
+    parts = ["<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Odometry report</title>",
+             f"<style>{STYLE}</style></head><body>", "<h1>Fail-aware lidar odometry: report of a run</h1>",
+             _table(summary.rows(run, comparison))]
+    for key, title, draw, text in SECTIONS:
+        parts.append(f'<section id="{key}"><h2>{html.escape(title)}</h2>')
+        try:
+            picture = style.png_base64(draw(run, comparison))
+            parts.append(f"<p>{html.escape(text)}</p>")
+            parts.append(f'<img alt="{html.escape(title)}" src="data:image/png;base64,{picture}">')
+        except NotAvailable as why:
+            parts.append(f'<p class="why">No picture: {html.escape(str(why))}.</p>')
+        parts.append("</section>")
+    parts.append("</body></html>\n")
+    return "\n".join(parts)
+
+
+def _table(rows):
+    cells = "".join(f"<tr><td>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>" for name, value in rows)
+    return f"<table>{cells}</table>"
