@@ -8,23 +8,24 @@ LINES = 8
 
 
 def draw(run, comparison):
-    if run.sigma_yaw is None or run.eta is None:
+    monitor = run.monitor
+    if monitor is None or monitor.sigma_yaw is None or monitor.eta is None:
         raise NotAvailable("the run carries no sigma_yaw or no eta (time_to_failure)")
     panels = 2 if comparison is None else 3
     figure, axes = style.figure(panels, height_in=2.6 * panels + 0.4)
     axes = axes[:, 0]
-    time_s = run.time_s
+    time_s = run.monitor_time_s
     for i, panel in enumerate(axes):
         style.shade_faults(panel, run.faults, run.stamp_s[0], label=i == 0)
         style.mark_t1(panel, run.serving_from_s, "t1: the odometry serves" if i == 0 else None)
-    axes[0].plot(time_s, 1e3 * run.sigma_yaw, color=style.BLUE, label=r"$\sigma_\psi$ of the filter")
+    axes[0].plot(time_s, 1e3 * monitor.sigma_yaw, color=style.BLUE, label=r"$\sigma_\psi$ of the filter")
     axes[0].set(ylabel=r"(a)  $\sigma_\psi$ (mrad)")
-    _scale_sigma(axes[0], 1e3 * run.sigma_yaw)
+    _scale_sigma(axes[0], 1e3 * monitor.sigma_yaw)
     style.legend(axes[0])
     _eta(axes[1], run)
     if comparison is not None:
         _error(axes[2], run, comparison)
-    axes[-1].set(xlabel="time since the first sweep (s)", xlim=(0, max(time_s[-1], 0.1)))
+    axes[-1].set(xlabel="time since the first sweep (s)", xlim=(0, run.end_s))
     figure.align_ylabels()
     return figure
 
@@ -41,8 +42,8 @@ def _scale_sigma(axes, sigma):
 
 
 def _eta(axes, run):
-    eta = 1e3 * run.eta
-    axes.plot(run.time_s, eta, color=style.BLUE, linewidth=2, zorder=4, label=r"$\eta$")
+    eta = 1e3 * run.monitor.eta
+    axes.plot(run.monitor_time_s, eta, color=style.BLUE, linewidth=2, zorder=4, label=r"$\eta$")
     axes.set_ylabel(r"(b)  $\eta$ (mrad)")
     if run.eta_threshold is None:
         axes.set_title("the run does not say its threshold", loc="right", fontsize=9, color=style.GREY)
@@ -54,23 +55,24 @@ def _eta(axes, run):
     axes.set_ylim(0, min(max(1.1 * np.nanmax(eta), 1.15 * threshold), 2.0 * threshold))
     passed = np.flatnonzero(eta >= threshold)
     if len(passed):
-        axes.set_title(f"passed at {run.time_s[passed[0]]:.1f} s; {np.nanmax(eta):.2g} mrad at the end", loc="right",
+        axes.set_title(f"passed at {run.monitor_time_s[passed[0]]:.1f} s; {np.nanmax(eta):.2g} mrad at the end", loc="right",
                        fontsize=9, color=style.GREY)
     style.legend(axes)
 
 
 def _prediction_lines(axes, run, threshold):
     """From eta now to the threshold at the predicted time."""
-    remaining = run.time_to_failure_s.get("eta")
+    monitor, time_s = run.monitor, run.monitor_time_s
+    remaining = monitor.time_to_failure_s.get("eta")
     if remaining is None:
         return
-    usable = np.flatnonzero((remaining > 0) & (run.eta < run.eta_threshold))
+    usable = np.flatnonzero((remaining > 0) & (monitor.eta < run.eta_threshold))
     if run.horizon_s:
         usable = usable[remaining[usable] < run.horizon_s]
     if not len(usable):
         return
     for n, i in enumerate(np.unique(usable[np.linspace(0, len(usable) - 1, LINES).astype(int)])):
-        axes.plot([run.time_s[i], run.time_s[i] + remaining[i]], [1e3 * run.eta[i], threshold], color=style.GREEN,
+        axes.plot([time_s[i], time_s[i] + remaining[i]], [1e3 * monitor.eta[i], threshold], color=style.GREEN,
                   linewidth=1.1, label="predicted way to the threshold" if n == 0 else None)
 
 

@@ -33,7 +33,7 @@ def draw_weights(run, comparison):
         shares = ", ".join(f"{use} {100 * np.mean(uses == use):.0f} %" for use in USE_COLOURS)
         panel.set_title(f"{measurement.label}: {shares}", loc="right", fontsize=9.5)
         panel.set(ylabel="weight", ylim=(-0.18, 1.05), yticks=[0, 0.5, 1])
-    axes[-1, 0].set(xlabel="time since the first sweep (s)", xlim=(0, max(run.time_s[-1], 0.1)))
+    axes[-1, 0].set(xlabel="time since the first sweep (s)", xlim=(0, run.end_s))
     handles = [style.patch(colour, f"strip: {use}") for use, colour in USE_COLOURS.items()]
     style.legend(axes[0, 0], handles + axes[0, 0].get_legend_handles_labels()[0], columns=4)
     return figure
@@ -57,6 +57,8 @@ def draw_nis(run, comparison):
         inside = np.mean((known >= CHI2_6_LOW) & (known <= CHI2_6_HIGH))
         panel.set_title(f"{label}: {100 * inside:.0f} % inside, median {np.median(known):.2g}", loc="right", fontsize=9.5)
         panel.set(yscale="log", ylabel="NIS (-)")
-    axes[-1, 0].set(xlabel="time since the first sweep (s)", xlim=(0, max(run.time_s[-1], 0.1)))
+    axes[-1, 0].set(xlabel="time since the first sweep (s)", xlim=(0, run.end_s))
+    known = np.concatenate([nis[np.isfinite(nis)] for _, nis in series])
+    axes[0, 0].set_ylim(min(0.5, np.percentile(known, 1) / 2), max(40, 2 * known.max()))  # shared by all
     style.legend(axes[0, 0])
     return figure

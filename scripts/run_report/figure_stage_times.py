@@ -21,7 +21,7 @@ def draw(run, comparison):
     highest = max(np.nanmax(values) for values in stages.values())
     if period_ms and highest > 0.3 * period_ms:
         top.axhline(period_ms, color=style.LIMIT, linestyle="--", label=f"time between sweeps, {period_ms:.0f} ms")
-    top.set(xlabel="time since the first sweep (s)", ylabel="time (ms)", xlim=(0, max(run.time_s[-1], 0.1)))
+    top.set(xlabel="time since the first sweep (s)", ylabel="time (ms)", xlim=(0, run.end_s))
     top.set_ylim(bottom=0)
     style.legend(top)
     _percentiles(bottom, stages)

@@ -9,8 +9,9 @@ SERIES = (("covariance", "from the covariance", style.GREEN, "-", 1.6), ("eta", 
 
 
 def draw(run, comparison):
-    if not any(np.isfinite(values).any() for values in run.time_to_failure_s.values()):
-        raise NotAvailable("the time to failure was unknown throughout" if run.time_to_failure_s
+    predicted = run.monitor.time_to_failure_s if run.monitor is not None else {}
+    if not any(np.isfinite(values).any() for values in predicted.values()):
+        raise NotAvailable("the time to failure was unknown throughout" if predicted
                            else "the run carries no time to failure")
     figure, ((axes,),) = style.figure(height_in=4.2)
     style.shade_faults(axes, run.faults, run.stamp_s[0])
@@ -18,16 +19,16 @@ def draw(run, comparison):
     if comparison is not None and run.t1_s is not None:
         _truth(axes, run, comparison)
     for key, label, colour, line, width in SERIES:
-        if key in run.time_to_failure_s:
-            axes.plot(run.time_s, run.time_to_failure_s[key], color=colour, linestyle=line, linewidth=width, label=label)
+        if key in predicted:
+            axes.plot(run.monitor_time_s, predicted[key], color=colour, linestyle=line, linewidth=width, label=label)
     for value, label in ((run.failing_s, "FAILING below"), (run.degraded_s, "DEGRADED below")):
         if value:
             axes.axhline(value, color=style.GREY, linewidth=0.8)
             axes.annotate(f"{label}\n{value:g} s", (1.005, value), xycoords=("axes fraction", "data"), fontsize=8.5,
                           ha="left", va="center", color=style.GREY)
-    top = run.horizon_s or max(np.nanmax(values) for values in run.time_to_failure_s.values())
+    top = run.horizon_s or max(np.nanmax(values) for values in predicted.values())
     axes.set(xlabel="time since the first sweep (s)", ylabel="time to failure (s)", ylim=(0, 1.04 * top),
-             xlim=(0, max(run.time_s[-1], 0.1)))
+             xlim=(0, run.end_s))
     style.legend(axes, columns=7)
     return figure
 

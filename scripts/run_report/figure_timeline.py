@@ -5,12 +5,13 @@ from .run import NotAvailable, STATES
 
 
 def draw(run, comparison):
-    if run.state is None:
+    monitor = run.monitor
+    if monitor is None or monitor.state is None:
         raise NotAvailable("the run carries no state (time_to_failure)")
     rows = [("state", [(style.STATE_COLOURS.get(name, style.BLACK), span)
-                       for name, span in style.spans(run.time_s, run.state)])]
-    for reason in _reasons(run):
-        on = style.spans(run.time_s, [reason in reasons for reasons in run.reasons])
+                       for name, span in style.spans(run.monitor_time_s, monitor.state)])]
+    for reason in _reasons(monitor):
+        on = style.spans(run.monitor_time_s, [reason in reasons for reasons in monitor.reasons])
         rows.append((reason, [(style.BLUE, span) for present, span in on if present]))
     rows += [(label, [(style.PURPLE, span) for span in found]) for label, found in _faults(run)]
     figure, ((axes,),) = style.figure(height_in=1.6 + 0.33 * len(rows))
@@ -22,20 +23,20 @@ def draw(run, comparison):
     if comparison is not None and comparison.failure is not None:
         axes.axvline(comparison.time_s[comparison.failure], color=style.BLACK, linewidth=1.4,
                      label=f"error passes {run.alert_limit_m:g} m")
-    axes.set(xlabel="time since the first sweep (s)", xlim=(0, max(run.time_s[-1], 0.1)), ylim=(-len(rows) + 0.4, 0.6))
+    axes.set(xlabel="time since the first sweep (s)", xlim=(0, run.end_s), ylim=(-len(rows) + 0.4, 0.6))
     axes.set_yticks([-i for i in range(len(rows))])
     axes.set_yticklabels([label for label, _ in rows], fontsize=9)
     axes.grid(axis="y", visible=False)
-    present = set(run.state)
+    present = set(monitor.state)
     handles = [style.patch(style.STATE_COLOURS[name], name) for name in STATES if name in present]
     style.legend(axes, handles + axes.get_legend_handles_labels()[0], columns=7)
     return figure
 
 
-def _reasons(run):
+def _reasons(monitor):
     """By their first appearance."""
     found = []
-    for reasons in run.reasons or []:
+    for reasons in monitor.reasons or []:
         found += [reason for reason in reasons if reason not in found]
     return found
 

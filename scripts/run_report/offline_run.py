@@ -6,7 +6,7 @@ import os
 import numpy as np
 
 from . import poses
-from .run import InputError, Measurement, Run
+from .run import InputError, Measurement, Monitor, Run
 
 MEASUREMENTS = [("point", "multiplex ICP"), ("plane", "normal-filtered ICP"), ("corners", "corner SVD")]
 STAGES = [("correction", "sweep correction"), ("point", "multiplex ICP"), ("plane", "normal-filtered ICP"),
@@ -84,6 +84,20 @@ def _covariance(table):
     return np.nan_to_num(C)
 
 
+def _monitor(table, stamp_s):
+    reasons = table.text("reasons")
+    monitor = Monitor(stamp_s, table.text("state"),
+                      None if reasons is None else [[r for r in cell.split("|") if r] for cell in reasons])
+    for name, column in (("combined", "time_to_failure"), ("eta", "time_to_failure_indicator"),
+                         ("covariance", "time_to_failure_covariance")):
+        values = table.numbers(column, unknown=-1.0)
+        if values is not None:
+            monitor.time_to_failure_s[name] = values
+    monitor.eta = table.numbers("eta")
+    monitor.sigma_yaw = table.numbers("sigma_yaw", unknown=-1.0)
+    return monitor
+
+
 def _measurements(table):
     found = []
     for key, label in MEASUREMENTS:
@@ -117,16 +131,7 @@ def read(folder):
     run = Run(source=folder, kind="offline run", stamp_s=stamp_s, scans=len(table.kept),
               scan_of_sweep=np.flatnonzero(table.kept))
     run.status = table.text("status")
-    run.state = table.text("state")
-    reasons = table.text("reasons")
-    run.reasons = None if reasons is None else [[r for r in cell.split("|") if r] for cell in reasons]
-    for name, column in (("combined", "time_to_failure"), ("eta", "time_to_failure_indicator"),
-                         ("covariance", "time_to_failure_covariance")):
-        values = table.numbers(column, unknown=-1.0)
-        if values is not None:
-            run.time_to_failure_s[name] = values
-    run.eta = table.numbers("eta")
-    run.sigma_yaw = table.numbers("sigma_yaw", unknown=-1.0)
+    run.monitor = _monitor(table, stamp_s)
     run.T_odom_base = _trajectory(folder, table)
     run.covariance = _covariance(table)
     run.measurements = _measurements(table)
@@ -146,7 +151,7 @@ def read(folder):
 
 def _describe(run, described, table):
     try:
-        run.t1_s = described.get("t1_stamp_s", _t1_from_states(run))
+        run.t1_s = described.get("t1_stamp_s", run.monitor.first_known_s())
         run.eta_threshold = described.get("eta_threshold_rad")
         run.horizon_s = described.get("horizon_s")
         run.alert_limit_m = float(described.get("alert_limit_m", run.alert_limit_m))
@@ -157,11 +162,3 @@ def _describe(run, described, table):
     except (TypeError, ValueError):
         raise InputError(f"{os.path.join(os.path.dirname(table.path), 'summary.json')}: 'run' is not as "
                          "offline_odometry writes it")
-
-
-def _t1_from_states(run):
-    """For runs whose summary.json does not say it: sigma since t1, or a time to failure, is there from t1 on."""
-    known = run.time_to_failure_s.get("combined")
-    if known is None or np.isnan(known).all():
-        return None
-    return float(run.stamp_s[np.flatnonzero(~np.isnan(known))[0]])

@@ -25,8 +25,8 @@ SECTIONS = [
      "1: as predicted. Gated out: a pose was there, but too far from the prediction. No pose: the algorithm said why in "
      "its status."),
     ("nis", "Normalised innovations", figure_measurements.draw_nis,
-     "How far each measurement was from the prediction, in units of what both claim to be uncertain. Below the band: "
-     "claims too modest; above: too bold."),
+     "How far each measurement was from the prediction, in units of the uncertainty that both claim. Below the band: "
+     "they claim too much of it; above: too little."),
     ("stage_times", "Time of the stages", figure_stage_times.draw,
      "Offline: computing time, without reading files. Live: see the labels."),
 ]

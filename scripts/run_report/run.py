@@ -25,6 +25,26 @@ class Measurement:
 
 
 @dataclass
+class Monitor:
+    """What the planner was told. Its own clock: live it also speaks when no sweep comes."""
+    stamp_s: np.ndarray
+    state: Optional[List[str]] = None             # one of STATES
+    reasons: Optional[List[List[str]]] = None
+    time_to_failure_s: Dict[str, np.ndarray] = field(default_factory=dict)  # combined, eta, covariance; NaN: unknown
+    eta: Optional[np.ndarray] = None              # rad
+    sigma_yaw: Optional[np.ndarray] = None        # rad, the filter's; NaN: unknown
+
+    def first_known_s(self):
+        """Stamp of the first time to failure: t1 within a sweep or two, where the run does not say it. None: never."""
+        if "combined" not in self.time_to_failure_s:
+            return None
+        known = ~np.isnan(self.time_to_failure_s["combined"])
+        if self.reasons is not None:
+            known &= np.array(["STALE" not in reasons for reasons in self.reasons])
+        return float(self.stamp_s[np.flatnonzero(known)[0]]) if known.any() else None
+
+
+@dataclass
 class Fault:
     kind: str
     start_s: float                 # on the clock of the stamps
@@ -38,11 +58,7 @@ class Run:
     kind: str                      # "offline run", "bag of a live run"
     stamp_s: np.ndarray
     status: Optional[List[str]] = None            # first, corrected, predicted
-    state: Optional[List[str]] = None             # one of STATES
-    reasons: Optional[List[List[str]]] = None
-    time_to_failure_s: Dict[str, np.ndarray] = field(default_factory=dict)  # combined, eta, covariance; NaN: unknown
-    eta: Optional[np.ndarray] = None              # rad
-    sigma_yaw: Optional[np.ndarray] = None        # rad, the filter's; NaN: unknown
+    monitor: Optional[Monitor] = None
     T_odom_base: Optional[np.ndarray] = None      # n x 4 x 4
     covariance: Optional[np.ndarray] = None       # n x 6 x 6, accumulated since t1, about the axes at t1
     measurements: List[Measurement] = field(default_factory=list)
@@ -74,6 +90,17 @@ class Run:
     def time_s(self):
         """Since the first sweep."""
         return self.stamp_s - self.stamp_s[0]
+
+    @property
+    def monitor_time_s(self):
+        """Of the monitor's messages, since the first sweep."""
+        return self.monitor.stamp_s - self.stamp_s[0]
+
+    @property
+    def end_s(self):
+        """Where the time axes end."""
+        last = self.time_s[-1] if self.monitor is None else max(self.time_s[-1], self.monitor_time_s[-1])
+        return max(float(last), 0.1)
 
     @property
     def t1_index(self):

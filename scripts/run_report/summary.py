@@ -42,43 +42,58 @@ def _sweeps(run):
 
 
 def first_alarm(run):
-    """The first sweep from t1 on that is FAILING or FAILED; None: there was none."""
-    if run.state is None or run.t1_s is None:
+    """The monitor's first message from t1 on that says FAILING or FAILED; None: there was none."""
+    if run.monitor is None or run.monitor.state is None or run.t1_s is None:
         return None
-    alarms = [i for i in range(run.t1_index, len(run.state)) if run.state[i] in ("FAILING", "FAILED")]
-    return alarms[0] if alarms else None
+    for i in np.flatnonzero(run.monitor_time_s >= run.serving_from_s - 1e-6):
+        if run.monitor.state[i] in ("FAILING", "FAILED"):
+            return int(i)
+    return None
 
 
 def _alarm_text(run, alarm):
-    text = f"{run.state[alarm]} {run.time_s[alarm] - run.serving_from_s:.1f} s after t1"
-    left = run.time_to_failure_s.get("combined")
+    monitor = run.monitor
+    text = f"{monitor.state[alarm]} {run.monitor_time_s[alarm] - run.serving_from_s:.1f} s after t1"
+    left = monitor.time_to_failure_s.get("combined")
     if left is not None and np.isfinite(left[alarm]):
         text += f", time to failure {left[alarm]:.1f} s"
-    if run.reasons and run.reasons[alarm]:
-        text += "; reasons " + ", ".join(run.reasons[alarm])
+    if monitor.reasons and monitor.reasons[alarm]:
+        text += "; reasons " + ", ".join(monitor.reasons[alarm])
+    return text
+
+
+def _final_state(run):
+    """At the last sweep; live the monitor goes on speaking."""
+    at_last = int(np.flatnonzero(run.monitor_time_s <= run.time_s[-1] + 1e-6)[-1:].max(initial=0))
+    text = run.monitor.state[at_last]
+    if at_last + 1 < len(run.monitor.state):
+        text += f", and {run.monitor.state[-1]} {run.monitor_time_s[-1] - run.time_s[-1]:.1f} s after the last sweep"
     return text
 
 
 def _fail_aware(run, comparison):
-    table = []
-    if run.serving_from_s is None:
-        table.append(("t1", "the odometry never served as the localisation"))
-    else:
-        table.append(("t1: the odometry serves from", f"{run.serving_from_s:.1f} s on"))
-    alarm = first_alarm(run)
-    if run.state is not None and run.t1_s is not None:
-        table.append(("first alarm", "none" if alarm is None else _alarm_text(run, alarm)))
-    if run.state is not None:
-        table.append(("final state", run.state[-1]))
+    table, alarm = [], first_alarm(run)
+    table.append(("t1: the odometry serves from", "never" if run.t1_s is None else f"{run.serving_from_s:.1f} s on"))
+    if run.monitor is not None and run.monitor.state is not None:
+        if run.t1_s is not None:
+            table.append(("first alarm", "none" if alarm is None else _alarm_text(run, alarm)))
+        table.append(("final state", _final_state(run)))
     if comparison is not None:
         passed = comparison.failure_time_s
         table.append((f"error passes {run.alert_limit_m:g} m", "not before the end" if passed is None
                       else f"{passed:.1f} s after " + ("t1" if run.t1_s is not None else "the first sweep")))
-        if passed is not None and alarm is not None:
-            lead = comparison.time_s[comparison.failure] - run.time_s[alarm]
-            table.append(("warning", f"{lead:.1f} s ahead" if lead > 0 else
-                          "at the same sweep" if lead == 0 else f"{-lead:.1f} s late"))
+        if passed is not None and run.t1_s is not None:
+            table.append(("warning", _warning_text(run, comparison, alarm)))
     return table
+
+
+def _warning_text(run, comparison, alarm):
+    if alarm is None:
+        return "none: missed"
+    lead_s = comparison.time_s[comparison.failure] - run.monitor_time_s[alarm]
+    if abs(lead_s) < 0.05:
+        return "at the same sweep"
+    return f"{lead_s:.1f} s ahead" if lead_s > 0 else f"{-lead_s:.1f} s late"
 
 
 def _accuracy(run, comparison):
