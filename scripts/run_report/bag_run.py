@@ -150,6 +150,8 @@ def _monitor(bag, run):
     messages = [m for m, _ in bag.messages(topic) if m.header.stamp.to_nsec() > 0]
     if not messages:
         return None
+    if not hasattr(messages[0], "t1"):
+        raise InputError(f"{topic} is of an older version of TimeToFailure, without t1")
 
     def values(name):
         found = np.array([getattr(m, name) for m in messages], float)
@@ -161,19 +163,10 @@ def _monitor(bag, run):
     monitor.time_to_failure_s = {"combined": values("time_to_failure"), "eta": values("time_to_failure_indicator"),
                                  "covariance": values("time_to_failure_covariance")}
     monitor.eta, monitor.sigma_yaw = np.nan_to_num(values("eta")), values("sigma_yaw")
-    run.horizon_s = float(messages[-1].horizon) or None
-    run.t1_s = monitor.first_known_s()
-    run.eta_threshold = _threshold(monitor, values("eta_rate"), run.horizon_s)
+    last = messages[-1]
+    run.horizon_s, run.eta_threshold, run.alert_limit_m = last.horizon, last.eta_threshold, last.alert_limit
+    run.t1_s = last.t1.to_sec() if last.t1.to_nsec() > 0 else None
     return monitor
-
-
-def _threshold(monitor, eta_rate, horizon_s):
-    """From time = (threshold - eta) / rate, where it is neither reached nor beyond the horizon. None: nowhere."""
-    remaining = monitor.time_to_failure_s["eta"]
-    usable = (remaining > 0) & (eta_rate > 0) & (remaining < (horizon_s or np.inf))
-    if not usable.any():
-        return None
-    return float("%.6g" % np.median(monitor.eta[usable] + eta_rate[usable] * remaining[usable]))
 
 
 def _take_states(run, states):

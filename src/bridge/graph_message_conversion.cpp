@@ -174,13 +174,14 @@ SweepCondition conditionOf(const messages::FilterState& message, const Registrat
   return condition;
 }
 
-messages::TimeToFailure toMessage(const MonitorOutput& output, double horizon_s, const std_msgs::Header& header) {
+messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorParameters& params,
+                                  const std_msgs::Header& header) {
   messages::TimeToFailure message;
   message.header = header;
   message.state = static_cast<std::uint8_t>(output.state);
   message.reasons = output.reasons;
   message.reasons_text = reasonText(output.reasons);
-  message.horizon = horizon_s;
+  message.horizon = params.predictor.horizon_s;
   message.time_to_failure = output.time_to_failure.seconds;
   message.time_to_failure_indicator = output.time_to_failure_indicator.seconds;
   message.time_to_failure_covariance = output.time_to_failure_covariance.seconds;
@@ -189,6 +190,9 @@ messages::TimeToFailure toMessage(const MonitorOutput& output, double horizon_s,
   message.sigma_yaw = output.sigma_yaw_rad;
   message.sigma_x = output.sigma_x_m;
   message.sigma_y = output.sigma_y_m;
+  if (output.t1_stamp_s > 0.0) message.t1.fromSec(output.t1_stamp_s);
+  message.eta_threshold = params.indicator.threshold;
+  message.alert_limit = params.predictor.alert_limit_m;
   return message;
 }
 

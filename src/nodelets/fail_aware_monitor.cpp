@@ -106,7 +106,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   void publish(const std_msgs::Header& header) {
     published_s_ = now_s();
     publisher_.publish(messages::TimeToFailureConstPtr(boost::make_shared<messages::TimeToFailure>(
-        toMessage(output_, pipeline_.profile.monitor.predictor.horizon_s, header))));
+        toMessage(output_, pipeline_.profile.monitor, header))));
     if (!header.stamp.isZero() && marker_publisher_.getNumSubscribers() > 0) showMarkers(header);
   }
 

@@ -181,14 +181,20 @@ TEST(GraphMessages, conditionTellsWhatIsMissing) {
 
 TEST(GraphMessages, timesToFailureAreNeverMistaken) {
   MonitorOutput output;
-  messages::TimeToFailure message = toMessage(output, 60.0, someHeader());
+  const MonitorParameters params;
+  messages::TimeToFailure message = toMessage(output, params, someHeader());
+  EXPECT_TRUE(message.t1.isZero());
   EXPECT_EQ(message.time_to_failure, -1.0);
   EXPECT_EQ(message.state, messages::TimeToFailure::UNKNOWN);
   output.time_to_failure = TimeToFailure::fromSeconds(std::numeric_limits<double>::infinity(), 60.0);
   output.reasons = kReasonStale;
-  message = toMessage(output, 60.0, someHeader());
+  output.t1_stamp_s = 12.5;
+  message = toMessage(output, params, someHeader());
   EXPECT_EQ(message.time_to_failure, message.horizon);
   EXPECT_EQ(message.reasons_text, "STALE");
+  EXPECT_EQ(message.t1.toSec(), 12.5);
+  EXPECT_EQ(message.eta_threshold, params.indicator.threshold);
+  EXPECT_EQ(message.alert_limit, params.predictor.alert_limit_m);
 }
 
 }  // namespace

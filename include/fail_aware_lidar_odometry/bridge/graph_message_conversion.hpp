@@ -64,6 +64,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message);
 /// The monitor's other input, as offline makes it: a source that the profile does not use is not missed.
 SweepCondition conditionOf(const messages::FilterState& message, const RegistrationParameters& registration);
 
-messages::TimeToFailure toMessage(const MonitorOutput& output, double horizon_s, const std_msgs::Header& header);
+messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorParameters& params,
+                                  const std_msgs::Header& header);
 
 }  // namespace fail_aware

@@ -42,6 +42,7 @@ void FailAwareMonitor::reset() {
   hysteresis_.reset();
   has_previous_ = false;
   start_pending_ = serving;
+  t1_stamp_s_ = -1.0;
 }
 
 std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const SweepCondition& condition) const {
@@ -93,11 +94,13 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     indicator_.start(state.stamp_s);
     covariance_.mark(state.T_odom_cog);
     T_odom_mark_ = state.T_odom_cog;
+    t1_stamp_s_ = state.stamp_s;
   }
   indicator_.update(state.stamp_s, state.sigma_yaw_rad);
 
   MonitorOutput output;
   output.stamp_s = state.stamp_s;
+  output.t1_stamp_s = t1_stamp_s_;
   output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
   output.reasons = reasonsFor(state, condition);
   output.eta = indicator_.eta();

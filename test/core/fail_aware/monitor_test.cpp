@@ -85,10 +85,11 @@ TEST(FailAwareMonitor, BeforeTheStartTimesAreUnknown) {
 TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
   FailAwareMonitor monitor{MonitorParameters()};
   Road road;
-  drive(monitor, road, 40);
+  EXPECT_EQ(drive(monitor, road, 40).t1_stamp_s, -1.0);
   monitor.start();
   EXPECT_TRUE(monitor.started());
   const MonitorOutput at_start = drive(monitor, road, 1);
+  EXPECT_EQ(at_start.t1_stamp_s, at_start.stamp_s);
   EXPECT_EQ(at_start.sigma_x_m, 0.0) << "what came before t1 does not count";
   EXPECT_EQ(at_start.sigma_y_m, 0.0);
   EXPECT_TRUE(at_start.time_to_failure_covariance.isKnown()) << "the rate was known before";
@@ -96,6 +97,7 @@ TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
   EXPECT_EQ(at_start.time_to_failure.seconds, at_start.time_to_failure_covariance.seconds);
 
   const MonitorOutput later = drive(monitor, road, 30);
+  EXPECT_EQ(later.t1_stamp_s, at_start.stamp_s);
   EXPECT_TRUE(later.time_to_failure_indicator.isKnown());
   EXPECT_NEAR(later.sigma_x_m, 0.01 * std::sqrt(30.0), 1e-6);
   EXPECT_GT(monitor.odometryCovariance()(0, 0), later.sigma_x_m * later.sigma_x_m);

@@ -61,6 +61,7 @@ struct SweepCondition {
 
 struct MonitorOutput {
   double stamp_s = 0.0;
+  double t1_stamp_s = -1.0;      ///< -1: does not serve
   FailAwareState state = FailAwareState::kUnknown;
   std::uint32_t reasons = 0;
   TimeToFailure time_to_failure;             ///< what the planner acts on: the earlier of the two
@@ -104,6 +105,7 @@ class FailAwareMonitor {
   OdometryCovariance covariance_;
   StateHysteresis hysteresis_;
   Pose T_odom_mark_ = Pose::Identity();
+  double t1_stamp_s_ = -1.0;
   Pose T_odom_previous_ = Pose::Identity();
   bool has_previous_ = false;
   bool start_pending_ = false;
