@@ -196,6 +196,9 @@ def _entry(message, name):
 def _take_odometry(run, messages):
     run.T_odom_base = _trajectory([(0.0,) + _pose_of(m.pose.pose) for m in messages]).T
     total = np.array([m.pose.covariance for m in messages]).reshape(-1, 6, 6)
+    finite = np.isfinite(run.T_odom_base).all(axis=(1, 2)) & np.isfinite(total).all(axis=(1, 2))
+    if not finite.all():
+        raise InputError(f"{run.source}: odometry at stamp {run.stamp_s[np.argmin(finite)]:.3f} is not finite")
     if run.t1_s is not None:
         run.covariance = since(run.T_odom_base, total, run.t1_index)
 

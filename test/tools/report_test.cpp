@@ -1,0 +1,204 @@
+// Runs scripts/report on made-up runs; REPORT_SCRIPT is its path (compile definition).
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSweeps = 60;
+const std::vector<std::string> kPictures = {"trajectory", "error",   "indicator", "time_to_failure",
+                                            "timeline",   "weights", "nis",       "stage_times"};
+
+std::string content(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::size_t countOf(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+/// A straight drive at 10 m/s whose odometry is 2 % too long: 0.6 m are passed 3 s after t1 = 1 s.
+class Report : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string name = ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(::testing::TempDir()) / ("report_" + std::to_string(getpid()) + "_" + name);
+    fs::create_directories(folder_ / "run");
+    write("run/per_sweep.csv", perSweep());
+    std::ostringstream tum, truth;
+    for (int i = 0; i < kSweeps; ++i) {
+      tum << 0.1 * i << ' ' << 1.02 * i << " 0 0 0 0 0 1\n";
+      truth << "1 0 0 " << i << " 0 1 0 0 0 0 1 0\n";
+    }
+    write("run/trajectory_tum.txt", tum.str());
+    write("truth.txt", truth.str());
+    write("run/summary.json", R"({"dropped": 2, "profile": "default", "run": {"first": 0, "t1_stamp_s": 1.0,
+        "eta_threshold_rad": 0.001, "horizon_s": 60.0, "alert_limit_m": 0.6, "failing_s": 3.0, "degraded_s": 10.0,
+        "lidar_in_base": [-0.5, 0, 1.7, 0, 0, 0]}})");
+    write("faults.csv", "kind,start_s,duration_s,severity\nfog,2.0,1.5,0.5\n");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::string perSweep() {
+    std::ostringstream csv;
+    csv << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
+           "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
+           "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference,point_status,plane_status,"
+           "corners_status,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw\n";
+    for (int i = 0; i < kSweeps; ++i) {
+      const double since_t1_s = std::max(0.0, 0.1 * i - 1.0), left_s = i < 10 ? -1.0 : std::max(0.0, 3.0 - since_t1_s);
+      csv << 0.1 * i << ',' << (i == 0 ? "first" : "corrected") << ',' << (i < 10 ? "UNKNOWN" : i < 40 ? "FAILING" : "FAILED")
+          << ',' << (i > 30 ? "MISSING_CORNERS|ETA_THRESHOLD" : "") << ',' << left_s << ',' << left_s << ',' << left_s
+          << ',' << 3e-4 * since_t1_s << ",3e-4," << 1e-4 * (1.0 + 0.1 * std::sin(i)) << ",0,0,0.9,0.8," << (i % 3 ? 0.0 : 0.5)
+          << ",5,6," << (i % 3 ? -1 : 4) << ",5,20,2,10,5,2,1,1,ok,ok," << (i % 3 ? "too_few_corners" : "ok") << ','
+          << 1e-3 * since_t1_s << ",0," << 2e-3 * since_t1_s << ",1e-4,1e-6\n";
+    }
+    return csv.str();
+  }
+
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  void run(const std::string& arguments) {
+    const std::string command = "'" REPORT_SCRIPT "' " + arguments + " >'" + path("stdout") + "' 2>'" + path("stderr") + "'";
+    const int status = std::system(command.c_str());
+    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    stderr_ = content(folder_ / "stderr");
+  }
+
+  std::string runForPage(const std::string& more) {
+    run(path("run") + " --output " + path("page.html") + " " + more);
+    EXPECT_EQ(exit_code_, 0) << stderr_;
+    EXPECT_EQ(stderr_, "");
+    EXPECT_EQ(content(folder_ / "stdout"), path("page.html") + "\n");
+    return content(folder_ / "page.html");
+  }
+
+  static std::string sectionOf(const std::string& page, const std::string& id) {
+    const std::size_t begin = page.find("<section id=\"" + id + "\">");
+    return begin == std::string::npos ? "" : page.substr(begin, page.find("</section>", begin) - begin);
+  }
+
+  /// All pictures but these, which say why they are not there.
+  static void expectPictures(const std::string& page, const std::vector<std::string>& without, const std::string& why) {
+    for (const std::string& id : kPictures) {
+      const std::string section = sectionOf(page, id);
+      const bool wanted = std::find(without.begin(), without.end(), id) == without.end();
+      // a PNG of some size, in base64
+      EXPECT_EQ(countOf(section, "src=\"data:image/png;base64,iVBORw0KGgo"), wanted ? 1u : 0u) << id;
+      if (wanted) {
+        EXPECT_GT(section.size(), 10000u) << id;
+      } else {
+        EXPECT_NE(section.find(why), std::string::npos) << section;
+      }
+    }
+  }
+
+  void expectRefused(const std::string& arguments, const std::string& part) {
+    run(arguments);
+    EXPECT_EQ(exit_code_, 2) << arguments << "\n" << stderr_;
+    EXPECT_EQ(stderr_.rfind("report: error: ", 0), 0u) << stderr_;
+    EXPECT_EQ(countOf(stderr_, "\n"), 1u) << stderr_;
+    EXPECT_NE(stderr_.find(part), std::string::npos) << "'" << part << "' not in: " << stderr_;
+  }
+
+  fs::path folder_;
+  int exit_code_ = -1;
+  std::string stderr_;
+};
+
+TEST_F(Report, HoldsAllPicturesAndTheTable) {
+  const std::string page = runForPage("--ground-truth " + path("truth.txt") + " --faults " + path("faults.csv"));
+  expectPictures(page, {}, "");
+  EXPECT_EQ(page.find("No picture"), std::string::npos);
+  EXPECT_EQ(page.find("http"), std::string::npos) << "self-contained";
+  for (const char* cell : {"<td>5.9 s</td>", "<td>60, 2 dropped, 0 with a prediction only</td>", "<td>FAILED</td>",
+                           "<td>1.0 s on</td>", "<td>3.1 s after t1</td>", "<td>3.1 s ahead</td>",
+                           "0.98 m horizontal, +0.00 m vertical, +0.00 deg heading, over 49 m"}) {
+    EXPECT_NE(page.find(cell), std::string::npos) << cell;
+  }
+}
+
+TEST_F(Report, ComesOutWithoutTruth) {
+  const std::string page = runForPage("");
+  expectPictures(page, {"error"}, "no ground truth was given");
+}
+
+TEST_F(Report, ComesOutWithoutATrajectory) {
+  fs::remove(folder_ / "run/trajectory_tum.txt");
+  const std::string page = runForPage("--ground-truth " + path("truth.txt"));
+  expectPictures(page, {"trajectory", "error"}, "no trajectory");
+}
+
+TEST_F(Report, ComesOutOfASmallTable) {
+  write("run/per_sweep.csv", "stamp,status\n0,first\n0.1,corrected\n0.2,corrected\n");
+  fs::remove(folder_ / "run/trajectory_tum.txt");
+  fs::remove(folder_ / "run/summary.json");
+  expectPictures(runForPage(""), kPictures, "No picture");
+}
+
+TEST_F(Report, TruthMayBeLongerThanTheRunAndInTumRows) {
+  std::ostringstream tum;  // 20 Hz, between the sweeps too
+  for (int i = -10; i < 2 * kSweeps + 10; ++i) tum << 0.05 * i << ' ' << 0.5 * i << " 0 0 0 0 0 1\n";
+  write("truth.tum", tum.str());
+  const std::string page = runForPage("--ground-truth " + path("truth.tum"));
+  expectPictures(page, {}, "");
+  EXPECT_NE(page.find("0.98 m horizontal"), std::string::npos);
+}
+
+TEST_F(Report, RefusesWhatItCannotUse) {
+  const std::string run_folder = path("run"), truth = " --ground-truth ";
+  expectRefused(path("absent"), "there is no");
+  expectRefused(folder_.string(), "cannot read");
+  expectRefused(path("truth.txt"), "not a readable bag");
+  expectRefused(run_folder + truth + path("absent"), "cannot read");
+  write("short.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  expectRefused(run_folder + truth + path("short.txt"), "has 1 poses, the run needs 60");
+  write("words.txt", "one two three\n");
+  expectRefused(run_folder + truth + path("words.txt"), "line 1 is not a row of numbers");
+  write("nan.txt", "0 nan 0 0 0 0 0 1\n");
+  expectRefused(run_folder + truth + path("nan.txt"), "not finite");
+  write("other_day.txt", "1000 0 0 0 0 0 0 1\n1001 0 0 0 0 0 0 1\n");
+  expectRefused(run_folder + truth + path("other_day.txt"), "no time in common");
+  write("faults.csv", "when,what\n1,fog\n");
+  expectRefused(run_folder + " --faults " + path("faults.csv"), "no column kind");
+  expectRefused(run_folder + " --output " + path("absent/page.html"), "cannot write");
+  write("run/summary.json", "{");
+  expectRefused(run_folder, "is not JSON");
+  fs::remove(folder_ / "run/summary.json");
+  write("run/trajectory_tum.txt", "0 0 0 0 0 0 0 1\n");
+  expectRefused(run_folder, "has 1 rows");
+  write("run/per_sweep.csv", "stamp,eta\n0,1,2\n");
+  expectRefused(run_folder, "line 2 has 3 cells");
+  write("run/per_sweep.csv", "stamp,eta\n0,high\n");
+  expectRefused(run_folder, "column eta");
+  write("run/per_sweep.csv", "stamp\n");
+  expectRefused(run_folder, "no sweep");
+  write("run/per_sweep.csv", "");
+  expectRefused(run_folder, "no sweep");
+}
+
+TEST_F(Report, ExplainsItself) {
+  run("--help");
+  EXPECT_EQ(exit_code_, 0);
+  EXPECT_NE(content(folder_ / "stdout").find("--ground-truth"), std::string::npos);
+  run("");
+  EXPECT_EQ(exit_code_, 2);
+}
+
+}  // namespace
