@@ -1,0 +1,79 @@
+// The two subscribers in README's "The planner's contract", built from its text: what they do in each state, with time
+// running out, and in silence. Waits for what they do, with messages going on as long as it takes.
+#include <fail_aware_lidar_odometry/TimeToFailure.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+#include <string>
+
+#include "../support/graph_recorder.hpp"
+
+namespace fail_aware {
+namespace {
+
+using fail_aware_lidar_odometry::TimeToFailure;
+
+class PlannerExample : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    publisher_ = node_.advertise<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure", 1);
+    subscriber_ = node_.subscribe<std_msgs::String>(
+        std::string("/") + GetParam() + "/action", 1,
+        [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
+    ASSERT_TRUE(waitFor([&] { return publisher_.getNumSubscribers() == 2 && !action_.empty(); })) << "not up";
+  }
+
+  std::string await(const std::string& action) {
+    waitFor([&] { return action_ == action; });
+    return action_;
+  }
+
+  /// What it does after some time of such messages.
+  std::string reaction(const std::string& expected, std::uint8_t state, double time_s, double age_s = 0.0) {
+    waitFor([&] {
+      TimeToFailure message;
+      message.header.stamp = ros::Time::now() - ros::Duration(age_s);
+      message.state = state;
+      message.horizon = 60.0;
+      message.time_to_failure = time_s;
+      publisher_.publish(message);
+      ros::WallDuration(0.02).sleep();
+      return action_ == expected;
+    });
+    return action_;
+  }
+
+  ros::NodeHandle node_;
+  ros::Publisher publisher_;
+  ros::Subscriber subscriber_;
+  std::string action_;
+};
+
+TEST_P(PlannerExample, doesWhatTheContractSays) {
+  EXPECT_EQ(await("stop blind"), "stop blind") << "before any message";
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  EXPECT_EQ(await("stop blind"), "stop blind") << "in silence";
+  EXPECT_EQ(reaction("slow down", TimeToFailure::DEGRADED, 60.0), "slow down");
+  EXPECT_EQ(reaction("stop", TimeToFailure::FAILING, 60.0), "stop");
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  EXPECT_EQ(reaction("stop", TimeToFailure::OK, 3.9), "stop") << "less than a stop takes";
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  EXPECT_EQ(reaction("stop", TimeToFailure::DEGRADED, 9.0, 6.0), "stop") << "said 6 s ago";
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::FAILED, 0.0), "stop blind");
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::UNKNOWN, -1.0), "stop blind");
+}
+
+INSTANTIATE_TEST_SUITE_P(Readme, PlannerExample, testing::Values("planner_cpp", "planner_python"));
+
+}  // namespace
+}  // namespace fail_aware
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "planner_example_test");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
