@@ -17,8 +17,8 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr double kTextHeight_m = 1.0;
-constexpr double kTextAbove_m = 4.0;
+constexpr double kTextHeight_m = 1.7;
+constexpr double kTextAbove_m = 8.0;
 
 struct Colour {
   float r, g, b, a = 1.0f;
