@@ -8,21 +8,12 @@ namespace {
 
 using RowMajor6d = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
 
-Eigen::Quaterniond quaternionOf(const Pose& T) {
-  Eigen::Quaterniond q(T.linear());
-  q.normalize();
-  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
-  return q;
-}
-
 template <class Vector, class Quaternion>
-std::optional<Pose> poseOf(const Vector& position, const Quaternion& rotation) {
+std::optional<Pose> checkedPose(const Vector& position, const Quaternion& rotation) {
   const Eigen::Quaterniond q(rotation.w, rotation.x, rotation.y, rotation.z);
   const double norm = q.norm();
   if (!std::isfinite(norm) || std::abs(norm - 1.0) > 1e-3) return std::nullopt;
-  Pose T = Pose::Identity();
-  T.translation() << position.x, position.y, position.z;
-  T.linear() = q.normalized().toRotationMatrix();
+  const Pose T = poseOf(Eigen::Vector3d(position.x, position.y, position.z), q);
   if (!isFinite(T)) return std::nullopt;
   return T;
 }
@@ -53,11 +44,11 @@ geometry_msgs::Transform toTransformMessage(const Pose& T) {
 }
 
 std::optional<Pose> fromMessage(const geometry_msgs::Pose& message) {
-  return poseOf(message.position, message.orientation);
+  return checkedPose(message.position, message.orientation);
 }
 
 std::optional<Pose> fromMessage(const geometry_msgs::Transform& message) {
-  return poseOf(message.translation, message.rotation);
+  return checkedPose(message.translation, message.rotation);
 }
 
 CovarianceMessage toCovarianceMessage(const Matrix6d& covariance) {

@@ -33,6 +33,26 @@ PipelineParameters validated(const PipelineParameters& params) {
   return params;
 }
 
+// What a stage hands to the next, as if by message: one more or one less rounding would in the end, after enough of the
+// registration's decisions, be another trajectory than the live graph's.
+
+SweepPrediction exchanged(SweepPrediction prediction) {
+  prediction.T_odom_cog_previous = asExchanged(prediction.T_odom_cog_previous);
+  prediction.T_odom_cog = asExchanged(prediction.T_odom_cog);
+  return prediction;
+}
+
+Measurement exchanged(Measurement measurement) {
+  measurement.T_odom_cog = asExchanged(measurement.T_odom_cog);
+  return measurement;
+}
+
+FilterState exchanged(FilterState state) {
+  state.T_odom_cog = asExchanged(state.T_odom_cog);
+  state.T_previous_now = asExchanged(state.T_previous_now);
+  return state;
+}
+
 }  // namespace
 
 const char* toString(SweepStatus status) {
@@ -49,7 +69,7 @@ struct OdometryPipeline::Stages {
   Stages(const PipelineParameters& p, int threads)
       : params(validated(p)),
         T_base_cog(p.vehicle.T_base_cog()),
-        T_cog_lidar(T_base_cog.inverse() * p.sensor.T_base_lidar()),
+        T_cog_lidar(asExchanged(T_base_cog.inverse() * p.sensor.T_base_lidar())),
         corrector(p.sensor.vertical_angle, p.sensor.timing, p.profile.sweep_correction),
         filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
                p.profile.road, p.profile.fusion),
@@ -89,17 +109,17 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
   result.times.correction_ms += thinning.lapMs();
   const auto point = [&] {
     Stopwatch watch;
-    if (use.use_point) result.point = front.align(multiplex);
+    if (use.use_point) result.point = exchanged(front.align(multiplex));
     result.times.point_ms = watch.lapMs();
   };
   const auto plane = [&] {
     Stopwatch watch;
-    if (use.use_plane) result.plane = front.align(normal_filtered, prediction.sigma_yaw_rad);
+    if (use.use_plane) result.plane = exchanged(front.align(normal_filtered, prediction.sigma_yaw_rad));
     result.times.plane_ms = watch.lapMs();
   };
   const auto corners = [&] {
     Stopwatch watch;
-    if (use.use_corners) result.corners = corner_measurement.measure(corrected, prediction, T_cog_lidar);
+    if (use.use_corners) result.corners = exchanged(corner_measurement.measure(corrected, prediction, T_cog_lidar));
     result.times.corners_ms = watch.lapMs();
   };
   arena.execute([&] {
@@ -131,6 +151,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
     result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
     return result;
   }
+  prediction = exchanged(prediction);
   corrector.correct(sweep, prediction, T_cog_lidar, corrected);
   result.times.correction_ms = stage.lapMs();
   measure(prediction, result);
@@ -141,11 +162,12 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
   result.status = first ? SweepStatus::kFirst : result.state.corrected ? SweepStatus::kCorrected : SweepStatus::kPredicted;
   result.times.fusion_ms = stage.lapMs();
-  front.place(result.state);
-  corner_measurement.place(result.state);
+  const FilterState placed = exchanged(result.state);
+  front.place(placed);
+  corner_measurement.place(placed);
   result.times.reference_ms = stage.lapMs();
   result.condition = condition(sweep, result);
-  result.monitor = monitor.update(result.state, result.condition);
+  result.monitor = monitor.update(placed, result.condition);
   result.times.total_ms = total.lapMs();
   return result;
 }

@@ -5,19 +5,23 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "fail_aware_lidar_odometry/core/io/kitti_sweep_source.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "sweep_log.hpp"
 #include "tool_support.hpp"
+#ifdef FAIL_AWARE_WITH_BAGS
+#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#endif
 
 namespace {
 
@@ -29,7 +33,8 @@ constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", 
                                   "summary.json", "parameters.yaml"};
 
 struct Options {
-  std::string kitti, output, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg;
+  std::string kitti, bag, topic, base_frame = "base_link";
+  std::string output, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg;
   std::vector<std::string> set;
   int threads = 2;
   long first = 0;
@@ -38,8 +43,18 @@ struct Options {
 };
 
 void addOptions(CLI::App& app, Options& options) {
-  app.add_option("--kitti", options.kitti, "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32")
-      ->required();
+  [[maybe_unused]] CLI::Option* kitti = app.add_option(
+      "--kitti", options.kitti, "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32");
+#ifdef FAIL_AWARE_WITH_BAGS
+  CLI::Option* bag = app.add_option("--bag", options.bag, "bag with clouds; where the lidar sits is taken from its "
+                                    "/tf_static, if it is there")->excludes(kitti);
+  app.add_option("--topic", options.topic, "of the clouds (default: the bag's only sensor_msgs/PointCloud2)")
+      ->needs(bag);
+  app.add_option("--base-frame", options.base_frame, "the vehicle's frame in the bag's /tf_static")->needs(bag)
+      ->capture_default_str();
+#else
+  kitti->required();
+#endif
   app.add_option("--output", options.output, "folder for the results; made if it does not exist")->required();
   app.add_option("--profile", options.profile, "default, paper, or a yaml file")->capture_default_str();
   app.add_option("--vehicle", options.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
@@ -94,18 +109,43 @@ nlohmann::ordered_json describeRun(const PipelineParameters& params, long first,
   return json;
 }
 
+/// KITTI's stamps mean facing forward; a sensor file or --set can say otherwise.
+void applyKittiTiming(SensorParameters& sensor) {
+  if (sensor.timing.stamp_reference == "auto") sensor.timing.stamp_reference = "mid";
+}
+
+/// Opens the drive, and gives the sensor what the drive knows of it.
+std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters& sensor) {
+#ifdef FAIL_AWARE_WITH_BAGS
+  if (options.kitti.empty() && options.bag.empty()) throw InputError("--kitti or --bag is needed (see --help)");
+  if (!options.bag.empty()) {
+    auto bag = std::make_unique<BagSweepSource>(options.bag, options.topic);
+    if (bag->topic().rfind("/kitti/", 0) == 0) applyKittiTiming(sensor);
+    if (const std::optional<Pose> T_base_lidar = bag->lidarInBase(options.base_frame)) {
+      const Vector6d lidar_in_base = vectorFromPose(*T_base_lidar);
+      sensor.lidar_in_base.assign(lidar_in_base.data(), lidar_in_base.data() + 6);
+    } else {
+      std::cerr << kName << ": warning: " << options.bag << " has no transform " << options.base_frame << " -> "
+                << bag->lidarFrame() << " in /tf_static; taken from the parameter sensor.lidar_in_base" << std::endl;
+    }
+    return bag;
+  }
+#endif
+  applyKittiTiming(sensor);
+  return std::make_unique<KittiSweepSource>(options.kitti);
+}
+
 int run(const Options& options) {
   requireNotNegative("--redundant-at", options.redundant_at_s);  // NaN passes the option's own check
-  const KittiDirectory directory = KittiDirectory::open(options.kitti);
-  const auto all = static_cast<long>(directory.size());
+  PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
+  const std::unique_ptr<SweepSource> drive = openDrive(options, params.sensor);
+  const std::string& drive_name = options.bag.empty() ? options.kitti : options.bag;
+  const auto all = static_cast<long>(drive->size());
   if (options.first >= all) {
-    throw InputError("--first " + std::to_string(options.first) + ": " + options.kitti + " has " + std::to_string(all) +
+    throw InputError("--first " + std::to_string(options.first) + ": " + drive_name + " has " + std::to_string(all) +
                      " scans");
   }
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
-  PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
-  // KITTI's stamps mean facing forward; a sensor file or --set can say otherwise
-  if (params.sensor.timing.stamp_reference == "auto") params.sensor.timing.stamp_reference = "mid";
   for (const std::string& assignment : options.set) setParameter(params, assignment);
   params.validate();
   const fs::path output = makeOutput(options.output);
@@ -119,18 +159,20 @@ int run(const Options& options) {
   std::size_t side_file_problems = 0, points_dropped = 0;
   Pose T_odom_lidar_first = Pose::Identity();
   std::optional<double> t1_stamp_s;
+  double first_stamp_s = 0.0;
   Sweep sweep;
+  drive->skip(static_cast<std::size_t>(options.first));
   {
     ProgressBar progress(static_cast<std::size_t>(last - options.first));
     for (long i = options.first; i < last; ++i) {
-      const auto index = static_cast<std::size_t>(i);
-      const ReadResult read = directory.read(index, sweep);
-      if (!read.hasPoints()) bad_scans.push_back({directory.scanPaths()[index], read.message});
+      const ReadResult read = drive->next(sweep);
+      if (i == options.first) first_stamp_s = sweep.stamp_s;
+      if (!read.hasPoints()) bad_scans.push_back({drive->name(), read.message});
       if (read.status == ReadStatus::kSideFileUnusable && side_file_problems++ == 0) {
         std::cerr << kName << ": warning: " << read.message << " (said once)" << std::endl;
       }
       points_dropped += sweep.points_dropped;
-      const double since_first_s = sweep.stamp_s - directory.stamps()[static_cast<std::size_t>(options.first)];
+      const double since_first_s = sweep.stamp_s - first_stamp_s;
       if (!t1_stamp_s && since_first_s >= options.redundant_at_s - kStartTolerance_s) {
         pipeline.startRedundant();
         t1_stamp_s = sweep.stamp_s;
@@ -170,7 +212,7 @@ int run(const Options& options) {
   log.close();
   std::cout << json << std::endl;
   if (bad_scans.size() == lidar_trajectory.size()) {
-    return reportError(kName, "no scan of " + options.kitti + " could be used", kExitFailed);
+    return reportError(kName, "no scan of " + drive_name + " could be used", kExitFailed);
   }
   return kExitDone;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -56,7 +57,7 @@ IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad)
 
   IndicatorStatus status = IndicatorStatus::kAccepted;
   if (last_stamp_s_) {
-    const double dt_s = stamp_s - *last_stamp_s_;
+    const double dt_s = secondsBetween(*last_stamp_s_, stamp_s);
     if (dt_s < params_.min_interval_s) return IndicatorStatus::kStampNotAdvancing;
     if (dt_s > params_.max_gap_s) {
       status = IndicatorStatus::kAcceptedAfterGap;
@@ -79,7 +80,7 @@ IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad)
 
 std::optional<double> FailAwareIndicator::etaRate() const {
   if (window_.size() < 2) return std::nullopt;
-  return (window_.back().eta - window_.front().eta) / (window_.back().stamp_s - window_.front().stamp_s);
+  return (window_.back().eta - window_.front().eta) / secondsBetween(window_.front().stamp_s, window_.back().stamp_s);
 }
 
 TimeToFailure FailAwareIndicator::timeToFailure() const {

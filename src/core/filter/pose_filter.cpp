@@ -5,6 +5,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -73,12 +74,12 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
 }
 
 bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
-  if (!std::isfinite(stamp_s) || (started_ && stamp_s <= state_.stamp_s)) return false;
+  if (!std::isfinite(stamp_s) || (started_ && secondsBetween(state_.stamp_s, stamp_s) <= 0.0)) return false;
   prediction_ = SweepPrediction();
   prediction_.stamp_s = stamp_s;
   prediction_.T_odom_cog_previous = state_.T_odom_cog;
   if (started_) {
-    const double dt = stamp_s - state_.stamp_s;
+    const double dt = secondsBetween(state_.stamp_s, stamp_s);
     prediction_.dt_s = dt;
     prediction_.motion_known = corrected_sweeps_ >= 2;
     Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);

@@ -99,4 +99,20 @@ Pose orthonormalized(const Pose& T) {
 
 bool isFinite(const Pose& T) { return T.matrix().allFinite(); }
 
+Eigen::Quaterniond quaternionOf(const Pose& T) {
+  Eigen::Quaterniond q(T.linear());
+  q.normalize();
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  return q;
+}
+
+Pose poseOf(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation) {
+  Pose T = Pose::Identity();
+  T.translation() = position;
+  T.linear() = rotation.normalized().toRotationMatrix();
+  return T;
+}
+
+Pose asExchanged(const Pose& T) { return poseOf(T.translation(), quaternionOf(T)); }
+
 }  // namespace fail_aware

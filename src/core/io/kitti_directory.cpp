@@ -11,6 +11,7 @@
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -79,6 +80,7 @@ std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
     if (!(text >> time_s) || text.peek() != std::istringstream::traits_type::eof() || !std::isfinite(time_s)) {
       throw InputError(where + "is not a number of seconds");
     }
+    time_s = wholeMicroseconds(time_s);
     if (!times_s.empty() && time_s <= times_s.back()) throw InputError(where + "is not after the line before");
     times_s.push_back(time_s);
   }
@@ -136,18 +138,6 @@ void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
 
 }  // namespace
 
-const char* toString(ReadStatus status) {
-  switch (status) {
-    case ReadStatus::kOk: return "ok";
-    case ReadStatus::kSideFileUnusable: return "side_file_unusable";
-    case ReadStatus::kUnreadable: return "unreadable";
-    case ReadStatus::kTruncated: return "truncated";
-    case ReadStatus::kEmpty: return "empty";
-    case ReadStatus::kNoFinitePoint: return "no_finite_point";
-  }
-  return "unknown";
-}
-
 void KittiDirectoryParams::validate() const { requirePositive("nominal_period_s", nominal_period_s); }
 
 KittiDirectory KittiDirectory::open(const std::string& directory, const Params& params) {
@@ -174,7 +164,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   } else {
     for (std::size_t i = 0; i < scans.size(); ++i) {
       const double number = static_cast<double>(numbers.empty() ? i : numbers[i]);
-      kitti.stamps_s_.push_back(number * params.nominal_period_s);
+      kitti.stamps_s_.push_back(wholeMicroseconds(number * params.nominal_period_s));
     }
   }
   if (fs::is_directory(root / "stamps", error)) kitti.stamps_folder_ = (root / "stamps").string();

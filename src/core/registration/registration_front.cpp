@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+
 namespace fail_aware {
 
 RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& cloud,
@@ -53,12 +55,12 @@ Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_
 
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                          const Pose& T_cog_lidar) {
-  const std::optional<Vector6d> twist =
-      initialization_.findTwist(sweep, T_cog_lidar, prediction.stamp_s - first_cloud_.stamp_s);
+  const double since_first_s = secondsBetween(first_cloud_.stamp_s, prediction.stamp_s);
+  const std::optional<Vector6d> twist = initialization_.findTwist(sweep, T_cog_lidar, since_first_s);
   if (!twist) return;
   recorrectFor(*twist);
   // from the first sweep on: the last estimate may be a prediction at standstill
-  T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * (prediction.stamp_s - first_cloud_.stamp_s));
+  T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * since_first_s);
   const double sigma_m = initialization_.params().step_mps * prediction.dt_s;
   start_covariance_.topRows<2>().setZero();
   start_covariance_.leftCols<2>().setZero();

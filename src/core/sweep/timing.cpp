@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {
@@ -116,7 +117,7 @@ void SweepTiming::reset() {
 
 void SweepTiming::observeStamp(double stamp_s) {
   if (!std::isfinite(stamp_s)) return;
-  const double period_s = stamp_s - last_stamp_s_;
+  const double period_s = secondsBetween(last_stamp_s_, stamp_s);
   if (has_stamp_ && period_s >= kShortestPeriod_s && period_s <= kLongestPeriod_s) {
     periods_s_.push_back(period_s);
     if (periods_s_.size() > kPeriodWindow) periods_s_.pop_front();

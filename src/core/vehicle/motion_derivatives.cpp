@@ -5,6 +5,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -40,7 +41,7 @@ const MotionHistory::Sample& MotionHistory::fromNewest(std::size_t age) const {
 bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
   if (!std::isfinite(stamp_s) || !isFinite(T_odom_cog)) return false;
   if (size_ > 0) {
-    const double since_newest = stamp_s - fromNewest(0).stamp_s;
+    const double since_newest = secondsBetween(fromNewest(0).stamp_s, stamp_s);
     if (since_newest <= 0.0) return false;
     if (since_newest < params_.min_interval_s) {
       next_ = (next_ + ring_.size() - 1) % ring_.size();
@@ -54,7 +55,7 @@ bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
   sample.rpy_rad = rpyFromRotation(T_odom_cog.linear());
   if (size_ > 0) {
     const Sample& previous = fromNewest(0);
-    sample.interval_s = stamp_s - previous.stamp_s;
+    sample.interval_s = secondsBetween(previous.stamp_s, stamp_s);
     Vector6d increment;
     if (params_.second_differences) {
       increment.head<3>() =
@@ -78,7 +79,7 @@ Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
   Vector6d rates_mean = Vector6d::Zero(), slope_numerator = Vector6d::Zero();
   for (std::size_t age = 0; age < samples; ++age) {
     const Sample& sample = fromNewest(age);
-    const double middle_s = sample.stamp_s - newest_s - 0.5 * sample.interval_s;
+    const double middle_s = secondsBetween(newest_s, sample.stamp_s) - 0.5 * sample.interval_s;
     if (age > 0 && -middle_s > params_.max_age_s) break;
     const double weight = sample.interval_s * sample.interval_s;
     // running update of mean and co-moment
@@ -102,7 +103,7 @@ Vector6d MotionHistory::ratesAtNewest(std::size_t samples, const Vector6d& accel
   Vector6d rates = Vector6d::Zero();
   for (std::size_t age = 0; age < samples; ++age) {
     const Sample& sample = fromNewest(age);
-    const double since_middle_s = newest_s - sample.stamp_s + 0.5 * sample.interval_s;
+    const double since_middle_s = secondsBetween(sample.stamp_s, newest_s) + 0.5 * sample.interval_s;
     if (age > 0 && since_middle_s > params_.max_age_s) break;
     const double weight = sample.interval_s * sample.interval_s;
     weight_sum += weight;

@@ -5,6 +5,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -48,7 +49,7 @@ bool RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const Mot
     plane_.valid = true;
     plane_.slope = observed;
   } else {
-    const double dt_s = stamp_s - stamp_s_;
+    const double dt_s = secondsBetween(stamp_s_, stamp_s);
     const double memory = std::exp(-dt_s / params_.time_constant_s);
     plane_.slope += dt_s * plane_.slope_rate_per_s;
     const Eigen::Vector2d surprise = observed - plane_.slope;

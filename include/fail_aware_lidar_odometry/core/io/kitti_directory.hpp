@@ -2,7 +2,7 @@
 //
 //   DIR/velodyne/NNNNNN.bin                       float32 x y z intensity per point, sensor frame, m (needed)
 //     or DIR/velodyne_points/data/NNNNNNNNNN.bin  (KITTI raw), or DIR/NNNNNN.bin
-//   DIR/times.txt                                 stamp of each scan, s, one a line
+//   DIR/times.txt                                 stamp of each scan, s, one a line; kept to the microsecond
 //   DIR/stamps/NNNNNN.f32                         float32 per point: s from the sweep's start
 //   DIR/rings/NNNNNN.u16                          uint16 per point: laser number
 //
@@ -20,26 +20,9 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/io/sweep_source.hpp"
 
 namespace fail_aware {
-
-enum class ReadStatus {
-  kOk,
-  kSideFileUnusable,  ///< points are good, but stamps or rings are missing or of another count, and left out
-  kUnreadable,
-  kTruncated,     ///< the size is not a multiple of a point's
-  kEmpty,         ///< zero bytes
-  kNoFinitePoint  ///< every point was dropped
-};
-
-const char* toString(ReadStatus status);
-
-struct ReadResult {
-  ReadStatus status = ReadStatus::kOk;
-  std::string message;  ///< one line naming the file; empty when kOk
-
-  bool hasPoints() const { return status == ReadStatus::kOk || status == ReadStatus::kSideFileUnusable; }
-};
 
 struct KittiDirectoryParams {
   double nominal_period_s = 0.1;  ///< used without times.txt

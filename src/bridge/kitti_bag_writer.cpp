@@ -1,0 +1,135 @@
+#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
+
+#include <geometry_msgs/TransformStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <boost/make_shared.hpp>
+#include <cstring>
+#include <stdexcept>
+
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+const ros::Duration kTransformLead(0.5);
+
+geometry_msgs::TransformStamped stamped(const ros::Time& stamp, const char* parent, const char* child, const Pose& T) {
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = stamp;
+  transform.header.frame_id = parent;
+  transform.child_frame_id = child;
+  transform.transform = toTransformMessage(T);
+  return transform;
+}
+
+}  // namespace
+
+void writeKittiCloud(const Sweep& sweep, bool with_times, sensor_msgs::PointCloud2& cloud) {
+  static constexpr const char* kNames[] = {"x", "y", "z", "i", "time"};
+  const std::size_t count = sweep.size();
+  const bool has_intensity = sweep.intensities.size() == count;
+  const bool has_time = with_times && sweep.times_s.size() == count;
+  const std::uint32_t fields = has_time ? 5 : 4;
+  cloud.fields.resize(fields);
+  for (std::uint32_t i = 0; i < fields; ++i) {
+    sensor_msgs::PointField& field = cloud.fields[i];
+    field.name = kNames[i];
+    field.offset = i * static_cast<std::uint32_t>(sizeof(float));
+    field.datatype = sensor_msgs::PointField::FLOAT32;
+    field.count = 1;
+  }
+  cloud.is_bigendian = false;
+  cloud.is_dense = true;
+  cloud.height = 1;
+  cloud.width = static_cast<std::uint32_t>(count);
+  cloud.point_step = fields * static_cast<std::uint32_t>(sizeof(float));
+  cloud.row_step = cloud.width * cloud.point_step;
+  cloud.data.resize(cloud.row_step);
+  std::uint8_t* out = cloud.data.data();
+  for (std::size_t i = 0; i < count; ++i, out += cloud.point_step) {
+    const Eigen::Vector3f& p = sweep.points_lidar[i];
+    const float values[] = {p.x(), p.y(), p.z(), has_intensity ? sweep.intensities[i] : 0.0f,
+                            has_time ? sweep.times_s[i] : 0.0f};
+    std::memcpy(out, values, cloud.point_step);
+  }
+}
+
+KittiBagWriter::KittiBagWriter(const std::string& path, const Options& options) : path_(path), options_(options) {
+  try {
+    bag_ = std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Write);
+  } catch (const rosbag::BagException& error) {
+    throw InputError("cannot write " + path + ": " + error.what());
+  }
+}
+
+KittiBagWriter::~KittiBagWriter() {
+  try {
+    close();
+  } catch (const std::exception&) {
+  }
+}
+
+template <class Message>
+void KittiBagWriter::write(const char* topic, const ros::Time& stamp, const Message& message,
+                           const boost::shared_ptr<ros::M_string>& connection_header) {
+  try {
+    bag_->write(topic, stamp, message, connection_header);
+  } catch (const rosbag::BagException& error) {
+    abandonBag();
+    throw std::runtime_error("cannot write " + path_ + ": " + error.what());
+  }
+}
+
+void KittiBagWriter::add(const ros::Time& stamp, const Sweep& sweep, const std::optional<Pose>& T_world_base) {
+  if (!begun_) addStaticTransform(stamp.toSec() > 1.0 ? stamp - kTransformLead : ros::TIME_MIN);
+  begun_ = true;
+  addStaticTransform(stamp);
+  if (T_world_base) addGroundTruth(stamp, *T_world_base);
+  sensor_msgs::PointCloud2 cloud;
+  writeKittiCloud(sweep, options_.point_times, cloud);
+  cloud.header.stamp = stamp;
+  cloud.header.frame_id = kitti_bag::kLidarFrame;
+  write(kitti_bag::kCloudTopic, stamp, cloud);
+}
+
+void KittiBagWriter::addStaticTransform(const ros::Time& stamp) {
+  tf2_msgs::TFMessage message;
+  message.transforms.push_back(stamped(stamp, kitti_bag::kBaseFrame, kitti_bag::kLidarFrame, options_.T_base_lidar));
+  const auto header = boost::make_shared<ros::M_string>();
+  (*header)["callerid"] = "/kitti_to_bag";
+  (*header)["latching"] = "1";
+  (*header)["md5sum"] = ros::message_traits::md5sum(message);
+  (*header)["message_definition"] = ros::message_traits::definition(message);
+  (*header)["type"] = ros::message_traits::datatype(message);
+  write(kitti_bag::kStaticTransformTopic, stamp, message, header);
+}
+
+void KittiBagWriter::addGroundTruth(const ros::Time& stamp, const Pose& T_world_base) {
+  nav_msgs::Odometry odometry;
+  odometry.header.stamp = stamp;
+  odometry.header.frame_id = kitti_bag::kWorldFrame;
+  odometry.child_frame_id = kitti_bag::kBaseFrame;
+  odometry.pose.pose = toPoseMessage(T_world_base);
+  write(kitti_bag::kGroundTruthTopic, stamp, odometry);
+  if (!options_.with_transforms) return;
+  tf2_msgs::TFMessage message;
+  message.transforms.push_back(stamped(stamp, kitti_bag::kWorldFrame, kitti_bag::kBaseFrame, T_world_base));
+  write(kitti_bag::kTransformTopic, stamp, message);
+}
+
+void KittiBagWriter::close() {
+  if (!bag_) return;
+  try {
+    bag_->close();
+    bag_.reset();
+  } catch (const rosbag::BagException& error) {
+    abandonBag();
+    throw std::runtime_error("cannot complete " + path_ + ": " + error.what());
+  }
+}
+
+}  // namespace fail_aware

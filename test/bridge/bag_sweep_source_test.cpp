@@ -1,0 +1,188 @@
+#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+
+#include <gtest/gtest.h>
+#include <std_msgs/Header.h>
+#include <tf2_msgs/TFMessage.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+
+namespace fail_aware {
+namespace {
+
+namespace fs = std::filesystem;
+
+const ros::Time kStart(1317000000, 0);
+
+Sweep sweepOf(int number) {
+  Sweep sweep;
+  for (int i = 0; i <= number; ++i) sweep.points_lidar.emplace_back(1.0f + static_cast<float>(i), 2.0f, 3.0f);
+  sweep.intensities.assign(sweep.size(), 0.5f);
+  return sweep;
+}
+
+class BagSweepSourceTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = (fs::path(::testing::TempDir()) / ("bag_sweep_source_" + std::to_string(getpid()) + ".bag")).string();
+  }
+  void TearDown() override { fs::remove(path_); }
+
+  void writeDrive(int sweeps) const {
+    KittiBagWriter writer(path_, {poseFromVector((Vector6d() << -0.6, 0.1, 1.7, 0.0, 0.02, 0.1).finished()), false, false});
+    for (int i = 0; i < sweeps; ++i) writer.add(kStart + ros::Duration(0.1 * i), sweepOf(i), Pose::Identity());
+    writer.close();
+  }
+
+  sensor_msgs::PointCloud2 cloud(const std::string& frame) const {
+    sensor_msgs::PointCloud2 cloud;
+    writeKittiCloud(sweepOf(2), false, cloud);
+    cloud.header.frame_id = frame;
+    cloud.header.stamp = kStart;
+    return cloud;
+  }
+
+  void expectRefused(const std::string& topic, const std::string& part) const {
+    try {
+      BagSweepSource source(path_, topic);
+      ADD_FAILURE() << "not refused; expected: " << part;
+    } catch (const InputError& error) {
+      const std::string text = error.what();
+      EXPECT_EQ(text.rfind(path_, 0), 0u) << text;
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+      EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+    }
+  }
+
+  std::string path_;
+};
+
+TEST_F(BagSweepSourceTest, givesTheSweepsInOrder) {
+  writeDrive(4);
+  BagSweepSource source(path_);
+  EXPECT_EQ(source.topic(), "/kitti/velo/pointcloud");
+  EXPECT_EQ(source.lidarFrame(), "velo_link");
+  ASSERT_EQ(source.size(), 4u);
+  Sweep sweep;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(source.next(sweep).status, ReadStatus::kOk);
+    EXPECT_EQ(sweep.points_lidar, sweepOf(i).points_lidar);
+    EXPECT_EQ(sweep.stamp_s, (kStart + ros::Duration(0.1 * i)).toSec());
+    EXPECT_EQ(source.name(), path_ + ", cloud " + std::to_string(i) + " of /kitti/velo/pointcloud");
+  }
+}
+
+TEST_F(BagSweepSourceTest, skips) {
+  writeDrive(4);
+  BagSweepSource source(path_, "/kitti/velo/pointcloud");
+  source.skip(3);
+  Sweep sweep;
+  EXPECT_TRUE(source.next(sweep).hasPoints());
+  EXPECT_EQ(sweep.size(), 4u);
+  EXPECT_EQ(source.size(), 4u);
+}
+
+TEST_F(BagSweepSourceTest, findsWhereTheLidarSits) {
+  writeDrive(1);
+  const BagSweepSource source(path_);
+  const std::optional<Pose> T_base_lidar = source.lidarInBase("base_link");
+  ASSERT_TRUE(T_base_lidar);
+  const Vector6d place = vectorFromPose(*T_base_lidar);
+  EXPECT_TRUE(place.isApprox((Vector6d() << -0.6, 0.1, 1.7, 0.0, 0.02, 0.1).finished(), 1e-12)) << place.transpose();
+  EXPECT_TRUE(source.lidarInBase("/base_link")) << "old names begin with a slash";
+  EXPECT_TRUE(source.lidarInBase("velo_link")->isApprox(Pose::Identity()));
+  EXPECT_FALSE(source.lidarInBase("vehicle"));
+}
+
+TEST_F(BagSweepSourceTest, transformsAreChained) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(2);
+    message.transforms[0].header.frame_id = "base_link";
+    message.transforms[0].child_frame_id = "imu_link";
+    message.transforms[0].transform.translation.x = -1.405;
+    message.transforms[1].header.frame_id = "imu_link";
+    message.transforms[1].child_frame_id = "velo_link";
+    message.transforms[1].transform.translation.x = 0.81;
+    for (geometry_msgs::TransformStamped& transform : message.transforms) transform.transform.rotation.w = 1.0;
+    bag.write("/points", kStart, cloud("velo_link"));
+    bag.write("/tf_static", kStart + ros::Duration(1.0), message);
+  }
+  const std::optional<Pose> T_base_lidar = BagSweepSource(path_).lidarInBase("base_link");
+  ASSERT_TRUE(T_base_lidar);
+  EXPECT_NEAR(T_base_lidar->translation().x(), -0.595, 1e-12);
+}
+
+TEST_F(BagSweepSourceTest, cloudsThatCannotBeUsedAreData) {
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    sensor_msgs::PointCloud2 bad = cloud("velodyne");
+    bag.write("/points", kStart, bad);
+    bad.header.frame_id = "radar";
+    bag.write("/points", kStart + ros::Duration(0.1), bad);
+    bad.header.frame_id = "velodyne";
+    bad.header.stamp = kStart + ros::Duration(0.2);
+    bad.is_bigendian = true;
+    bag.write("/points", kStart + ros::Duration(0.2), bad);
+    bad.is_bigendian = false;
+    bad.width = bad.row_step = 0;
+    bag.write("/points", kStart + ros::Duration(0.3), bad);
+  }
+  BagSweepSource source(path_);
+  Sweep sweep;
+  EXPECT_EQ(source.next(sweep).status, ReadStatus::kOk);
+  ReadResult result = source.next(sweep);
+  EXPECT_EQ(result.status, ReadStatus::kUnreadable);
+  EXPECT_NE(result.message.find("cloud 1 of /points: its frame is 'radar'"), std::string::npos) << result.message;
+  EXPECT_TRUE(sweep.empty());
+  result = source.next(sweep);
+  EXPECT_EQ(result.status, ReadStatus::kUnreadable);
+  EXPECT_NE(result.message.find("big-endian"), std::string::npos) << result.message;
+  EXPECT_EQ(sweep.stamp_s, (kStart + ros::Duration(0.2)).toSec());
+  EXPECT_EQ(source.next(sweep).status, ReadStatus::kNoFinitePoint);
+}
+
+TEST_F(BagSweepSourceTest, refusesWhatIsNoBagWithClouds) {
+  expectRefused("", "no such file");
+  std::ofstream(path_).close();
+  expectRefused("", "not a complete bag");
+  std::ofstream(path_) << "hello\n";
+  expectRefused("", "not a complete bag");
+  { rosbag::Bag bag(path_, rosbag::bagmode::Write); }
+  expectRefused("", "the bag has no messages");
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    bag.write("/header", kStart, std_msgs::Header());
+  }
+  expectRefused("", "no topic of type sensor_msgs/PointCloud2");
+  expectRefused("/points", "no topic /points; the bag has no topic of type sensor_msgs/PointCloud2");
+  {
+    rosbag::Bag bag(path_, rosbag::bagmode::Write);
+    bag.write("/front", kStart, cloud("a"));
+    bag.write("/rear", kStart, cloud("b"));
+    bag.write("/header", kStart, std_msgs::Header());
+  }
+  expectRefused("", "clouds on /front, /rear; name one with --topic");
+  expectRefused("/header", "/header is of type std_msgs/Header, not sensor_msgs/PointCloud2");
+  expectRefused("/left", "no topic /left; the bag has clouds on /front, /rear");
+  EXPECT_EQ(BagSweepSource(path_, "/rear").lidarFrame(), "b");
+}
+
+TEST_F(BagSweepSourceTest, refusesARecordingThatWasCutOff) {
+  writeDrive(20);
+  const auto size = fs::file_size(path_);
+  for (const double share : {0.01, 0.5, 0.9, 0.999}) {
+    writeDrive(20);
+    fs::resize_file(path_, static_cast<std::uintmax_t>(share * static_cast<double>(size)));
+    expectRefused("", "rosbag reindex");
+  }
+}
+
+}  // namespace
+}  // namespace fail_aware
