@@ -27,6 +27,8 @@ LidarPlace::Answer LidarPlace::find(const std::string& cloud_frame) {
     try {
       T_base_lidar_ = fromMessage(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform);
       if (!T_base_lidar_) error_ = "the transform's numbers are no pose";
+      // by way of the parameter's six numbers, as offline: the same to the last bit
+      if (T_base_lidar_) T_base_lidar_ = poseFromVector(vectorFromPose(*T_base_lidar_));
     } catch (const tf2::TransformException& error) {
       error_ = error.what();
     }

@@ -1,0 +1,70 @@
+// Which cloud was answered by which odometry, and after what time; for measure_latency.
+//
+// Both are told in the order in which they come, with the steady clock's time. A cloud that is not answered within
+// `patience_s` counts as unanswered. Memory: the open clouds and one number a sweep.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+namespace fail_aware {
+
+class SweepAccount {
+ public:
+  explicit SweepAccount(double patience_s = 10.0) : patience_s_(patience_s) {}
+
+  /// `stamp_ns` tells the sweeps apart.
+  void cloud(std::uint64_t stamp_ns, double now_s) {
+    ++clouds_;
+    if (early_.erase(stamp_ns) > 0) {
+      latencies_s_.push_back(0.0);  // the answer came on its own connection, ahead of the cloud's copy for us
+      return;
+    }
+    if (!open_.emplace(stamp_ns, now_s).second) ++unanswered_;  // the same stamp again
+    giveUp(now_s);
+  }
+
+  void odometry(std::uint64_t stamp_ns, double now_s) {
+    ++odometries_;
+    const auto at = open_.find(stamp_ns);
+    if (at == open_.end()) {
+      early_[stamp_ns] = now_s;
+      if (early_.size() > kMostEarly) early_.erase(early_.begin());
+      return;
+    }
+    latencies_s_.push_back(now_s - at->second);
+    open_.erase(at);
+  }
+
+  std::size_t clouds() const { return clouds_; }
+  std::size_t odometries() const { return odometries_; }
+  /// Given up, and still open.
+  std::size_t unanswered() const { return unanswered_ + open_.size(); }
+  bool anyOpen() const { return !open_.empty(); }
+  const std::vector<double>& latencies_s() const { return latencies_s_; }
+
+ private:
+  static constexpr std::size_t kMostEarly = 100;
+
+  void giveUp(double now_s) {
+    for (auto at = open_.begin(); at != open_.end();) {
+      if (now_s - at->second < patience_s_) {
+        ++at;
+        continue;
+      }
+      at = open_.erase(at);
+      ++unanswered_;
+    }
+  }
+
+  double patience_s_;
+  std::map<std::uint64_t, double> open_;   ///< stamp -> when the cloud came
+  std::map<std::uint64_t, double> early_;  ///< stamp -> when the odometry came
+  std::vector<double> latencies_s_;
+  std::size_t clouds_ = 0, odometries_ = 0, unanswered_ = 0;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,137 @@
+#!/usr/bin/python3
+"""Parses every launch file of the package, with the arguments that change its shape, and checks what it would start.
+
+usage: check_launch_files.py SOURCE_FOLDER
+
+velodyne_pointcloud may be absent: a folder with its launch file's arguments then stands in for it.
+Exit codes: 0 all good, 1 something is not, 2 bad usage, 3 no roslaunch here.
+"""
+import os
+import re
+import sys
+import tempfile
+import xml.etree.ElementTree as ElementTree
+
+PACKAGE = "fail_aware_lidar_odometry"
+BAG = "/data/drive with blank.bag"
+CASES = {
+    "odometry.launch": [{}, {"rviz": "true"}, {"start_manager": "false", "manager": "/other"}, {"profile": "paper"},
+                        {"namespace": "second"}],
+    "kitti_replay.launch": [{"bag": BAG}, {"bag": BAG, "bag_tf": "true"}, {"play": "false"},
+                            {"bag": BAG, "loop": "true", "rviz": "true"}],
+    "velodyne_hdl64e.launch": [{}, {"driver": "false"}, {"calibration": "/data/head.yaml", "rviz": "true"}],
+}
+DRIVER = """<launch>
+  %s
+  <node pkg="nodelet" type="nodelet" name="velodyne_nodelet_manager" args="manager"/>
+</launch>
+""" % "\n  ".join('<arg name="%s" default="x"/>' % name for name in (
+    "calibration", "device_ip", "frame_id", "manager", "max_range", "min_range", "pcap", "port", "read_fast", "read_once",
+    "repeat_delay", "rpm", "gps_time", "cut_angle", "timestamp_first_packet", "laserscan_ring", "laserscan_resolution"))
+
+
+def stand_in_for_driver(folder):
+    package = os.path.join(folder, "velodyne_pointcloud")
+    os.makedirs(os.path.join(package, "launch"))
+    with open(os.path.join(package, "package.xml"), "w") as file:
+        file.write("<package><name>velodyne_pointcloud</name><version>0.0.0</version><description/>"
+                   "<maintainer email='a@b.c'>x</maintainer><license>BSD</license></package>")
+    with open(os.path.join(package, "launch", "64e_S3.launch"), "w") as file:
+        file.write(DRIVER)
+
+
+def load(path, arguments):
+    import roslaunch.config
+    import roslaunch.xmlloader
+    config = roslaunch.config.ROSLaunchConfig()
+    loader = roslaunch.xmlloader.XmlLoader(resolve_anon=False)
+    loader.load(path, config, argv=["%s:=%s" % pair for pair in arguments.items()], verbose=False)
+    if config.config_errors:
+        raise AssertionError("; ".join(config.config_errors))
+    return config
+
+
+def expect(condition, message):
+    if not condition:
+        raise AssertionError(message)
+
+
+def check(root, name, arguments, config, nodelets):
+    names = {node.name: node for node in config.nodes}
+    values = {key: parameter.value for key, parameter in config.params.items()}
+    namespace = "/" + arguments.get("namespace", PACKAGE)
+    loaded = [node.args.split()[1].split("/")[1] for node in config.nodes
+              if node.package == "nodelet" and node.args.startswith("load %s/" % PACKAGE)]
+    expect(sorted(loaded) == sorted(set(loaded)), "a nodelet is loaded twice")
+    expect(set(loaded) <= nodelets, "not in nodelet_plugins.xml: %s" % (set(loaded) - nodelets))
+    expect({"SweepCorrection", "IcpPointToPoint", "IcpPointToPlane", "CornerSvd", "FusionUkf",
+            "FailAwareMonitor"} <= set(loaded), "a nodelet is missing: %s" % loaded)
+    expect(("rviz" in names) == (arguments.get("rviz") == "true"), "rviz")
+    for key in ("profile/registration/use_point", "vehicle/cog_in_base", "sensor/lidar_in_base"):
+        expect("%s/%s" % (namespace, key) in values, "no parameter %s" % key)
+    managers = [node for node in config.nodes if node.package == "nodelet" and node.args == "manager"]
+    expect(len(managers) == (0 if arguments.get("start_manager") == "false" else 1), "managers: %d" % len(managers))
+
+    publish_tf = values["%s/fusion_ukf/publish_tf" % namespace]
+    expect(isinstance(publish_tf, bool), "publish_tf is no bool: %r" % publish_tf)
+    if name == "kitti_replay.launch":
+        bag_tf = arguments.get("bag_tf") == "true"
+        expect(publish_tf != bag_tf, "base_link would have two parents, or none")
+        expect(values["/use_sim_time"] is True, "use_sim_time")
+        expect(values[namespace + "/sensor/timing/stamp_reference"] == "mid", "stamp_reference")
+        expect(values[namespace + "/sensor/vertical_angle/angle_deg"] == 0.205, "vertical_angle")
+        expect(("rosbag_play" in names) == ("bag" in arguments), "rosbag play")
+        if "bag" in arguments:
+            play = names["rosbag_play"]
+            expect("'%s'" % BAG in play.args and "--clock" in play.args, play.args)
+            expect(("--loop" in play.args) == ("loop" in arguments), play.args)
+            expect(play.remap_args == ([] if bag_tf else [["/tf", "/kitti/tf"]]), play.remap_args)
+    else:
+        expect(publish_tf is True, "publish_tf")
+    if name == "velodyne_hdl64e.launch":
+        manager = "manager" if arguments.get("driver") == "false" else "/velodyne_nodelet_manager"
+        fusion = names["fusion_ukf"]
+        expect(fusion.args.split()[2] == manager, fusion.args)
+
+
+def main(arguments):
+    if len(arguments) != 1 or not os.path.isdir(arguments[0]):
+        print(__doc__.strip(), file=sys.stderr)
+        return 2
+    root = os.path.abspath(arguments[0])
+    try:
+        import roslaunch  # noqa: F401
+        import rospkg
+    except ImportError as error:
+        print("no roslaunch: %s" % error)
+        return 3
+    plugins = ElementTree.parse(os.path.join(root, "nodelet_plugins.xml")).getroot()
+    nodelets = {entry.get("name").split("/")[1] for entry in plugins.iter("class")}
+    files = sorted(name for name in os.listdir(os.path.join(root, "launch")) if re.search(r"\.launch$", name))
+    failures = 0
+    with tempfile.TemporaryDirectory() as folder:
+        path = [root]
+        try:
+            rospkg.RosPack().get_path("velodyne_pointcloud")
+        except rospkg.ResourceNotFound:
+            stand_in_for_driver(folder)
+            path.append(folder)
+        before = os.environ.get("ROS_PACKAGE_PATH", "/usr/share")
+        os.environ["ROS_PACKAGE_PATH"] = os.pathsep.join(path + [before])
+        for name in files:
+            for case in CASES.get(name, [{}]):
+                try:
+                    config = load(os.path.join(root, "launch", name), case)
+                    check(root, name, case, config, nodelets)
+                    print("ok: %s %s" % (name, case))
+                except Exception as error:  # a parser's any
+                    failures += 1
+                    print("FAILED: %s %s: %s" % (name, case, error))
+    for name in sorted(set(CASES) - set(files)):
+        failures += 1
+        print("FAILED: launch/%s is missing" % name)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
