@@ -39,7 +39,7 @@ bool coreMayInclude(const std::string& header) {
       "[a-z_]+"                                                    // the standard library
       "|fail_aware_lidar_odometry/core/.+"                         // the core itself
       "|[a-z_]+\\.hpp"                                             // private, beside its source
-      "|(Eigen|tbb|oneapi|tsl|yaml-cpp|pcl)/.+|nanoflann\\.hpp");  // libraries
+      "|(Eigen|tbb|oneapi|tsl|yaml-cpp|pcl|embree3)/.+|nanoflann\\.hpp");  // libraries
   return std::regex_match(header, kAllowed);
 }
 

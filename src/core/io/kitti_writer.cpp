@@ -1,0 +1,85 @@
+#include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <locale>
+#include <stdexcept>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class T>
+void writeArray(const fs::path& path, const std::vector<T>& values) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+}
+
+void writeText(const fs::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+}
+
+}  // namespace
+
+KittiWriter::KittiWriter(const std::string& directory) : directory_(directory) {
+  const fs::path root(directory);
+  std::error_code error;
+  if (fs::exists(root / "velodyne", error) && !fs::is_empty(root / "velodyne", error)) {
+    throw InputError(directory + ": has scans already; remove it or give another folder");
+  }
+  fs::create_directories(root / "velodyne", error);
+  if (!error) fs::create_directories(root / "rings", error);
+  if (error) throw InputError(directory + ": cannot be made: " + error.message());
+}
+
+void KittiWriter::add(const Sweep& sweep, const Pose& T_world_lidar, const Pose& T_world_base, double true_stamp_s) {
+  char name[32];
+  std::snprintf(name, sizeof name, "%06zu", size());
+  const fs::path root(directory_);
+  std::vector<float> points;
+  points.reserve(4 * sweep.size());
+  for (std::size_t i = 0; i < sweep.size(); ++i) {
+    const Eigen::Vector3f& p = sweep.points_lidar[i];
+    points.insert(points.end(), {p.x(), p.y(), p.z(), sweep.intensities.empty() ? 0.0f : sweep.intensities[i]});
+  }
+  writeArray(root / "velodyne" / (std::string(name) + ".bin"), points);
+  const bool has_times = sweep.times_s.size() == sweep.size() && !sweep.empty();
+  if (has_times || fs::exists(root / "stamps")) {
+    fs::create_directories(root / "stamps");
+    writeArray(root / "stamps" / (std::string(name) + ".f32"), sweep.times_s);
+  }
+  writeArray(root / "rings" / (std::string(name) + ".u16"), sweep.rings);
+  stamps_s_.push_back(sweep.stamp_s);
+  lidar_poses_.push_back(T_world_lidar);
+  base_poses_.push_back({true_stamp_s, T_world_base});
+}
+
+void KittiWriter::finish() {
+  const fs::path root(directory_);
+  std::string times;
+  for (double stamp_s : stamps_s_) {
+    char line[32];
+    std::snprintf(line, sizeof line, "%.6f\n", stamp_s);
+    times += line;
+  }
+  writeText(root / "times.txt", times);
+  writeText(root / "calib.txt", "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n");
+  std::vector<Pose> poses;
+  for (const Pose& T : lidar_poses_) poses.push_back(orthonormalized(lidar_poses_.front().inverse() * T));
+  writeKittiTrajectory((root / "poses.txt").string(), poses);
+  std::vector<StampedPose> base;
+  for (const StampedPose& pose : base_poses_) base.push_back({pose.stamp_s, orthonormalized(base_poses_.front().T.inverse() * pose.T)});
+  writeTumTrajectory((root / "ground_truth_tum.txt").string(), base);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,22 @@
+// The arguments of a made-up drive, shared by what writes and what publishes it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/simulation/drive_simulation.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/fault.hpp"
+
+namespace fail_aware {
+
+inline std::vector<Fault> parseFaults(const std::vector<std::string>& texts) {
+  std::vector<Fault> faults;
+  for (const std::string& text : texts) faults.push_back(Fault::parse(text));
+  return faults;
+}
+
+inline Pose lidarInBase(const DriveSimulation::Params& params) {
+  return poseFromVector(Eigen::Map<const Vector6d>(params.lidar_in_base.data()));
+}
+
+}  // namespace fail_aware
