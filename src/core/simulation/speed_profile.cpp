@@ -8,7 +8,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kLookStep_m = 3.0;
-constexpr double kStopped_mps = 0.15, kAtStop_m = 1.5;
+constexpr double kStopped_mps = 0.15, kAtStop_m = 3.0;
 constexpr double kFirstStop_m = 60.0;
 constexpr double kShortestWait_s = 2.0, kLongestWait_s = 6.0;
 
@@ -47,9 +47,8 @@ double SpeedProfile::target(const Road& road, double s_m, double speed_mps, doub
   if (!has_stop_ || roadCharacter(road.kindAt(next_stop_m_)).stop_spacing_m == 0.0) return target;
   const double to_stop_m = next_stop_m_ - s_m;
   if (wait_until_s_ < 0.0 && to_stop_m < kAtStop_m && speed_mps < kStopped_mps) wait_until_s_ = t_s + wait_s_;
-  const bool waited = wait_until_s_ >= 0.0 && t_s >= wait_until_s_;
-  if (waited || to_stop_m < -kAtStop_m) return target;
-  return std::min(target, std::sqrt(2.0 * params_.brake_mps2 * std::max(0.0, to_stop_m - 0.5)));
+  if (wait_until_s_ >= 0.0) return t_s >= wait_until_s_ ? target : 0.0;
+  return std::min(target, std::sqrt(2.0 * params_.brake_mps2 * std::max(0.0, to_stop_m - 1.0)));
 }
 
 }  // namespace fail_aware

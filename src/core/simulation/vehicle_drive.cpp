@@ -17,7 +17,7 @@ constexpr double kRolling = 0.012;
 constexpr double kLookAhead_m = 3.5, kLookAhead_s = 0.55;
 constexpr double kMaxSteering_rad = 0.6, kMaxSteeringRate_rps = 0.7, kSteeringLag_s = 0.12;
 constexpr double kWander_m = 0.12, kWander_per_m = 2.0 * M_PI / 170.0;  // nobody keeps to the very middle of his lane
-constexpr double kSpeedGain_per_s = 0.8;
+constexpr double kSpeedGain_per_s = 1.5;
 constexpr double kKinematicBelow_mps = 1.5;  // slip angles are singular at rest
 constexpr int kDriverEvery = 10;             // steps
 constexpr double kStandstill_mps = 0.05;
