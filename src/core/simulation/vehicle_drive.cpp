@@ -21,6 +21,7 @@ constexpr double kSpeedGain_per_s = 1.5;
 constexpr double kKinematicBelow_mps = 1.5;  // slip angles are singular at rest
 constexpr int kDriverEvery = 10;             // steps
 constexpr double kStandstill_mps = 0.05;
+constexpr double kLastBraking_mps2 = 1.0;
 
 double tyreForce(double stiffness, double slip_rad, double limit_n) {
   return limit_n > 1.0 ? limit_n * std::tanh(stiffness * slip_rad / limit_n) : 0.0;
@@ -143,12 +144,11 @@ void VehicleDrive::moveOnPlane(double slope, double bank) {
                            car.inertia_z_kg_m2;
   }
   double next_mps = vx + kStep_s * (forward_mps2 + state_.yaw_rate_rps * old_left_mps);
-  const bool holds = target_mps_ < kStandstill_mps && next_mps < kStandstill_mps;
-  if (holds || next_mps < 0.0) {  // brakes hold
-    next_mps = 0.0;
+  if (target_mps_ < kStandstill_mps && next_mps < kStandstill_mps) {  // the brakes hold
+    next_mps = std::max(0.0, vx - kStep_s * kLastBraking_mps2);
     state_.command_mps2 = std::max(state_.command_mps2, 0.0);
-    state_.left_mps = state_.yaw_rate_rps = 0.0;
   }
+  next_mps = std::max(0.0, next_mps);
   state_.forward_mps2 = (next_mps - vx) / kStep_s - state_.yaw_rate_rps * old_left_mps;
   state_.forward_mps = next_mps;
 
