@@ -4,12 +4,9 @@
 #include <nav_msgs/Odometry.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <boost/make_shared.hpp>
 #include <cstring>
-#include <stdexcept>
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 
@@ -58,31 +55,7 @@ void writeKittiCloud(const Sweep& sweep, bool with_times, sensor_msgs::PointClou
   }
 }
 
-KittiBagWriter::KittiBagWriter(const std::string& path, const Options& options) : path_(path), options_(options) {
-  try {
-    bag_ = std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Write);
-  } catch (const rosbag::BagException& error) {
-    throw InputError("cannot write " + path + ": " + error.what());
-  }
-}
-
-KittiBagWriter::~KittiBagWriter() {
-  try {
-    close();
-  } catch (const std::exception&) {
-  }
-}
-
-template <class Message>
-void KittiBagWriter::write(const char* topic, const ros::Time& stamp, const Message& message,
-                           const boost::shared_ptr<ros::M_string>& connection_header) {
-  try {
-    bag_->write(topic, stamp, message, connection_header);
-  } catch (const rosbag::BagException& error) {
-    abandonBag();
-    throw std::runtime_error("cannot write " + path_ + ": " + error.what());
-  }
-}
+KittiBagWriter::KittiBagWriter(const std::string& path, const Options& options) : options_(options), bag_(path) {}
 
 void KittiBagWriter::add(const ros::Time& stamp, const Sweep& sweep, const std::optional<Pose>& T_world_base) {
   if (!begun_) addStaticTransform(stamp.toSec() > 1.0 ? stamp - kTransformLead : ros::TIME_MIN);
@@ -93,19 +66,13 @@ void KittiBagWriter::add(const ros::Time& stamp, const Sweep& sweep, const std::
   writeKittiCloud(sweep, options_.point_times, cloud);
   cloud.header.stamp = stamp;
   cloud.header.frame_id = kitti_bag::kLidarFrame;
-  write(kitti_bag::kCloudTopic, stamp, cloud);
+  bag_.write(kitti_bag::kCloudTopic, stamp, cloud);
 }
 
 void KittiBagWriter::addStaticTransform(const ros::Time& stamp) {
   tf2_msgs::TFMessage message;
   message.transforms.push_back(stamped(stamp, kitti_bag::kBaseFrame, kitti_bag::kLidarFrame, options_.T_base_lidar));
-  const auto header = boost::make_shared<ros::M_string>();
-  (*header)["callerid"] = "/kitti_to_bag";
-  (*header)["latching"] = "1";
-  (*header)["md5sum"] = ros::message_traits::md5sum(message);
-  (*header)["message_definition"] = ros::message_traits::definition(message);
-  (*header)["type"] = ros::message_traits::datatype(message);
-  write(kitti_bag::kStaticTransformTopic, stamp, message, header);
+  bag_.writeLatched(kitti_bag::kStaticTransformTopic, stamp, message, "/kitti_to_bag");
 }
 
 void KittiBagWriter::addGroundTruth(const ros::Time& stamp, const Pose& T_world_base) {
@@ -114,22 +81,11 @@ void KittiBagWriter::addGroundTruth(const ros::Time& stamp, const Pose& T_world_
   odometry.header.frame_id = kitti_bag::kWorldFrame;
   odometry.child_frame_id = kitti_bag::kBaseFrame;
   odometry.pose.pose = toPoseMessage(T_world_base);
-  write(kitti_bag::kGroundTruthTopic, stamp, odometry);
+  bag_.write(kitti_bag::kGroundTruthTopic, stamp, odometry);
   if (!options_.with_transforms) return;
   tf2_msgs::TFMessage message;
   message.transforms.push_back(stamped(stamp, kitti_bag::kWorldFrame, kitti_bag::kBaseFrame, T_world_base));
-  write(kitti_bag::kTransformTopic, stamp, message);
-}
-
-void KittiBagWriter::close() {
-  if (!bag_) return;
-  try {
-    bag_->close();
-    bag_.reset();
-  } catch (const rosbag::BagException& error) {
-    abandonBag();
-    throw std::runtime_error("cannot complete " + path_ + ": " + error.what());
-  }
+  bag_.write(kitti_bag::kTransformTopic, stamp, message);
 }
 
 }  // namespace fail_aware

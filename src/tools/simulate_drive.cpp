@@ -45,7 +45,8 @@ void addOptions(CLI::App& app, Options& options) {
       ->take_all();
   app.add_option("--speed", simulation.drive.speed.speed_mps, "speed limit in m/s (0: the scene's own)")
       ->capture_default_str();
-  app.add_option("--start-speed", simulation.drive.start_speed_mps, "m/s")->capture_default_str();
+  app.add_option("--start-speed", simulation.drive.start_speed_mps,
+                 "m/s (-1: the scene's own; standing in town, else 0.7 of the limit)")->capture_default_str();
   app.add_flag("--no-rolling-shutter", options.no_rolling_shutter,
                "all points from the sweep's middle (and no point times)");
   app.add_flag("--no-traffic", options.no_traffic, "no other vehicles");

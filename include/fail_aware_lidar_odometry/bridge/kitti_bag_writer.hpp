@@ -12,13 +12,12 @@
 // cannot be written. Memory: one sweep and the bag's index.
 #pragma once
 
-#include <rosbag/bag.h>
 #include <sensor_msgs/PointCloud2.h>
 
-#include <memory>
 #include <optional>
 #include <string>
 
+#include "fail_aware_lidar_odometry/bridge/bag_file.hpp"
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 
@@ -48,27 +47,17 @@ class KittiBagWriter {
   using Options = KittiBagOptions;
 
   KittiBagWriter(const std::string& path, const Options& options);
-  KittiBagWriter(const KittiBagWriter&) = delete;
-  KittiBagWriter& operator=(const KittiBagWriter&) = delete;
-  ~KittiBagWriter();
 
   /// Stamps must increase. Times that are not one a point are left out.
   void add(const ros::Time& stamp, const Sweep& sweep, const std::optional<Pose>& T_world_base = std::nullopt);
-  void close();
+  void close() { bag_.close(); }
 
  private:
   void addStaticTransform(const ros::Time& stamp);
   void addGroundTruth(const ros::Time& stamp, const Pose& T_world_base);
 
-  template <class Message>
-  void write(const char* topic, const ros::Time& stamp, const Message& message,
-             const boost::shared_ptr<ros::M_string>& connection_header = nullptr);
-  /// A bag that cannot be closed must not be destroyed: its destructor would end the program.
-  void abandonBag() { static_cast<void>(bag_.release()); }
-
-  std::string path_;
   Options options_;
-  std::unique_ptr<rosbag::Bag> bag_;
+  BagFile bag_;
   bool begun_ = false;
 };
 

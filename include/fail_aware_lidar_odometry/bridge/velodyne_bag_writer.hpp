@@ -1,13 +1,13 @@
 // Writes a drive as a bag recorded on a vehicle with a Velodyne (velodyne_messages.hpp): /velodyne_points, /tf_static, and the truth
 // on /ground_truth/odometry.
 //
-// Failure: InputError if the bag cannot be opened; std::runtime_error if writing fails.
+// Nothing is recorded before what was recorded already, whatever the stamps say; the lidar's place comes half a second
+// before the first cloud, so that a listener has it in time. Failure: that of bag_file.hpp.
 #pragma once
-
-#include <rosbag/bag.h>
 
 #include <string>
 
+#include "fail_aware_lidar_odometry/bridge/bag_file.hpp"
 #include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
 
 namespace fail_aware {
@@ -18,13 +18,12 @@ class VelodyneBagWriter {
 
   /// The driver's sweep (stamp: its end). T_world_base: the truth at true_stamp_s, which is also when it was recorded.
   void add(const Sweep& sweep, const Pose& T_world_base, double true_stamp_s);
-  void close();
+  void close() { bag_.close(); }
 
  private:
   VelodyneNames names_;
-  std::string path_;
   Pose T_base_lidar_;
-  rosbag::Bag bag_;
+  BagFile bag_;
   ros::Time epoch_;
   ros::Time last_;
   bool started_ = false;

@@ -18,11 +18,18 @@ void addStretch(SceneChunk& chunk, double side) {
     const double kind = choice.uniform();
     RandomStream random = chunk.random(kBushes, 2 * index + (side > 0.0));
     const double edge = chunk.halfWidth(s);
+    if (random.chance(0.5)) {  // tall grass, a shrub
+      const double lateral = side * (edge + random.uniform(1.2, 2.4));
+      if (chunk.isClear(s, lateral, 0.8)) addBush(chunk.mesh, chunk.place(s, lateral), random.uniform(0.25, 0.5), 20, random);
+    }
     if (kind < 0.25) {  // a hedge
-      const double lateral = side * (edge + 3.0 + random.uniform(-0.15, 0.15));
-      if (!chunk.isClear(s, lateral, 1.0)) return;
-      const double height = random.uniform(1.1, 1.6);
-      chunk.mesh.addBox(chunk.place(s, lateral, -0.5), {4.7, 0.9, height + 0.5}, Material::kFoliage);
+      if (!chunk.isClear(s, side * (edge + 3.0), 1.0)) return;
+      for (int lump = 0; lump < 5; ++lump) {
+        const double lateral = side * (edge + 3.0 + random.uniform(-0.2, 0.2));
+        const Eigen::Vector3d size(random.uniform(0.9, 1.4), random.uniform(0.6, 1.1), random.uniform(1.1, 1.8));
+        chunk.mesh.addFrustum(chunk.place(s + lump + random.uniform(-0.2, 0.2), lateral), size, 0.8, 0.6,
+                              Material::kFoliage);
+      }
     } else if (kind < 0.45) {  // a wood
       for (int row = 0; row < 3; ++row) {
         const double lateral = side * (edge + 6.0 + 5.0 * row + random.uniform(-2.0, 2.0));
@@ -30,11 +37,15 @@ void addStretch(SceneChunk& chunk, double side) {
         if (!chunk.isClear(along, lateral, 3.0)) continue;
         addTree(chunk.mesh, chunk.place(along, lateral), random.uniform(8.0, 15.0), random.uniform(1.5, 2.6), 60,
                 random);
+        if (random.chance(0.6)) {  // undergrowth
+          addBush(chunk.mesh, chunk.place(along + 1.5, lateral + random.uniform(-1.5, 1.5)), random.uniform(0.4, 1.1), 30,
+                  random);
+        }
       }
     } else if (kind < 0.65) {  // a fence
       const double lateral = side * (edge + 4.0);
       if (!chunk.isClear(s, lateral, 1.0)) return;
-      addPost(chunk.mesh, chunk.place(s, lateral), 1.2, 0.12, Material::kBark);
+      addPost(chunk.mesh, chunk.place(s + random.uniform(-0.6, 0.6), lateral), random.uniform(1.0, 1.4), 0.12, Material::kBark);
       chunk.mesh.addBox(chunk.place(s + 2.5, lateral, 0.75), {5.0, 0.04, 0.12}, Material::kBark);
     } else if (random.chance(0.3)) {
       const double lateral = side * (edge + random.uniform(2.5, 12.0));

@@ -22,6 +22,7 @@ constexpr double kKinematicBelow_mps = 1.5;  // slip angles are singular at rest
 constexpr int kDriverEvery = 10;             // steps
 constexpr double kStandstill_mps = 0.05;
 constexpr double kLastBraking_mps2 = 1.0;
+constexpr double kOwnStart = 0.7;  // of the limit
 
 double tyreForce(double stiffness, double slip_rad, double limit_n) {
   return limit_n > 1.0 ? limit_n * std::tanh(stiffness * slip_rad / limit_n) : 0.0;
@@ -32,7 +33,7 @@ double tyreForce(double stiffness, double slip_rad, double limit_n) {
 void VehicleDrive::Params::validate() const {
   vehicle.validate();
   speed.validate();
-  requireWithin("start_speed_mps", start_speed_mps, 0.0, 60.0);
+  requireWithin("start_speed_mps", start_speed_mps, -1.0, 60.0);
   requireWithin("friction", friction, 0.1, 1.5);
   requirePositive("max_drive_mps2", max_drive_mps2);
   requirePositive("max_brake_mps2", max_brake_mps2);
@@ -46,6 +47,10 @@ VehicleDrive::VehicleDrive(std::uint64_t seed, const Params& params, const Road&
   state_.position = start.position - road.laneOffset(0.0) * start.left();
   state_.yaw_rad = start.heading_rad;
   state_.forward_mps = params_.start_speed_mps;
+  if (params_.start_speed_mps < 0.0) {
+    const SceneKind kind = road.kindAt(0.0);
+    state_.forward_mps = kind == SceneKind::kTown ? 0.0 : kOwnStart * roadCharacter(kind).speed_mps;
+  }
   const Eigen::Vector2d slope = terrain.gradient(state_.position);
   state_.height_m = terrain.height(state_.position) + params_.vehicle.cog_height_m;
   state_.pitch_rad = -std::atan(slope.dot(start.forward()));

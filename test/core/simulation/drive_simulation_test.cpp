@@ -189,7 +189,7 @@ TEST(DriveSimulation, refusesBadParameters) {
   refused([](auto& p) { p.lidar_in_base = {1, 2}; });
   refused([](auto& p) { p.lidar.columns = 0; });
   refused([](auto& p) { p.lidar.period_s = 0.1004; });
-  refused([](auto& p) { p.drive.start_speed_mps = -1.0; });
+  refused([](auto& p) { p.drive.start_speed_mps = 100.0; });
   refused([](auto& p) { p.drive.speed.speed_mps = 1000.0; });
   EXPECT_THROW(DriveSimulation(DriveSimulation::Params(), 0), ParameterError);
 }

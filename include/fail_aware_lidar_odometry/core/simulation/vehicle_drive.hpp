@@ -27,7 +27,7 @@ class VehicleDrive {
   struct Params {
     VehicleParameters vehicle;
     SpeedProfile::Params speed;
-    double start_speed_mps = 0.0;
+    double start_speed_mps = -1.0;  ///< < 0: the scene's own; standing in town, else 0.7 of the limit
     double friction = 0.95;
     double max_drive_mps2 = 2.2;
     double max_brake_mps2 = 4.5;
