@@ -113,7 +113,7 @@ struct DriveSimulation::Impl {
   }
 
   void scanColumn(int column, Block& block) const {
-    const double fraction = params.rolling_shutter ? lidar.time(column) / params.lidar.period_s : 0.5;
+    const double fraction = params.rolling_shutter ? lidar.columnTime(column) / params.lidar.period_s : 0.5;
     const Pose T_world_lidar = motion.at(fraction) * T_base_lidar;
     const double azimuth = lidar.azimuth(column);
     std::array<Eigen::Vector3f, 64> directions;
@@ -129,7 +129,7 @@ struct DriveSimulation::Impl {
       if (!echo) continue;
       block.points.push_back(echo->point_lidar);
       block.intensities.push_back(echo->intensity);
-      if (params.rolling_shutter) block.times_s.push_back(static_cast<float>(lidar.time(column)));
+      if (params.rolling_shutter) block.times_s.push_back(static_cast<float>(lidar.columnTime(column)));
       block.rings.push_back(static_cast<std::uint16_t>(beam));
     }
   }

@@ -47,7 +47,7 @@ LidarModel::LidarModel(std::uint64_t seed, const Params& params) : params_(param
 }
 
 double LidarModel::azimuth(int column) const { return M_PI - 2.0 * M_PI * (column + 0.5) / params_.columns; }
-double LidarModel::time(int column) const { return params_.period_s * (column + 0.5) / params_.columns; }
+double LidarModel::columnTime(int column) const { return params_.period_s * (column + 0.5) / params_.columns; }
 
 void LidarModel::pointing(double azimuth_rad, Eigen::Vector3f* directions) const {
   const auto c = static_cast<float>(std::cos(azimuth_rad)), s = static_cast<float>(std::sin(azimuth_rad));

@@ -41,7 +41,7 @@ TEST(LidarModel, turnsClockwiseFromTheRearInOnePeriod) {
   EXPECT_NEAR(lidar.azimuth(columns / 2), 0.0, 0.003);
   EXPECT_NEAR(lidar.azimuth(3 * columns / 4), -0.5 * M_PI, 0.003);
   for (int column : {0, 500, 2082}) {
-    EXPECT_NEAR(lidar.time(column) / 0.1, 0.5 * (1.0 - lidar.azimuth(column) / M_PI), 1e-12);
+    EXPECT_NEAR(lidar.columnTime(column) / 0.1, 0.5 * (1.0 - lidar.azimuth(column) / M_PI), 1e-12);
   }
 }
 

@@ -49,7 +49,7 @@ class LidarModel {
 
   /// Of the column's middle: yaw in the sensor's frame (rad), seconds from the sweep's start.
   double azimuth(int column) const;
-  double time(int column) const;
+  double columnTime(int column) const;
 
   /// Where the beams really point at this azimuth (sensor frame); `directions` has room for beams().
   void pointing(double azimuth_rad, Eigen::Vector3f* directions) const;
