@@ -42,15 +42,16 @@ img { width: 100%; height: auto; }
 
 
 def build(run, trajectory):
-    """The page's text."""
+    """The table's rows, and the page's text."""
     comparison = None
     try:
         comparison = comparisons.compare(run, trajectory)
     except NotAvailable as why:
         run.why_no_truth = str(why)
+    table = summary.rows(run, comparison)
     parts = ["<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Odometry report</title>",
              f"<style>{STYLE}</style></head><body>", "<h1>Fail-aware lidar odometry: report of a run</h1>",
-             _table(summary.rows(run, comparison))]
+             _table(table)]
     for key, title, draw, text in SECTIONS:
         parts.append(f'<section id="{key}"><h2>{html.escape(title)}</h2>')
         try:
@@ -61,7 +62,7 @@ def build(run, trajectory):
             parts.append(f'<p class="why">No picture: {html.escape(str(why))}.</p>')
         parts.append("</section>")
     parts.append("</body></html>\n")
-    return "\n".join(parts)
+    return table, "\n".join(parts)
 
 
 def _table(rows):
