@@ -26,9 +26,10 @@ def draw_weights(run, comparison):
     for panel, measurement in zip(axes[:, 0], run.measurements):
         uses = use_of(measurement)
         style.shade_faults(panel, run.faults, run.stamp_s[0])
-        panel.plot(run.time_s, np.where(uses == USED, measurement.weight, np.nan), color=style.BLUE, linewidth=1.0)
+        panel.plot(*style.with_gaps(run.time_s, np.where(uses == USED, measurement.weight, np.nan)), color=style.BLUE,
+                   linewidth=1.0)
         for use, colour in USE_COLOURS.items():
-            spans = [span for found, span in style.spans(run.time_s, uses) if found == use]
+            spans = [span for found, span in style.spans(run.time_s, uses, gaps=True) if found == use]
             style.bars(panel, spans, -0.16, 0.11, colour)
         shares = ", ".join(f"{use} {100 * np.mean(uses == use):.0f} %" for use in USE_COLOURS)
         panel.set_title(f"{measurement.label}: {shares}", loc="right", fontsize=9.5)

@@ -36,16 +36,29 @@ def legend(axes, handles=None, columns=6):
                     handlelength=1.8, columnspacing=1.4, fontsize=9.5)
 
 
-def spans(time_s, values):
-    """[(value, (start, length))]: runs of equal values; each sweep holds until the next."""
-    period = float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.1
+def period_of(time_s):
+    return float(np.median(np.diff(time_s))) if len(time_s) > 1 else 0.1
+
+
+def spans(time_s, values, gaps=False):
+    """[(value, (start, length))]: runs of equal values. Each holds until the next one; with `gaps` no longer than 2.5
+    periods, so that missing sweeps show."""
+    period = period_of(time_s)
     ends = np.append(time_s[1:], time_s[-1] + period)
+    broken = gaps & (ends - time_s > 2.5 * period)
+    ends = np.where(broken, time_s + period, ends)
     found, start = [], 0
     for i in range(1, len(values) + 1):
-        if i == len(values) or values[i] != values[start]:
+        if i == len(values) or values[i] != values[start] or broken[i - 1]:
             found.append((values[start], (time_s[start], ends[i - 1] - time_s[start])))
             start = i
     return found
+
+
+def with_gaps(time_s, values):
+    """For a line that breaks where sweeps are missing."""
+    after = np.flatnonzero(np.diff(time_s) > 2.5 * period_of(time_s)) + 1
+    return np.insert(time_s, after, np.nan), np.insert(values, after, np.nan)
 
 
 def bars(axes, spans_, bottom, height, colour):
