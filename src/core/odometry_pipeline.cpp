@@ -70,7 +70,7 @@ struct OdometryPipeline::Stages {
       : params(validated(p)),
         T_base_cog(p.vehicle.T_base_cog()),
         T_cog_lidar(asExchanged(T_base_cog.inverse() * p.sensor.T_base_lidar())),
-        corrector(p.sensor.vertical_angle, p.sensor.timing, p.profile.sweep_correction),
+        corrector(p.sensor.vertical_angle, p.sensor.timing, p.profile.sweep_correction, p.profile.level_keeping),
         filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
                p.profile.road, p.profile.fusion),
         front(p.profile.registration.cloud, p.profile.registration.reference, p.profile.registration.initialization,
@@ -191,6 +191,8 @@ void OdometryPipeline::reset() {
   s.corner_measurement.reset();
   s.monitor.reset();
 }
+
+const LevelKeeping& OdometryPipeline::levelKeeping() const { return stages_->corrector.levelKeeping(); }
 
 std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->front.map().points(); }
 

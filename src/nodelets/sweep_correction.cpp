@@ -25,7 +25,8 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     ros::NodeHandle& node = getNodeHandle();
     const PipelineParameters params = readPipelineParameters(node);
     corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.timing,
-                                                  params.profile.sweep_correction);
+                                                  params.profile.sweep_correction,
+                                                  params.profile.level_keeping);
     updater_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
     updater_->setHardwareID("none");
     updater_->add("sweep_correction", this, &SweepCorrectionNodelet::diagnose);

@@ -90,6 +90,15 @@ double maxRssMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
+nlohmann::ordered_json levelSummary(const LevelKeeping::Report& report) {
+  return {{"looks", report.looks},
+          {"tilt_deg", report.tilt_deg},
+          {"tilt_sigma_deg", report.tilt_sigma_deg},
+          {"drift_deg_per_m", report.drift_deg_per_m},
+          {"drift_sigma_deg_per_m", report.drift_sigma_deg_per_m},
+          {"bend_deg_per_m", report.bend_deg_per_m}};
+}
+
 struct BadScan {
   std::string file, reason;
 };
@@ -201,6 +210,7 @@ int run(const Options& options) {
   for (const BadScan& bad : bad_scans) summary["bad_scans"].push_back({{"file", bad.file}, {"reason", bad.reason}});
   summary["points_not_finite_or_zero"] = points_dropped;
   summary["max_rss_mb"] = maxRssMb();
+  summary["level_keeping"] = levelSummary(pipeline.levelKeeping().report());
   summary["threads"] = options.threads;
   summary["profile"] = options.profile;
   summary["run"] = describeRun(params, options.first, t1_stamp_s);

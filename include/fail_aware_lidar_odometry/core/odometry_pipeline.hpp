@@ -67,6 +67,9 @@ class OdometryPipeline {
   /// Everything anew; the next sweep is the first.
   void reset();
 
+  /// What has been found of tilt and drift so far.
+  const LevelKeeping& levelKeeping() const;
+
   /// The reference's points in odom, for display and files.
   std::vector<Eigen::Vector3d> referencePoints() const;
 

@@ -16,6 +16,7 @@
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
@@ -90,6 +91,7 @@ struct RegistrationParameters {
 /// cfg/profiles/*.yaml
 struct ProfileParameters {
   SweepCorrectionParams sweep_correction;
+  LevelKeepingParams level_keeping;
   VehicleModel::Params model;
   MotionHistory::Params history;
   RoadPlaneEstimator::Params road;
@@ -102,6 +104,7 @@ struct ProfileParameters {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("sweep_correction", self.sweep_correction);
+    v("level_keeping", self.level_keeping);
     v("model", self.model);
     v("history", self.history);
     v("road", self.road);

@@ -3,8 +3,8 @@
 namespace fail_aware {
 
 SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const SweepTimingParams& timing,
-                               const SweepCorrectionParams& correction)
-    : vertical_angle_(vertical_angle), timing_(timing), correction_(correction) {
+                               const SweepCorrectionParams& correction, const LevelKeepingParams& level_keeping)
+    : vertical_angle_(vertical_angle), timing_(timing), correction_(correction), level_keeping_(level_keeping) {
   vertical_angle_.validate();
 }
 
@@ -12,9 +12,11 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
                                              CorrectedSweep& corrected) {
   SweepCorrectorReport report;
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
+  level_keeping_.apply(sweep.points_lidar);
   report.timing = timing_.assign(sweep, times_s_);
   report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
                                           prediction.dt_s, T_cog_lidar, corrected);
+  if (prediction.motion_known) level_keeping_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar);
   return report;
 }
 

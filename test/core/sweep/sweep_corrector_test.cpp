@@ -34,7 +34,7 @@ SweepTimingParams timingParams(const std::string& stamp_reference = "mid", doubl
 }
 
 SweepCorrector makeCorrector(const SweepTimingParams& timing = timingParams(), double angle_deg = 0.0) {
-  return SweepCorrector({angle_deg}, timing, SweepCorrectionParams());
+  return SweepCorrector({angle_deg}, timing, SweepCorrectionParams(), LevelKeepingParams());
 }
 
 SweepPrediction predictionAt(double stamp_s, double dt_s) {
@@ -177,7 +177,7 @@ TEST(SweepCorrector, ParametersAreChecked) {
   EXPECT_THROW(makeCorrector(timingParams(), 6.0), ParameterError);
   SweepCorrectionParams correction;
   correction.max_truncation_m = 0.0;
-  EXPECT_THROW(SweepCorrector({}, timingParams(), correction), ParameterError);
+  EXPECT_THROW(SweepCorrector({}, timingParams(), correction, LevelKeepingParams()), ParameterError);
 }
 
 }  // namespace

@@ -1,0 +1,154 @@
+#include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+/// Sensor frame, level sensor: walls ahead, behind and beside, and poles; each leans by `lean_rad` away from the sensor.
+std::vector<Eigen::Vector3f> street(std::mt19937& random, double lean_rad = 0.0) {
+  std::normal_distribution<double> noise(0.0, 0.01);
+  std::uniform_real_distribution<double> place(-20.0, 20.0);
+  std::vector<Eigen::Vector3f> points;
+  const auto add = [&](Eigen::Vector3d p) {
+    const Eigen::Vector2d away = p.head<2>().normalized();
+    p.head<2>() += lean_rad * p.z() * away;
+    points.push_back((p + Eigen::Vector3d(noise(random), noise(random), 0.0)).cast<float>());
+  };
+  for (int wall = 0; wall < 12; ++wall) {
+    const double x = place(random), y = place(random);
+    const bool frontal = wall % 2 == 0;
+    for (double along = 0.0; along < 4.0; along += 0.1) {
+      for (double z = -1.1; z < 0.5; z += 0.15) add(frontal ? Eigen::Vector3d(x, y + along, z) : Eigen::Vector3d(x + along, y, z));
+    }
+  }
+  for (int pole = 0; pole < 6; ++pole) {
+    const double x = place(random), y = place(random);
+    for (double z = -1.1; z < 0.8; z += 0.05) add({x, y, z});
+  }
+  return points;
+}
+
+Pose tilted(double x, double pitch_rad) {
+  Pose T = Pose::Identity();
+  T.linear() = Eigen::AngleAxisd(pitch_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  T.translation().x() = x;
+  return T;
+}
+
+struct Drive {
+  double pitch_error_rad = 0.0;
+  double worst_late_rad = 0.0;
+};
+
+/// The vehicle stays level; the odometry's pitch drifts, less by what the sweeps are bent.
+Drive drive(LevelKeeping& level, int metres, double drift_deg_per_m, bool respond, double lean_rad = 0.0) {
+  std::mt19937 random(7);
+  Drive result;
+  for (int i = 0; i < metres; ++i) {
+    const double bend = respond ? level.report().bend_deg_per_m : 0.0;
+    result.pitch_error_rad += (drift_deg_per_m - bend) * kDegree;
+    level.observe(street(random, lean_rad), tilted(i, result.pitch_error_rad));
+    if (i > metres / 2) result.worst_late_rad = std::max(result.worst_late_rad, std::abs(result.pitch_error_rad));
+  }
+  return result;
+}
+
+TEST(LevelKeeping, MeasuresDriftAndTilt) {
+  LevelKeepingParams params;
+  params.max_bend_deg_per_m = 0.0;
+  params.tilt_walk_deg = 0.005;
+  LevelKeeping level(params);
+  const Drive result = drive(level, 200, 0.004, false);
+  EXPECT_GT(level.report().surfaces, 5u);
+  EXPECT_GT(level.report().lines, 2u);
+  EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001);
+  EXPECT_NEAR(level.report().tilt_deg, result.pitch_error_rad / kDegree, 0.1);
+  EXPECT_LT(level.report().drift_sigma_deg_per_m, 0.001);
+}
+
+TEST(LevelKeeping, BendEndsTheDrift) {
+  LevelKeeping level;
+  const Drive result = drive(level, 300, 0.004, true);
+  EXPECT_LT(result.worst_late_rad, 0.25 * kDegree);  // 1.2 deg without
+  EXPECT_NEAR(level.report().bend_deg_per_m, 0.004, 0.0015);
+}
+
+TEST(LevelKeeping, ALeanOfEverythingIsNoTilt) {
+  LevelKeeping level;
+  const Drive result = drive(level, 200, 0.0, true, 1.0 * kDegree);
+  EXPECT_LT(result.worst_late_rad, 0.1 * kDegree);
+}
+
+TEST(LevelKeeping, NothingUprightChangesNothing) {
+  LevelKeeping level;
+  std::vector<Eigen::Vector3f> ground;
+  for (float x = -30.0f; x < 30.0f; x += 0.5f) {
+    for (float y = -30.0f; y < 30.0f; y += 0.5f) ground.emplace_back(x, y, -1.7f);
+  }
+  for (int i = 0; i < 100; ++i) level.observe(ground, tilted(i, 1e-4 * i));
+  EXPECT_GT(level.report().looks, 20u);
+  EXPECT_EQ(level.report().bend_deg_per_m, 0.0);
+  std::vector<Eigen::Vector3f> points = ground;
+  level.apply(points);
+  EXPECT_EQ(points, ground);
+}
+
+TEST(LevelKeeping, BendIsBoundedAndRaisesWhatIsFar) {
+  LevelKeepingParams params;
+  params.max_bend_deg_per_m = 0.002;
+  LevelKeeping level(params);
+  drive(level, 200, 0.02, false);
+  EXPECT_DOUBLE_EQ(level.report().bend_deg_per_m, 0.002);
+  std::vector<Eigen::Vector3f> points = {{10.0f, 0.0f, -1.0f}, {0.0f, -40.0f, 0.0f}, {80.0f, 0.0f, 2.0f}};
+  level.apply(points);
+  const double bend = 0.002 * kDegree;
+  EXPECT_NEAR(points[0].z(), -1.0 + 0.5 * bend * 100.0, 1e-5);
+  EXPECT_NEAR(points[1].z(), 0.5 * bend * 1600.0, 1e-5);
+  EXPECT_NEAR(points[2].z(), 2.0 + 0.5 * bend * 80.0 * 40.0, 1e-5);
+}
+
+TEST(LevelKeeping, ResetBeginsAnew) {
+  LevelKeeping once, again;
+  drive(again, 200, 0.004, true);
+  again.reset();
+  EXPECT_EQ(again.report().looks, 0u);
+  drive(once, 100, 0.004, true);
+  drive(again, 100, 0.004, true);
+  EXPECT_EQ(once.report().bend_deg_per_m, again.report().bend_deg_per_m);
+  EXPECT_EQ(once.report().tilt_deg, again.report().tilt_deg);
+}
+
+TEST(LevelKeeping, BadInputIsHarmless) {
+  LevelKeeping level;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (int i = 0; i < 20; ++i) {
+    level.observe({{nan, 0.0f, 0.0f}, {1e30f, 1.0f, 0.0f}, {0.0f, 0.0f, 0.0f}}, tilted(i, 0.0));
+    level.observe({}, tilted(i, 0.0));
+  }
+  Pose bad = tilted(20.0, 0.0);
+  bad.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  level.observe({}, bad);
+  EXPECT_EQ(level.report().bend_deg_per_m, 0.0);
+}
+
+TEST(LevelKeeping, RefusesBadParameters) {
+  LevelKeepingParams params;
+  params.max_range_m = params.min_range_m;
+  EXPECT_THROW(LevelKeeping{params}, ParameterError);
+  params = LevelKeepingParams();
+  params.correlation_inflation = 0.5;
+  EXPECT_THROW(LevelKeeping{params}, ParameterError);
+}
+
+}  // namespace
+}  // namespace fail_aware
