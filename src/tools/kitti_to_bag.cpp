@@ -1,7 +1,9 @@
 // kitti_to_bag: a drive in KITTI's folder layout -> a bag as kitti2bag makes it.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -81,7 +83,11 @@ int run(const Options& options) {
   if (options.with_tf && truth.source.empty()) {
     throw InputError("--with-tf: " + options.directory + " has no poses.txt or poses_velodyne.txt");
   }
-  const double start_s = startOf(options, directory.stamps());
+  const std::vector<double>& stamps_s = directory.stamps();
+  if (std::adjacent_find(stamps_s.begin(), stamps_s.end(), std::greater_equal<>()) != stamps_s.end()) {
+    throw InputError(options.directory + "/times.txt: does not increase; a bag is in the order of time");
+  }
+  const double start_s = startOf(options, stamps_s);
   const Pose T_base_lidar =
       loadPipelineParameters({options.cfg, "default", "passat_b6", options.sensor}).sensor.T_base_lidar();
 

@@ -81,7 +81,6 @@ std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
       throw InputError(where + "is not a number of seconds");
     }
     time_s = wholeMicroseconds(time_s);
-    if (!times_s.empty() && time_s <= times_s.back()) throw InputError(where + "is not after the line before");
     times_s.push_back(time_s);
   }
   return times_s;

@@ -2,7 +2,8 @@
 //
 //   DIR/velodyne/NNNNNN.bin                       float32 x y z intensity per point, sensor frame, m (needed)
 //     or DIR/velodyne_points/data/NNNNNNNNNN.bin  (KITTI raw), or DIR/NNNNNN.bin
-//   DIR/times.txt                                 stamp of each scan, s, one a line; kept to the microsecond
+//   DIR/times.txt                                 stamp of each scan, s, one a line; kept to the microsecond;
+//                                                 as recorded: it may stand still or go back
 //   DIR/stamps/NNNNNN.f32                         float32 per point: s from the sweep's start
 //   DIR/rings/NNNNNN.u16                          uint16 per point: laser number
 //

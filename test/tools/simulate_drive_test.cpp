@@ -1,0 +1,117 @@
+// simulate_drive, and offline_odometry over what it makes; SIMULATE_DRIVE and FAIL_AWARE_OFFLINE_ODOMETRY are the tools' paths.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "../support/tool_run.hpp"
+#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/fault.hpp"
+
+namespace fail_aware {
+namespace {
+
+namespace fs = std::filesystem;
+
+class SimulateDrive : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(::testing::TempDir()) / ("simulate_drive_" + std::to_string(getpid()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  ToolRun simulate(const std::string& name, const std::string& arguments) const {
+    return runProgram(SIMULATE_DRIVE, "--output '" + path(name) + "' " + arguments, folder_);
+  }
+  ToolRun odometry(const std::string& name) const {
+    return runProgram(FAIL_AWARE_OFFLINE_ODOMETRY,
+                      "--kitti '" + path(name) + "' --output '" + path(name + "_out") + "'", folder_);
+  }
+  std::vector<std::string> lines(const std::string& file) const {
+    std::vector<std::string> lines;
+    std::ifstream stream(path(file));
+    for (std::string line; std::getline(stream, line);) lines.push_back(line);
+    return lines;
+  }
+
+  fs::path folder_;
+};
+
+std::vector<std::string> filesBelow(const fs::path& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) files.push_back(fs::relative(entry.path(), folder).string());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST_F(SimulateDrive, sameArgumentsSameBytes) {
+  const std::string arguments = "--scene town:15,tunnel --duration 0.6 --seed 4 --start-speed 12 --fault noise:0.2:0.2";
+  ASSERT_EQ(simulate("a", arguments).exit_code, 0);
+  ASSERT_EQ(simulate("b", arguments + " --threads 2").exit_code, 0);
+  const std::vector<std::string> files = filesBelow(folder_ / "a");
+  ASSERT_EQ(files, filesBelow(folder_ / "b"));
+  ASSERT_EQ(files.size(), 3u * 6u + 6u);
+  for (const std::string& file : files) EXPECT_EQ(contentOf(folder_ / "a" / file), contentOf(folder_ / "b" / file)) << file;
+  const KittiDirectory drive = KittiDirectory::open(path("a"));
+  EXPECT_TRUE(drive.hasPointTimes());
+  EXPECT_DOUBLE_EQ(drive.stamps()[5], 0.55);
+  EXPECT_EQ(readKittiTrajectory(path("a/poses.txt")).size(), 6u);
+  EXPECT_EQ(lines("a/faults.csv"), (std::vector<std::string>{"kind,start_s,duration_s,severity", "noise,0.2,0.2,0.2"}));
+}
+
+TEST_F(SimulateDrive, theOdometryFollowsIt) {
+  ASSERT_EQ(simulate("drive", "--scene town --duration 3 --seed 2").exit_code, 0);
+  ASSERT_EQ(odometry("drive").exit_code, 0);
+  const auto truth = readKittiTrajectory(path("drive/poses.txt"));
+  const auto estimate = readKittiTrajectory(path("drive_out/trajectory_kitti.txt"));
+  ASSERT_EQ(truth.size(), 30u);
+  ASSERT_EQ(estimate.size(), truth.size());
+  EXPECT_GT(truth.back().translation().norm(), 5.0);
+  EXPECT_LT((truth.back().translation() - estimate.back().translation()).norm(), 0.15);
+}
+
+TEST_F(SimulateDrive, everyFaultLeavesARowForEachScanAndNoNan) {
+  for (const FaultTraits& traits : faultTraits()) {
+    const std::string name = traits.name;
+    ASSERT_EQ(simulate(name, "--duration 1 --start-speed 8 --no-traffic --fault " + name + ":0.5:0.3").exit_code, 0);
+    const ToolRun run = odometry(name);
+    ASSERT_EQ(run.exit_code, 0) << name << ": " << run.err;
+    const std::size_t scans = lines(name + "/times.txt").size();
+    EXPECT_EQ(scans, name == "dropped" ? 7u : name == "duplicated" ? 13u : 10u) << name;
+    EXPECT_EQ(readKittiTrajectory(path(name + "_out/trajectory_kitti.txt")).size(), scans) << name;  // refuses NaN
+    const std::string table = contentOf(path(name + "_out/per_sweep.csv"));
+    EXPECT_EQ(table.find("nan"), std::string::npos) << name;
+    EXPECT_EQ(static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')), scans + 1) << name;
+    fs::remove_all(path(name));
+  }
+}
+
+TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {
+  ASSERT_EQ(simulate("drive", "--duration 0.2 --no-rolling-shutter").exit_code, 0);
+  EXPECT_FALSE(KittiDirectory::open(path("drive")).hasPointTimes());
+}
+
+TEST_F(SimulateDrive, badUseIsOneLineAndExitCode2) {
+  for (const char* arguments : {"--scene moon", "--duration 0", "--duration nan", "--seed -1", "--fault fog", "--threads 0",
+                                "--fault dropped:0:inf --duration 0.3", "--start-speed 100", "--speed -1", "--no-such"}) {
+    const ToolRun run = simulate("bad", arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    fs::remove_all(path("bad"));
+  }
+  ASSERT_EQ(simulate("twice", "--duration 0.1").exit_code, 0);
+  EXPECT_EQ(simulate("twice", "--duration 0.1").exit_code, 2);  // nothing is written over
+  const ToolRun help = runProgram(SIMULATE_DRIVE, "--help", folder_);
+  EXPECT_EQ(help.exit_code, 0);
+  for (const FaultTraits& traits : faultTraits()) EXPECT_NE(help.out.find(traits.name), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fail_aware
