@@ -32,6 +32,7 @@ messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Heade
   message.sigma_yaw = task.prediction.sigma_yaw_rad;
   message.motion_known = task.prediction.motion_known;
   message.lidar_in_cog = toPoseMessage(task.T_cog_lidar);
+  message.odom_epoch = task.prediction.odom_epoch;
   return message;
 }
 
@@ -48,6 +49,7 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   task.prediction.sigma_yaw_rad = message.sigma_yaw;
   task.prediction.motion_known = message.motion_known != 0;
   task.T_cog_lidar = *lidar;
+  task.prediction.odom_epoch = message.odom_epoch;
   return task;
 }
 
@@ -89,6 +91,32 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
   return measurement;
 }
 
+messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points, const std_msgs::Header& header) {
+  messages::SweepCheck message;
+  message.header = header;
+  message.points = static_cast<std::int32_t>(points);
+  message.incomplete = findings.incomplete;
+  message.low_visibility = findings.low_visibility;
+  message.frozen = findings.frozen;
+  message.time_jump = findings.time_jump;
+  message.azimuth_coverage = findings.azimuth_coverage;
+  message.far_share = findings.far_share;
+  message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
+  return message;
+}
+
+SweepFindings fromMessage(const messages::SweepCheck& message) {
+  SweepFindings findings;
+  findings.incomplete = message.incomplete != 0;
+  findings.low_visibility = message.low_visibility != 0;
+  findings.frozen = message.frozen != 0;
+  findings.time_jump = message.time_jump != 0;
+  findings.azimuth_coverage = message.azimuth_coverage;
+  findings.far_share = message.far_share;
+  findings.repetitions = static_cast<int>(message.repetitions);
+  return findings;
+}
+
 messages::FilterState toMessage(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
   messages::FilterState message;
   message.header = header;
@@ -99,12 +127,13 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.corrected = state.corrected;
   message.increment = toPoseMessage(state.T_previous_now);
   message.increment_covariance = toCovarianceMessage(state.increment_covariance);
+  message.odom_epoch = state.odom_epoch;
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
     message.measurement_status.push_back(
         source.measurement ? static_cast<std::uint8_t>(source.measurement->status) : kNotArrived);
     message.min_information_share.push_back(source.measurement ? source.measurement->min_information_share : 0.0);
-    message.deadline_missed = message.deadline_missed || !source.measurement;
+    message.deadline_missed = message.deadline_missed || (source.awaited && !source.measurement);
   }
   message.measurement_weights = state.fusion.weights;
   message.measurement_nis = state.fusion.nis;
@@ -123,6 +152,12 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.invalid_inputs = static_cast<std::uint32_t>(state.fusion.invalid_inputs);
   message.sweep_points = account.sweep_points;
   message.dropped_before = static_cast<std::uint32_t>(std::max(0, account.dropped_before));
+  message.deadline_missed = message.deadline_missed || !account.findings;
+  const SweepFindings findings = account.findings.value_or(SweepFindings());
+  message.sweep_incomplete = findings.incomplete;
+  message.sweep_low_visibility = findings.low_visibility;
+  message.sweep_frozen = findings.frozen;
+  message.time_jump = findings.time_jump;
   return message;
 }
 
@@ -138,6 +173,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.corrected = message.corrected != 0;
   state.T_previous_now = *increment;
   state.increment_covariance = fromMessage(message.increment_covariance);
+  state.odom_epoch = message.odom_epoch;
   state.filter_nis = message.fused_nis;
   state.fusion.has_measurement = message.has_measurement != 0;
   state.fusion.z = Eigen::Map<const Vector6d>(message.fused_state.data());
@@ -154,21 +190,24 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   return state;
 }
 
-SweepCondition conditionOf(const messages::FilterState& message, const RegistrationParameters& registration) {
+SweepCondition conditionOf(const messages::FilterState& message) {
   SweepCondition condition;
   condition.empty = message.sweep_points == 0;
   condition.dropped_before = static_cast<int>(message.dropped_before);
-  condition.point_missing = registration.use_point;
-  condition.plane_missing = registration.use_plane;
-  condition.corners_missing = registration.use_corners;
+  condition.incomplete = message.sweep_incomplete != 0;
+  condition.low_visibility = message.sweep_low_visibility != 0;
+  condition.frozen = message.sweep_frozen != 0;
+  condition.time_jump = message.time_jump != 0;
+  condition.no_answer = message.deadline_missed != 0;
   for (std::size_t i = 0; i < message.measurement_names.size(); ++i) {
     if (i >= message.measurement_status.size()) break;
-    if (message.measurement_status[i] != messages::PoseMeasurement::OK) continue;
+    const bool missing = message.measurement_status[i] != messages::PoseMeasurement::OK;
     const std::string& name = message.measurement_names[i];
-    if (name == kIcpPointToPoint) condition.point_missing = false;
-    if (name == kCornerSvd) condition.corners_missing = false;
+    if (name == kIcpPointToPoint) condition.point_missing = missing;
+    if (name == kCornerSvd) condition.corners_missing = missing;
     if (name != kIcpPointToPlane) continue;
-    condition.plane_missing = false;
+    condition.plane_missing = missing;
+    if (missing) continue;
     if (i < message.min_information_share.size()) condition.min_information_share = message.min_information_share[i];
   }
   return condition;

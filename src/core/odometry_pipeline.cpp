@@ -9,6 +9,7 @@
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
 namespace fail_aware {
@@ -70,6 +71,7 @@ struct OdometryPipeline::Stages {
       : params(validated(p)),
         T_base_cog(p.vehicle.T_base_cog()),
         T_cog_lidar(asExchanged(T_base_cog.inverse() * p.sensor.T_base_lidar())),
+        check(p.sensor.check),
         corrector(p.sensor.vertical_angle, p.sensor.timing, p.profile.sweep_correction, p.profile.level_keeping),
         filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
                p.profile.road, p.profile.fusion),
@@ -86,11 +88,12 @@ struct OdometryPipeline::Stages {
 
   SweepResult step(Sweep& sweep);
   void measure(const SweepPrediction& prediction, SweepResult& result);
-  SweepCondition condition(const Sweep& sweep, const SweepResult& result) const;
+  SweepCondition condition(const Sweep& sweep, const SweepFindings& findings, const SweepResult& result) const;
 
   PipelineParameters params;
   Pose T_base_cog;
   Pose T_cog_lidar;
+  SweepCheck check;
   SweepCorrector corrector;
   PoseFilter filter;
   RegistrationFront front;
@@ -130,10 +133,15 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
   });
 }
 
-SweepCondition OdometryPipeline::Stages::condition(const Sweep& sweep, const SweepResult& result) const {
+SweepCondition OdometryPipeline::Stages::condition(const Sweep& sweep, const SweepFindings& findings,
+                                                   const SweepResult& result) const {
   SweepCondition condition;
   const RegistrationParameters& use = params.profile.registration;
   condition.empty = sweep.empty();
+  condition.incomplete = findings.incomplete;
+  condition.low_visibility = findings.low_visibility;
+  condition.frozen = findings.frozen;
+  condition.time_jump = findings.time_jump;
   condition.point_missing = use.use_point && !result.point.ok();
   condition.plane_missing = use.use_plane && !result.plane.ok();
   condition.corners_missing = use.use_corners && !result.corners.ok();
@@ -152,6 +160,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
     return result;
   }
   prediction = exchanged(prediction);
+  const SweepFindings findings = check.check(sweep);
   corrector.correct(sweep, prediction, T_cog_lidar, corrected);
   result.times.correction_ms = stage.lapMs();
   measure(prediction, result);
@@ -166,7 +175,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   front.place(placed);
   corner_measurement.place(placed);
   result.times.reference_ms = stage.lapMs();
-  result.condition = condition(sweep, result);
+  result.condition = condition(sweep, findings, result);
   result.monitor = monitor.update(placed, result.condition);
   result.times.total_ms = total.lapMs();
   return result;
@@ -185,6 +194,7 @@ void OdometryPipeline::startRedundant() { stages_->monitor.start(); }
 
 void OdometryPipeline::reset() {
   Stages& s = *stages_;
+  s.check.reset();
   s.corrector.reset();
   s.filter.reset(s.T_base_cog);
   s.front.reset();

@@ -1,21 +1,33 @@
 // Corner alignment in the live graph (core/registration/corner_measurement.hpp).
+#include <fail_aware_lidar_odometry/CornerSvdConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "measurement_nodelet.hpp"
+#include "tuning.hpp"
 
 namespace fail_aware {
 
 class CornerSvdAlgorithm {
  public:
+  using Config = fail_aware_lidar_odometry::CornerSvdConfig;
+  using Tuning = CornerSvdTuning;
+
   static const char* name() { return kCornerSvd; }
 
   CornerSvdAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
         used_(params.profile.registration.use_corners),
+        tuning_{params.profile.registration.corner_alignment},
         corners_(params.profile.registration.corner_extraction, params.profile.registration.corner_reference,
-                 params.profile.registration.corner_alignment) {}
+                 tuning_.alignment) {}
+
+  const Tuning& tuning() const { return tuning_; }
+  void tune(const Tuning& tuning) {
+    tuning_ = tuning;
+    corners_.setAlignment(tuning.alignment);
+  }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
     if (!used_) return Measurement();
@@ -36,6 +48,7 @@ class CornerSvdAlgorithm {
  private:
   ros::Publisher markers_;
   bool used_;
+  Tuning tuning_;
   CornerMeasurement corners_;
   Pose T_odom_cog_ = Pose::Identity();  ///< where the last corners were seen from
 };

@@ -2,7 +2,7 @@
 // In: filter_state. Out: time_to_failure, one for every filter state and, when there is none for stale_sweeps periods,
 // FAILED with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each. Service: ~start_redundant. What silence means is measured on the clock of the
 // graph: simulated time if that is used, otherwise the steady clock.
-#include <diagnostic_updater/diagnostic_updater.h>
+#include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
@@ -16,6 +16,10 @@
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "health.hpp"
+#include "rate_meter.hpp"
+#include "reconfiguration.hpp"
+#include "tuning.hpp"
 
 namespace fail_aware {
 
@@ -41,6 +45,8 @@ struct FailAwareMonitorNodeletParams {
 
 class FailAwareMonitorNodelet : public nodelet::Nodelet {
  private:
+  using Config = fail_aware_lidar_odometry::FailAwareMonitorConfig;
+
   static constexpr std::uint32_t kQueue = 8;
   static constexpr double kTimerPeriod_s = 0.05;
   static constexpr double kStalePeriod_s = 0.1;
@@ -48,14 +54,16 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   void onInit() override {
     ros::NodeHandle& node = getNodeHandle();
     ros::NodeHandle& private_node = getPrivateNodeHandle();
-    readParameters(private_node, "", params_, MissingKeys::kKeep);
+    readParameters(private_node, "", params_, MissingKeys::kKeep, foreignKeys(FailAwareMonitorTuning(), params_));
     params_.validate();
     pipeline_ = readPipelineParameters(node);
     monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
     if (params_.start_redundant) monitor_->start();
-    updater_ = std::make_unique<diagnostic_updater::Updater>(node, private_node, getName());
-    updater_->setHardwareID("none");
-    updater_->add("time_to_failure", this, &FailAwareMonitorNodelet::diagnose);
+    reconfiguration_ = std::make_unique<Reconfiguration<Config, FailAwareMonitorTuning>>(
+        private_node, FailAwareMonitorTuning{pipeline_.profile.monitor}, [this](const FailAwareMonitorTuning& tuning) {
+          pipeline_.profile.monitor = tuning.monitor;
+          monitor_->setLimits(tuning.monitor);
+        });
     publisher_ = node.advertise<messages::TimeToFailure>("time_to_failure", kQueue);
     marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1);
     service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
@@ -63,6 +71,8 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     heard_s_ = now_s();
     timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
                                     [this](const ros::SteadyTimerEvent&) { checkStale(); });
+    health_ = std::make_unique<Health>(node, private_node, getName(), "time_to_failure",
+                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
 
   static double now_s() {
@@ -77,12 +87,13 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     const std::optional<FilterState> state = fromMessage(*message);
     if (!state) return;
     heard_s_ = now_s();
+    rate_.tick();
     if (state->dt_s > 0.0) {
       period_s_ = state->dt_s;
     } else {
       monitor_->reset();
     }
-    output_ = monitor_->update(*state, conditionOf(*message, pipeline_.profile.registration));
+    output_ = monitor_->update(*state, conditionOf(*message));
     header_ = message->header;
     base_position_odom_ = (state->T_odom_cog * pipeline_.vehicle.T_base_cog().inverse()).translation();
     publish(header_);
@@ -131,6 +142,10 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     const auto level = failed ? Level::ERROR : output_.state == FailAwareState::kOk ? Level::OK : Level::WARN;
     const std::string reasons = reasonText(output_.reasons);
     status.summary(level, std::string(toString(output_.state)) + (reasons.empty() ? "" : ": " + reasons));
+    status.addf("rate of filter states (Hz)", "%.2f", rate_.take_hz());
+    status.addf("silence (s)", "%.3f", now_s() - heard_s_);
+    status.add("serves as the localisation", monitor_->started() ? "yes" : "no");
+    if (!reconfiguration_->refused().empty()) status.add("reconfiguration refused", reconfiguration_->refused());
     status.add("time to failure (s)", output_.time_to_failure.seconds);
     status.add("eta (rad)", output_.eta);
     status.add("sigma x since start_redundant (m)", output_.sigma_x_m);
@@ -140,7 +155,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   FailAwareMonitorNodeletParams params_;
   PipelineParameters pipeline_;
   std::unique_ptr<FailAwareMonitor> monitor_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
+  std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;
   ros::Publisher publisher_, marker_publisher_;
   ros::Subscriber subscriber_;
   ros::ServiceServer service_;
@@ -148,9 +163,11 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   MonitorOutput output_;
   Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
   std_msgs::Header header_;  ///< of the last filter state
+  RateMeter rate_;
   double period_s_ = 0.1;
   double heard_s_ = 0.0;
   double published_s_ = 0.0;
+  std::unique_ptr<Health> health_;
 };
 
 }  // namespace fail_aware

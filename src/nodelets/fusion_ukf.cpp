@@ -1,12 +1,12 @@
 // The filter in the live graph (core/filter/pose_filter.hpp).
-// In: points (only header and frame matter), measurement/*. Out: sweep/prediction, filter_state, odometry, path, tf.
-// Service: ~reset.
+// In: points (only header and frame matter), sweep/check, measurement/*, extra sources, set_pose. Out: sweep/prediction,
+// filter_state, odometry, path, tf. Services: ~reset, ~save_trajectory.
 //
-// One sweep is open at a time: predicted when its cloud comes, closed when every source has answered or at its
-// deadline; sweeps that come meanwhile wait in a short queue. A source that missed some sweeps in a row is no longer
-// waited for until it is heard again. Every opened sweep gives exactly one filter_state and one odometry; every other
-// cloud is counted in a diagnostic by its cause.
-#include <diagnostic_updater/diagnostic_updater.h>
+// One sweep is open at a time: predicted when its cloud comes, closed when every source that can answer has answered or
+// at its deadline; sweeps that come meanwhile wait in a short queue. Every opened sweep gives exactly one filter_state
+// and one odometry; every other cloud is counted in a diagnostic by its cause.
+#include <fail_aware_lidar_odometry/FusionUkfConfig.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <nav_msgs/Odometry.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -15,7 +15,7 @@
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_broadcaster.h>
 
-#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,32 +29,36 @@
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fusion_ukf_params.hpp"
+#include "health.hpp"
 #include "lidar_place.hpp"
+#include "measurement_sources.hpp"
+#include "pose_setting.hpp"
+#include "rate_meter.hpp"
+#include "reconfiguration.hpp"
 #include "sweep_intake.hpp"
+#include "trajectory_record.hpp"
+#include "tuning.hpp"
 
 namespace fail_aware {
 
 class FusionUkfNodelet : public nodelet::Nodelet {
  private:
+  using Config = fail_aware_lidar_odometry::FusionUkfConfig;
+
   static constexpr std::uint32_t kQueue = 8;
   static constexpr double kDeadlineCheck_s = 0.01;
 
-  struct Source {
-    std::string name;
-    ros::Subscriber subscriber;
-    std::optional<Measurement> measurement;  ///< of the open sweep
-    int missed = 0;                          ///< sweeps in a row
-    std::size_t late = 0;
-  };
-
   struct Counts {
-    std::size_t sweeps = 0, predicted_only = 0, no_transform = 0, resets = 0, time_jumps = 0;
+    std::size_t sweeps = 0, predicted_only = 0, no_transform = 0, resets = 0, time_jumps = 0, poses_set = 0,
+                poses_refused = 0;
   };
 
   void onInit() override {
     ros::NodeHandle& node = getNodeHandle();
     ros::NodeHandle& private_node = getPrivateNodeHandle();
-    readParameters(private_node, "", params_, MissingKeys::kKeep);
+    std::vector<std::string> others = foreignKeys(FusionUkfTuning(), params_);
+    others.push_back("extra_sources.");
+    readParameters(private_node, "", params_, MissingKeys::kKeep, others);
     params_.validate();
     const PipelineParameters pipeline = readPipelineParameters(node);
     const ProfileParameters& profile = pipeline.profile;
@@ -65,7 +69,13 @@ class FusionUkfNodelet : public nodelet::Nodelet {
                                            VehicleModel(pipeline.vehicle.dynamics, profile.model), profile.history,
                                            profile.road, profile.fusion);
     path_ = std::make_unique<BoundedPath>(static_cast<std::size_t>(params_.path_max_poses), params_.path_spacing_m);
-    intake_.setLimits(static_cast<std::size_t>(params_.queue_size), params_.max_reorder_s);
+    trajectory_ = std::make_unique<TrajectoryRecord>(static_cast<std::size_t>(params_.trajectory_max_poses));
+    sources_ = std::make_unique<MeasurementSources>(node, readExtraSources(private_node), params_.odom_frame,
+                                                    [this] { onAnswer(); });
+    const FusionUkfTuning tuning{params_, profile.registration, profile.fusion};
+    tune(tuning);
+    reconfiguration_ = std::make_unique<Reconfiguration<Config, FusionUkfTuning>>(
+        private_node, tuning, [this](const FusionUkfTuning& changed) { tune(changed); });
     reset();
     if (params_.lidar_in_base_source == "parameter") {
       lidar_.use(pipeline.sensor.T_base_lidar());
@@ -74,26 +84,28 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     if (params_.publish_tf) tf_broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
 
-    updater_ = std::make_unique<diagnostic_updater::Updater>(node, private_node, getName());
-    updater_->setHardwareID("none");
-    updater_->add("odometry", this, &FusionUkfNodelet::diagnose);
     prediction_publisher_ = node.advertise<messages::SweepPrediction>("sweep/prediction", kQueue);
     state_publisher_ = node.advertise<messages::FilterState>("filter_state", kQueue);
     odometry_publisher_ = node.advertise<nav_msgs::Odometry>("odometry", kQueue);
     path_publisher_ = node.advertise<nav_msgs::Path>("path", 1);
     reset_service_ = private_node.advertiseService("reset", &FusionUkfNodelet::onReset, this);
+    save_service_ = private_node.advertiseService("save_trajectory", &FusionUkfNodelet::onSaveTrajectory, this);
     deadline_timer_ = node.createSteadyTimer(ros::WallDuration(kDeadlineCheck_s),
                                              [this](const ros::SteadyTimerEvent&) { checkDeadline(); });
-    const RegistrationParameters& use = profile.registration;
-    if (use.use_point) sources_.push_back({kIcpPointToPoint, {}, {}, 0, 0});
-    if (use.use_plane) sources_.push_back({kIcpPointToPlane, {}, {}, 0, 0});
-    if (use.use_corners) sources_.push_back({kCornerSvd, {}, {}, 0, 0});
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      sources_[i].subscriber = node.subscribe<messages::PoseMeasurement>(
-          "measurement/" + sources_[i].name, kQueue,
-          [this, i](const messages::PoseMeasurementConstPtr& message) { onMeasurement(sources_[i], *message); });
-    }
+    set_pose_subscriber_ = node.subscribe("set_pose", 1, &FusionUkfNodelet::onSetPose, this);
     cloud_subscriber_ = node.subscribe("points", kQueue, &FusionUkfNodelet::onCloud, this);
+    health_ = std::make_unique<Health>(node, private_node, getName(), "odometry",
+                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
+  }
+
+  void tune(const FusionUkfTuning& tuning) {
+    params_ = tuning.node;
+    filter_->setFusion(tuning.fusion);
+    intake_.setLimits(static_cast<std::size_t>(params_.queue_size), params_.max_reorder_s);
+    sources_->setAbsentAfter(params_.absent_after_sweeps);
+    sources_->use(kIcpPointToPoint, tuning.registration.use_point);
+    sources_->use(kIcpPointToPlane, tuning.registration.use_plane);
+    sources_->use(kCornerSvd, tuning.registration.use_corners);
   }
 
   // ---- clouds: which sweeps are accepted ----------------------------------------------------------------------------
@@ -129,63 +141,52 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       task.T_cog_lidar = T_base_cog_.inverse() * lidar_.T_base_lidar();
       header.frame_id = params_.odom_frame;
       open_ = header;
-      sweep_points_ = -1;
-      for (Source& source : sources_) source.measurement.reset();
-      const double deadline_s = task.prediction.motion_known ? params_.deadline_s : params_.first_deadline_s;
-      deadline_at_ = ros::SteadyTime::now() + ros::WallDuration(deadline_s);
+      opened_at_ = ros::SteadyTime::now();
+      prediction_ = task.prediction;
+      sources_->open(header.stamp);
+      // the first sweep has nothing to search a motion with
+      const bool searches = !task.prediction.motion_known && !task.first();
+      deadline_at_ = opened_at_ + ros::WallDuration(searches ? params_.first_deadline_s : params_.deadline_s);
       prediction_publisher_.publish(messages::SweepPredictionConstPtr(
           boost::make_shared<messages::SweepPrediction>(toMessage(task, header, last_stamp_))));
-      if (allAnswered()) close();
+      if (sources_->allAnswered()) close();
     }
   }
 
-  void onMeasurement(Source& source, const messages::PoseMeasurement& message) {
-    source.missed = 0;
-    if (!open_ || message.header.stamp != open_->stamp) {
-      ++source.late;
-      return;
-    }
-    source.measurement = fromMessage(message);
-    sweep_points_ = std::max(sweep_points_, static_cast<int>(message.sweep_points));
-    if (!allAnswered()) return;
+  void onAnswer() {
+    if (!open_ || !sources_->allAnswered()) return;
     close();
     openNext();
   }
 
   void checkDeadline() {
-    if (!open_ || ros::SteadyTime::now() < deadline_at_) return;
+    if (!open_ || (ros::SteadyTime::now() < deadline_at_ && !sources_->allAnswered())) return;
     close();
     openNext();
-  }
-
-  bool allAnswered() const {
-    return std::all_of(sources_.begin(), sources_.end(), [&](const Source& source) {
-      return source.measurement || source.missed >= params_.absent_after_sweeps;
-    });
   }
 
   void close() {
     const std_msgs::Header header = *open_;
     open_.reset();
-    SweepAccount account;
-    account.sweep_points = sweep_points_;
+    SweepAccount account = sources_->close(prediction_, T_base_cog_);
     account.dropped_before = intake_.takeDropped();
     std::vector<FusionInput> inputs;
-    for (Source& source : sources_) {
-      if (!source.measurement) ++source.missed;
-      account.sources.push_back({source.name, source.measurement});
-      inputs.push_back({source.name, source.measurement ? &*source.measurement : nullptr});
+    for (const SweepAccount::Source& source : account.sources) {
+      inputs.push_back({source.name, source.measurement ? &*source.measurement : nullptr, source.external});
     }
     const Pose T_odom_cog_previous = filter_->state().T_odom_cog;
     const FilterState& state = filter_->correct(inputs);
     if (state.dt_s > 0.0) {
       odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, state.increment_covariance);
     }
+    if (pose_setting_.pending() && (state.dt_s <= 0.0 || prediction_.motion_known)) setPose();
     ++counts_.sweeps;
     if (!state.corrected && state.dt_s > 0.0) ++counts_.predicted_only;
     last_corrected_ = state.corrected;
     last_stamp_ = header.stamp;
     publish(state, account, header);
+    rate_.tick();
+    latency_s_ = (ros::SteadyTime::now() - opened_at_).toSec();
   }
 
   void publish(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
@@ -203,9 +204,28 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       transform.transform = toTransformMessage(T_odom_base);
       tf_broadcaster_->sendTransform(transform);
     }
+    trajectory_->add(state.stamp_s, T_odom_base);
     if (path_->add(T_odom_base, header) && path_publisher_.getNumSubscribers() > 0) {
       path_publisher_.publish(path_->message());
     }
+  }
+
+  // ---- set_pose -----------------------------------------------------------------------------------------------------
+
+  void onSetPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
+    const std::string reason = pose_setting_.offer(*message, params_.odom_frame, last_stamp_);
+    if (reason.empty()) return;
+    ++counts_.poses_refused;
+    NODELET_WARN("set_pose refused: %s", reason.c_str());
+  }
+
+  void setPose() {
+    const PoseSetting::AtEstimate set = pose_setting_.take(filter_->state(), T_base_cog_);
+    if (!filter_->setPose(set.T_odom_cog)) return;
+    odometry_covariance_.reset(set.covariance);
+    ++counts_.poses_set;
+    const Eigen::Vector3d position = (set.T_odom_cog * T_base_cog_.inverse()).translation();
+    NODELET_INFO("pose set to x %.3f y %.3f z %.3f m", position.x(), position.y(), position.z());
   }
 
   // ---- the rest -----------------------------------------------------------------------------------------------------
@@ -215,8 +235,11 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     filter_->reset(T_base_cog_);  // odom begins at base_link
     odometry_covariance_.reset(start_sigmas_.cwiseAbs2().asDiagonal());
     open_.reset();
+    pose_setting_.clear();
+    sources_->reset();
     intake_.clear();
     path_->clear();
+    trajectory_->clear();
     last_stamp_ = ros::Time();
     if (counts_.sweeps > 0) ++counts_.resets;
   }
@@ -228,12 +251,30 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     return true;
   }
 
+  bool onSaveTrajectory(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    std::string file = params_.trajectory_file;
+    getPrivateNodeHandle().getParam("trajectory_file", file);  // may have been set meanwhile
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::absolute(file, error);
+    try {
+      if (trajectory_->size() == 0) throw std::runtime_error("there is no pose yet");
+      trajectory_->save(path.string());
+      response.success = true;
+      response.message = path.string() + ": " + std::to_string(trajectory_->size()) + " poses";
+      if (trajectory_->forgotten() > 0) {
+        response.message += " (the first " + std::to_string(trajectory_->forgotten()) + " were forgotten, see " +
+                            "trajectory_max_poses)";
+      }
+    } catch (const std::exception& failure) {
+      response.success = false;
+      response.message = failure.what();
+    }
+    return true;
+  }
+
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using Level = diagnostic_msgs::DiagnosticStatus;
-    std::string absent;
-    for (const Source& source : sources_) {
-      if (source.missed >= params_.absent_after_sweeps) absent += ' ' + source.name;
-    }
+    const std::string absent = sources_->absent();
     if (!lidar_.known() && counts_.no_transform > 0) {
       status.summary(Level::ERROR,
                      "no transform " + params_.base_frame + " -> " + lidar_.lidarFrame() + ": " + lidar_.error());
@@ -246,6 +287,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     } else {
       status.summary(Level::OK, "running");
     }
+    status.addf("rate (Hz)", "%.2f", rate_.take_hz());
+    status.addf("from cloud to estimate (ms)", "%.1f", 1e3 * latency_s_);
+    if (!last_stamp_.isZero()) status.addf("age of the last estimate (s)", "%.3f", (ros::Time::now() - last_stamp_).toSec());
     status.add("sweeps", counts_.sweeps);
     status.add("sweeps without a usable measurement", counts_.predicted_only);
     const SweepIntake::Counts& dropped = intake_.counts();
@@ -257,7 +301,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     status.add("dropped: no transform", counts_.no_transform);
     status.add("resets", counts_.resets);
     status.add("resets because stamps jumped back", counts_.time_jumps);
-    for (const Source& source : sources_) status.add("late: " + source.name, source.late);
+    status.add("poses set", counts_.poses_set);
+    status.add("poses refused (set_pose)", counts_.poses_refused);
+    sources_->diagnose(status);
+    if (!reconfiguration_->refused().empty()) status.add("reconfiguration refused", reconfiguration_->refused());
   }
 
   FusionUkfNodeletParams params_;
@@ -265,25 +312,30 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   Vector6d start_sigmas_ = Vector6d::Zero();  ///< m, rad
   std::unique_ptr<PoseFilter> filter_;
   OdometryCovariance odometry_covariance_;
-  std::vector<Source> sources_;
+  std::unique_ptr<MeasurementSources> sources_;
+  std::unique_ptr<Reconfiguration<Config, FusionUkfTuning>> reconfiguration_;
 
   LidarPlace lidar_;
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_broadcaster_;
 
   SweepIntake intake_;
   std::optional<std_msgs::Header> open_;  ///< frame: odom
-  int sweep_points_ = -1;                 ///< of the open sweep
+  SweepPrediction prediction_;            ///< of the open sweep
+  PoseSetting pose_setting_;
   bool last_corrected_ = false;
   ros::Time last_stamp_;                  ///< closed
-  ros::SteadyTime deadline_at_;
+  ros::SteadyTime opened_at_, deadline_at_;
+  double latency_s_ = 0.0;  ///< of the last estimate
+  RateMeter rate_;
+  std::unique_ptr<TrajectoryRecord> trajectory_;
   std::unique_ptr<BoundedPath> path_;
   Counts counts_;
 
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::Publisher prediction_publisher_, state_publisher_, odometry_publisher_, path_publisher_;
-  ros::Subscriber cloud_subscriber_;
-  ros::ServiceServer reset_service_;
+  ros::Subscriber cloud_subscriber_, set_pose_subscriber_;
+  ros::ServiceServer reset_service_, save_service_;
   ros::SteadyTimer deadline_timer_;
+  std::unique_ptr<Health> health_;
 };
 
 }  // namespace fail_aware

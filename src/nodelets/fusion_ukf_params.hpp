@@ -19,6 +19,8 @@ struct FusionUkfNodeletParams {
   int absent_after_sweeps = 3;              ///< misses in a row until a source is no longer waited for
   int path_max_poses = 2000;
   double path_spacing_m = 0.5;
+  int trajectory_max_poses = 200000;        ///< kept for ~save_trajectory (29 MB, 5.5 h at 10 Hz); the oldest give way
+  std::string trajectory_file = "fail_aware_trajectory_tum.txt";  ///< relative: to the node's folder, ~/.ros
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -33,6 +35,8 @@ struct FusionUkfNodeletParams {
     v("absent_after_sweeps", self.absent_after_sweeps);
     v("path_max_poses", self.path_max_poses);
     v("path_spacing_m", self.path_spacing_m);
+    v("trajectory_max_poses", self.trajectory_max_poses);
+    v("trajectory_file", self.trajectory_file);
   }
   void validate() const {
     if (odom_frame.empty() || base_frame.empty()) throw ParameterError("odom_frame, base_frame: must not be empty");
@@ -46,6 +50,8 @@ struct FusionUkfNodeletParams {
     requireWithin("absent_after_sweeps", absent_after_sweeps, 1, 1000);
     requireWithin("path_max_poses", path_max_poses, 1, 100000);
     requireNotNegative("path_spacing_m", path_spacing_m);
+    requireWithin("trajectory_max_poses", trajectory_max_poses, 1, 10000000);
+    if (trajectory_file.empty()) throw ParameterError("trajectory_file: must not be empty");
   }
 };
 

@@ -1,22 +1,34 @@
 // Normal-filtered ICP in the live graph (core/registration/normal_filtered_icp.hpp). Its reference is also published, as
 // `local_map`, once a second of sweep time.
+#include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "icp_front.hpp"
 #include "measurement_nodelet.hpp"
+#include "tuning.hpp"
 
 namespace fail_aware {
 
 class IcpPointToPlaneAlgorithm {
  public:
+  using Config = fail_aware_lidar_odometry::IcpPointToPlaneConfig;
+  using Tuning = IcpPointToPlaneTuning;
+
   static const char* name() { return kIcpPointToPlane; }
 
   IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : local_map_(node.advertise<sensor_msgs::PointCloud2>("local_map", 1)),
         used_(params.profile.registration.use_plane),
         front_(makeFront(params.profile.registration)),
-        icp_(params.profile.registration.plane) {}
+        tuning_{params.profile.registration.plane},
+        icp_(tuning_.icp) {}
+
+  const Tuning& tuning() const { return tuning_; }
+  void tune(const Tuning& tuning) {
+    tuning_ = tuning;
+    icp_ = NormalFilteredIcp(tuning.icp);
+  }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
     if (!used_) return Measurement();
@@ -42,6 +54,7 @@ class IcpPointToPlaneAlgorithm {
   ros::Time shown_stamp_;
   bool used_;
   RegistrationFront front_;
+  Tuning tuning_;
   NormalFilteredIcp icp_;
 };
 

@@ -1,22 +1,34 @@
 // Multiplex ICP in the live graph (core/registration/multiplex_icp.hpp).
+#include <fail_aware_lidar_odometry/IcpPointToPointConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "icp_front.hpp"
 #include "measurement_nodelet.hpp"
+#include "tuning.hpp"
 
 namespace fail_aware {
 
 class IcpPointToPointAlgorithm {
  public:
+  using Config = fail_aware_lidar_odometry::IcpPointToPointConfig;
+  using Tuning = IcpPointToPointTuning;
+
   static const char* name() { return kIcpPointToPoint; }
 
   IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
         used_(params.profile.registration.use_point),
         front_(makeFront(params.profile.registration)),
-        icp_(params.profile.registration.point) {}
+        tuning_{params.profile.registration.point},
+        icp_(tuning_.icp) {}
+
+  const Tuning& tuning() const { return tuning_; }
+  void tune(const Tuning& tuning) {
+    tuning_ = tuning;
+    icp_ = MultiplexIcp(tuning.icp);
+  }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
     if (!used_) return Measurement();
@@ -34,6 +46,7 @@ class IcpPointToPointAlgorithm {
   ros::Publisher markers_;
   bool used_;
   RegistrationFront front_;
+  Tuning tuning_;
   MultiplexIcp icp_;
   std::vector<SeedTrack> tracks_;  ///< of the last measurement
 };

@@ -1,12 +1,9 @@
 #include "lidar_place.hpp"
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "frame_name.hpp"
 
 namespace fail_aware {
-
-std::string withoutSlash(const std::string& frame) {
-  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
-}
 
 void LidarPlace::useTransforms(const std::string& base_frame) {
   base_frame_ = withoutSlash(base_frame);

@@ -38,7 +38,4 @@ class LidarPlace {
   std::unique_ptr<tf2_ros::TransformListener> listener_;
 };
 
-/// tf2 knows no leading slash.
-std::string withoutSlash(const std::string& frame);
-
 }  // namespace fail_aware

@@ -4,12 +4,12 @@
 // A sweep is measured once its points and its prediction are there and the sweep before it was placed at its filter
 // state. The filter state of a measured sweep places it in the reference, also when the measurement came too late. A
 // nodelet that is overloaded skips to the newest sweep.
-// Algorithm: Algorithm(node, const PipelineParameters&), static name(), measure(corrected, task), place(state), reset(),
+// Algorithm: Algorithm(node, const PipelineParameters&), static name(), Config and Tuning (reconfiguration.hpp) with
+// tuning() and tune(tuning), measure(corrected, task), place(state), reset(),
 // and show(header), which publishes what it has for rviz once its measurement is out (header: stamp of the sweep, frame
 // of the odometry).
 #pragma once
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -21,6 +21,9 @@
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "health.hpp"
+#include "rate_meter.hpp"
+#include "reconfiguration.hpp"
 #include "sweep_matcher.hpp"
 
 namespace fail_aware {
@@ -33,14 +36,16 @@ class MeasurementNodelet : public nodelet::Nodelet {
   void onInit() override {
     ros::NodeHandle& node = getNodeHandle();
     algorithm_ = std::make_unique<Algorithm>(node, readPipelineParameters(node));
-    updater_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
-    updater_->setHardwareID("none");
-    updater_->add(Algorithm::name(), this, &MeasurementNodelet::diagnose);
     publisher_ = node.advertise<messages::PoseMeasurement>(std::string("measurement/") + Algorithm::name(), kQueue);
+    reconfiguration_ = std::make_unique<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>>(
+        getPrivateNodeHandle(), algorithm_->tuning(),
+        [this](const typename Algorithm::Tuning& tuning) { algorithm_->tune(tuning); });
     work_ = std::make_unique<DeferredCall>(node, [this] { work(); });
     state_subscriber_ = node.subscribe("filter_state", kQueue, &MeasurementNodelet::onState, this);
     prediction_subscriber_ = node.subscribe("sweep/prediction", kQueue, &MeasurementNodelet::onPrediction, this);
     cloud_subscriber_ = node.subscribe("sweep/points", kQueue, &MeasurementNodelet::onCloud, this);
+    health_ = std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), Algorithm::name(),
+                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) { take(cloud); }
@@ -79,26 +84,44 @@ class MeasurementNodelet : public nodelet::Nodelet {
         toMessage(measurement, Algorithm::name(), prediction.header));
     message->sweep_points = static_cast<std::int32_t>(sweep_.points_lidar.size());
     message->duration = (ros::SteadyTime::now() - begin).toSec();
+    last_ = *message;
+    last_stamp_ = prediction.header.stamp;
+    if (measurement.ok()) ++usable_;
+    rate_.tick();
     publisher_.publish(messages::PoseMeasurementConstPtr(message));
     algorithm_->show(prediction.header);
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(diagnostic_msgs::DiagnosticStatus::OK, sweeps_ == 0 ? "no sweep yet" : toString(last_status_));
+    status.addf("rate (Hz)", "%.2f", rate_.take_hz());
+    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", (ros::Time::now() - last_stamp_).toSec());
     status.add("sweeps", sweeps_);
+    status.add("sweeps with a pose", usable_);
+    status.addf("ms", "%.1f", 1e3 * last_.duration);
+    status.addf("rms residual (m)", "%.3f", last_.rms_residual);
+    status.addf("inlier share", "%.2f", last_.inlier_share);
+    status.addf("seed spread (m)", "%.3f", last_.seed_spread);
+    status.add("weak directions", static_cast<int>(last_.weak_directions));
+    status.addf("weakest direction's information share", "%.3f", last_.min_information_share);
     status.add("sweeps skipped", matcher_.skipped());
     status.add("predictions not usable", unusable_);
+    if (!reconfiguration_->refused().empty()) status.add("reconfiguration refused", reconfiguration_->refused());
   }
 
   std::unique_ptr<Algorithm> algorithm_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
   ros::Publisher publisher_;
   ros::Subscriber cloud_subscriber_, prediction_subscriber_, state_subscriber_;
+  std::unique_ptr<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>> reconfiguration_;
   SweepMatcher matcher_;
   std::unique_ptr<DeferredCall> work_;
   CorrectedSweep sweep_;
   MeasurementStatus last_status_ = MeasurementStatus::kNoReference;
-  std::size_t sweeps_ = 0, unusable_ = 0;
+  messages::PoseMeasurement last_;
+  ros::Time last_stamp_;
+  RateMeter rate_;
+  std::size_t sweeps_ = 0, usable_ = 0, unusable_ = 0;
+  std::unique_ptr<Health> health_;
 };
 
 }  // namespace fail_aware

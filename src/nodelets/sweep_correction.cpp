@@ -1,7 +1,7 @@
 // Sweep correction in the live graph (core/sweep/sweep_corrector.hpp).
 // In: points (any PointCloud2), sweep/prediction of the same stamp. Out: sweep/points, one for every prediction whose
-// cloud is there; without points where the cloud could not be read, so that the sweep still closes.
-#include <diagnostic_updater/diagnostic_updater.h>
+// cloud is there; without points where the cloud could not be read, so that the sweep still closes; and sweep/check,
+// what the raw sweep looks like (core/sweep/sweep_check.hpp).
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
@@ -13,7 +13,10 @@
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+#include "health.hpp"
+#include "rate_meter.hpp"
 
 namespace fail_aware {
 
@@ -25,14 +28,14 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     ros::NodeHandle& node = getNodeHandle();
     const PipelineParameters params = readPipelineParameters(node);
     corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.timing,
-                                                  params.profile.sweep_correction,
-                                                  params.profile.level_keeping);
-    updater_ = std::make_unique<diagnostic_updater::Updater>(node, getPrivateNodeHandle(), getName());
-    updater_->setHardwareID("none");
-    updater_->add("sweep_correction", this, &SweepCorrectionNodelet::diagnose);
+                                                  params.profile.sweep_correction, params.profile.level_keeping);
+    check_ = std::make_unique<SweepCheck>(params.sensor.check);
     publisher_ = node.advertise<sensor_msgs::PointCloud2>("sweep/points", kQueue);
+    check_publisher_ = node.advertise<messages::SweepCheck>("sweep/check", kQueue);
     prediction_subscriber_ = node.subscribe("sweep/prediction", kQueue, &SweepCorrectionNodelet::onPrediction, this);
     cloud_subscriber_ = node.subscribe("points", kQueue, &SweepCorrectionNodelet::onCloud, this);
+    health_ = std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), "sweep_correction",
+                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) {
@@ -61,23 +64,38 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
       ++refused_;
       last_reason_ = read.reason;
     }
+    findings_ = check_->check(sweep_);
+    check_publisher_.publish(messages::SweepCheckConstPtr(
+        boost::make_shared<messages::SweepCheck>(toMessage(findings_, sweep_.size(), cloud.header))));
     report_ = corrector_->correct(sweep_, task.prediction, task.T_cog_lidar, corrected_);
     const auto message = boost::make_shared<sensor_msgs::PointCloud2>();
     writeCloud(corrected_, sweep_.intensities, *message);
     message->header = cloud.header;
     publisher_.publish(sensor_msgs::PointCloud2ConstPtr(message));
     ++sweeps_;
+    rate_.tick();
+    last_stamp_ = cloud.header.stamp;
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using Level = diagnostic_msgs::DiagnosticStatus;
     if (refused_ > refused_reported_) {
       status.summary(Level::WARN, "clouds without usable points: " + last_reason_);
+    } else if (findings_.frozen || findings_.incomplete || findings_.low_visibility) {
+      status.summary(Level::WARN, std::string("the sweep is ") + (findings_.frozen       ? "frozen: the driver repeats itself"
+                                                                  : findings_.incomplete ? "incomplete"
+                                                                                         : "cut short in range"));
     } else {
       status.summary(Level::OK, sweeps_ == 0 ? "no sweep yet" : "correcting");
     }
     refused_reported_ = refused_;
+    status.addf("rate (Hz)", "%.2f", rate_.take_hz());
+    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", (ros::Time::now() - last_stamp_).toSec());
     status.add("sweeps", sweeps_);
+    status.add("points of the last sweep", sweep_.size());
+    status.addf("azimuth coverage", "%.2f", findings_.azimuth_coverage);
+    status.addf("share of far points", "%.3f", findings_.far_share);
+    status.add("repetitions", findings_.repetitions);
     status.add("clouds without usable points", refused_);
     status.add("clouds without a prediction", unmatched_);
     status.add("timing source", toString(report_.timing.source));
@@ -87,16 +105,20 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   }
 
   std::unique_ptr<SweepCorrector> corrector_;
-  std::unique_ptr<diagnostic_updater::Updater> updater_;
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, check_publisher_;
   ros::Subscriber cloud_subscriber_, prediction_subscriber_;
   ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{kQueue};
   ExactStampBuffer<messages::SweepPredictionConstPtr> predictions_{kQueue};
   Sweep sweep_;
   CorrectedSweep corrected_;
   SweepCorrectorReport report_;
+  std::unique_ptr<SweepCheck> check_;
+  SweepFindings findings_;
+  RateMeter rate_;
+  ros::Time last_stamp_;
   std::string last_reason_;
   std::size_t sweeps_ = 0, refused_ = 0, refused_reported_ = 0, unmatched_ = 0;
+  std::unique_ptr<Health> health_;
 };
 
 }  // namespace fail_aware

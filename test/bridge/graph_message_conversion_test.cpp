@@ -42,7 +42,8 @@ TEST(GraphMessages, reasonBitsAndStatesAreTheCores) {
   EXPECT_EQ(Message::REASON_TIME_JUMP, kReasonTimeJump);
   EXPECT_EQ(Message::REASON_DROPPED_SWEEPS, kReasonDroppedSweeps);
   EXPECT_EQ(Message::REASON_LOW_VISIBILITY, kReasonLowVisibility);
-  EXPECT_EQ(reasonText(Message::REASON_LOW_VISIBILITY << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
+  EXPECT_EQ(Message::REASON_NO_ANSWER, kReasonNoAnswer);
+  EXPECT_EQ(reasonText(Message::REASON_NO_ANSWER << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
   EXPECT_EQ(Message::UNKNOWN, static_cast<int>(FailAwareState::kUnknown));
   EXPECT_EQ(Message::OK, static_cast<int>(FailAwareState::kOk));
   EXPECT_EQ(Message::DEGRADED, static_cast<int>(FailAwareState::kDegraded));
@@ -165,18 +166,44 @@ TEST(GraphMessages, conditionTellsWhatIsMissing) {
   EXPECT_TRUE(message.deadline_missed);
   EXPECT_EQ(message.measurement_status.at(2), messages::FilterState::NOT_ARRIVED);
   EXPECT_EQ(message.measurement_weights.size(), 3u);
-  RegistrationParameters use;
-  SweepCondition condition = conditionOf(message, use);
+  SweepCondition condition = conditionOf(message);
+  EXPECT_TRUE(condition.no_answer);
   EXPECT_TRUE(condition.empty);
   EXPECT_EQ(condition.dropped_before, 2);
   EXPECT_TRUE(condition.point_missing);
   EXPECT_FALSE(condition.plane_missing);
   EXPECT_TRUE(condition.corners_missing);
   EXPECT_EQ(condition.min_information_share, 0.25);
-  use.use_corners = false;
-  EXPECT_FALSE(conditionOf(message, use).corners_missing);
   account.sweep_points = -1;
-  EXPECT_FALSE(conditionOf(toMessage(someState(), account, someHeader()), use).empty);
+  EXPECT_FALSE(conditionOf(toMessage(someState(), account, someHeader())).empty);
+  account.sources.pop_back();
+  EXPECT_FALSE(conditionOf(toMessage(someState(), account, someHeader())).corners_missing) << "not used, not missed";
+}
+
+TEST(GraphMessages, conditionTellsWhatTheSweepsCheckFound) {
+  SweepAccount account;
+  EXPECT_TRUE(conditionOf(toMessage(someState(), account, someHeader())).no_answer) << "not even the check came";
+  SweepFindings findings;
+  findings.incomplete = findings.frozen = true;
+  findings.repetitions = 4;
+  findings.far_share = 0.25;
+  findings.azimuth_coverage = 0.5;
+  const messages::SweepCheck check = toMessage(findings, 77, someHeader());
+  EXPECT_EQ(check.points, 77);
+  account.findings = fromMessage(check);
+  EXPECT_EQ(account.findings->repetitions, 4);
+  EXPECT_EQ(account.findings->far_share, 0.25);
+  EXPECT_EQ(account.findings->azimuth_coverage, 0.5);
+  account.sources = {{"gps", std::nullopt, false}};
+  SweepCondition condition = conditionOf(toMessage(someState(), account, someHeader()));
+  EXPECT_FALSE(condition.no_answer) << "nobody waits for it";
+  EXPECT_TRUE(condition.incomplete && condition.frozen);
+  EXPECT_FALSE(condition.low_visibility || condition.time_jump);
+  account.findings->incomplete = account.findings->frozen = false;
+  account.findings->low_visibility = account.findings->time_jump = true;
+  condition = conditionOf(toMessage(someState(), account, someHeader()));
+  EXPECT_FALSE(condition.incomplete || condition.frozen);
+  EXPECT_TRUE(condition.low_visibility && condition.time_jump);
 }
 
 TEST(GraphMessages, timesToFailureAreNeverMistaken) {

@@ -1,111 +1,114 @@
-// The six nodelets in one manager over a made-up drive: one filter state, odometry and time to failure for every cloud,
-// and the same poses as offline. Waits for messages, not for seconds.
+// The six nodelets over a made-up drive: one filter state, odometry and time to failure for every cloud, and the same
+// poses as offline, with the lidar mounted askew on a vehicle whose base_link is elsewhere. Run in one manager
+// (graph.test) and as six processes (standalone.test). Waits for messages, not for seconds.
 #include <gtest/gtest.h>
-#include <nav_msgs/Odometry.h>
-#include <ros/ros.h>
-#include <tf2_ros/static_transform_broadcaster.h>
+#include <sensor_msgs/PointCloud2.h>
 
+#include <Eigen/Eigenvalues>
 #include <vector>
 
-#include "../support/graph_recorder.hpp"
-#include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "../support/graph_driver.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 namespace {
 
 constexpr int kSweeps = 12;
-std::vector<sensor_msgs::PointCloud2Ptr> driveClouds() {
+
+synthetic::Lidar askewLidar() {
+  synthetic::Lidar lidar;
+  lidar.T_base_lidar = poseFromVector((Vector6d() << 1.1, 0.2, 1.6, 0.01, 0.02, 0.3).finished());
+  return lidar;
+}
+
+std::vector<Sweep> driveSweeps() {
   const synthetic::Street street;
   const synthetic::Drive drive;
-  std::vector<sensor_msgs::PointCloud2Ptr> clouds;
+  std::vector<Sweep> sweeps;
   for (int i = 0; i < kSweeps; ++i) {
-    const Sweep sweep = street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i,
-                                    static_cast<std::uint32_t>(i));
-    const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
-    CorrectedSweep points;
-    points.points_lidar = sweep.points_lidar;
-    writeCloud(points, sweep.intensities, *cloud);  // its time is zero everywhere, as the driver's for a 64E
-    cloud->header.frame_id = "velodyne";
-    cloud->header.stamp = ros::Time(1317384506, 0) + ros::Duration(0.1 * i);
-    clouds.push_back(cloud);
+    sweeps.push_back(street.scan([&](double t) { return drive.T_street_base(t); }, kSweepPeriod_s * i,
+                                 static_cast<std::uint32_t>(i), askewLidar()));
   }
-  return clouds;
+  return sweeps;
+}
+
+/// The area of the horizontal error about a fixed point of odom never shrinks; so does the heading's variance.
+void expectGrownCovariance(const nav_msgs::Odometry& now, const nav_msgs::Odometry& before) {
+  const Matrix6d C = fromMessage(now.pose.covariance), C_before = fromMessage(before.pose.covariance);
+  ASSERT_TRUE(C.allFinite());
+  EXPECT_LT((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-15);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(C).eigenvalues()[0], 0.0);
+  EXPECT_GT(C(5, 5), C_before(5, 5));
+  EXPECT_GT(C.diagonal().head(3).sum(), C_before.diagonal().head(3).sum());
+  const Matrix6d twist = fromMessage(now.twist.covariance);
+  ASSERT_TRUE(twist.allFinite());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6d>(twist).eigenvalues()[0], 0.0);
 }
 
 TEST(Graph, everyCloudHasItsEstimateAndItIsOfflines) {
-  ros::NodeHandle node;
-  Recorder<messages::FilterState> states(node, "filter_state");
-  Recorder<nav_msgs::Odometry> odometry(node, "odometry");
-  Recorder<messages::TimeToFailure> times(node, "time_to_failure");
-  Recorder<messages::PoseMeasurement> point(node, "measurement/icp_point_to_point");
-  Recorder<messages::PoseMeasurement> plane(node, "measurement/icp_point_to_plane");
-  Recorder<messages::PoseMeasurement> corners(node, "measurement/corner_svd");
-  Recorder<sensor_msgs::PointCloud2> corrected(node, "sweep/points");
-  ros::Publisher publisher = node.advertise<sensor_msgs::PointCloud2>("/lidar/points", 10);
-  ASSERT_TRUE(waitFor([&] {
-    return publisher.getNumSubscribers() == 1 && states.connected() && odometry.connected() && times.connected() &&
-           point.connected() && plane.connected() && corners.connected() && corrected.connected();
-  })) << "a nodelet did not come up";
+  GraphDriver graph;
+  Recorder<messages::PoseMeasurement> point(graph.node(), "measurement/icp_point_to_point");
+  Recorder<messages::PoseMeasurement> plane(graph.node(), "measurement/icp_point_to_plane");
+  Recorder<messages::PoseMeasurement> corners(graph.node(), "measurement/corner_svd");
+  Recorder<sensor_msgs::PointCloud2> corrected(graph.node(), "sweep/points");
+  Recorder<messages::SweepCheck> checks(graph.node(), "sweep/check");
+  ASSERT_TRUE(graph.waitUntilLinked()) << "a nodelet did not come up";
 
-  PipelineParameters params = readPipelineParameters(node);
-  const synthetic::Lidar lidar;
-  const Vector6d lidar_in_base = vectorFromPose(lidar.T_base_lidar);
+  PipelineParameters params = readPipelineParameters(graph.node());
+  const Pose T_base_lidar = askewLidar().T_base_lidar;
+  const Vector6d lidar_in_base = vectorFromPose(T_base_lidar);
   params.sensor.lidar_in_base.assign(lidar_in_base.data(), lidar_in_base.data() + 6);
   OdometryPipeline offline(params, 1);
   offline.startRedundant();
 
-  const std::vector<sensor_msgs::PointCloud2Ptr> clouds = driveClouds();
-  publisher.publish(clouds[0]);
-  EXPECT_FALSE(waitFor([&] { return states.count(clouds[0]->header.stamp) > 0; }, 0.5)) << "without a transform";
-  tf2_ros::StaticTransformBroadcaster broadcaster;
-  geometry_msgs::TransformStamped transform;
-  transform.header.frame_id = "base_link";
-  transform.child_frame_id = "velodyne";
-  transform.transform = toTransformMessage(lidar.T_base_lidar);
-  broadcaster.sendTransform(transform);
-  ASSERT_TRUE(waitFor([&] {
-    publisher.publish(clouds[0]);  // until the transform has arrived
-    return waitFor([&] { return states.count(clouds[0]->header.stamp) > 0; }, 0.5);
-  }));
+  std::vector<sensor_msgs::PointCloud2Ptr> clouds;
+  for (const Sweep& sweep : driveSweeps()) clouds.push_back(cloudOf(sweep, stampOfSweep(static_cast<int>(clouds.size()))));
+  graph.publish(clouds[0]);
+  EXPECT_FALSE(waitFor([&] { return graph.answered(clouds[0]->header.stamp); }, 0.5)) << "without a transform";
+  graph.sendTransform(T_base_lidar);
+  ASSERT_TRUE(graph.start(clouds[0]));
 
   for (std::size_t i = 0; i < clouds.size(); ++i) {
     const ros::Time stamp = clouds[i]->header.stamp;
-    if (i > 0) publisher.publish(clouds[i]);
+    if (i > 0) {
+      ASSERT_TRUE(graph.drive(clouds[i])) << "sweep " << i;
+    }
     ASSERT_TRUE(waitFor([&] {
-      return states.count(stamp) > 0 && odometry.count(stamp) > 0 && times.count(stamp) > 0 && point.count(stamp) > 0 &&
-             plane.count(stamp) > 0 && corners.count(stamp) > 0 && corrected.count(stamp) > 0;
+      return point.count(stamp) > 0 && plane.count(stamp) > 0 && corners.count(stamp) > 0 && corrected.count(stamp) > 0 &&
+             checks.count(stamp) > 0;
     })) << "sweep " << i;
     Sweep sweep;
     ASSERT_TRUE(readCloud(*clouds[i], sweep).ok());
     const SweepResult expected = offline.step(sweep);
-    EXPECT_FALSE(states.at(stamp).deadline_missed);
-    EXPECT_EQ(states.at(stamp).corrected != 0, expected.state.corrected) << "sweep " << i;
-    const std::optional<Pose> T_odom_base = fromMessage(odometry.at(stamp).pose.pose);
-    ASSERT_TRUE(T_odom_base);
-    const Vector6d error = logSe3(expected.T_odom_base.inverse() * *T_odom_base);
+    const messages::FilterState& state = graph.states.at(stamp);
+    EXPECT_FALSE(state.deadline_missed);
+    EXPECT_EQ(state.corrected != 0, expected.state.corrected) << "sweep " << i;
+    const Vector6d error = logSe3(expected.T_odom_base.inverse() * graph.T_odom_base(stamp));
     EXPECT_LT(error.head<3>().norm(), 1e-4) << "sweep " << i;
     EXPECT_LT(error.tail<3>().norm(), 1e-5) << "sweep " << i;
-    EXPECT_EQ(times.at(stamp).state, static_cast<int>(expected.monitor.state)) << "sweep " << i;
-    EXPECT_EQ(times.at(stamp).reasons, expected.monitor.reasons) << "sweep " << i;
-    EXPECT_NEAR(times.at(stamp).time_to_failure, expected.monitor.time_to_failure.seconds, 1e-2) << "sweep " << i;
+    const messages::TimeToFailure& time = graph.times.at(stamp);
+    EXPECT_EQ(time.state, static_cast<int>(expected.monitor.state)) << "sweep " << i;
+    EXPECT_EQ(time.reasons, expected.monitor.reasons) << "sweep " << i << ": " << time.reasons_text;
+    EXPECT_NEAR(time.time_to_failure, expected.monitor.time_to_failure.seconds, 1e-2) << "sweep " << i;
+    if (i > 1) expectGrownCovariance(graph.odometry.at(stamp), graph.odometry.at(clouds[i - 1]->header.stamp));
   }
   for (const auto& cloud : clouds) {
-    EXPECT_EQ(states.count(cloud->header.stamp), 1u);
-    EXPECT_EQ(odometry.count(cloud->header.stamp), 1u);
+    EXPECT_EQ(graph.states.count(cloud->header.stamp), 1u);
+    EXPECT_EQ(graph.odometry.count(cloud->header.stamp), 1u);
   }
-  const nav_msgs::Odometry& last = odometry.at(clouds.back()->header.stamp);
+  const nav_msgs::Odometry& last = graph.odometry.at(clouds.back()->header.stamp);
   EXPECT_EQ(last.header.frame_id, "odom");
   EXPECT_EQ(last.child_frame_id, "base_link");
   EXPECT_NEAR(last.twist.twist.linear.x, synthetic::Drive().speed_mps, 0.5);
+  EXPECT_NEAR(last.twist.twist.linear.y, 0.0, 0.2) << "in base_link, not in the lidar's axes";
+  EXPECT_NEAR(last.twist.twist.angular.z, synthetic::Drive().yaw_rate_rps, 0.05);
+  const Pose truth = synthetic::Drive().T_odom_base(kSweepPeriod_s * (kSweeps - 1));
+  EXPECT_LT((graph.T_odom_base(clouds.back()->header.stamp).translation() - truth.translation()).norm(), 0.1);
 
   // silence is a failure
   bool stale = false;
-  ros::Subscriber listener = node.subscribe<messages::TimeToFailure>(
+  ros::Subscriber listener = graph.node().subscribe<messages::TimeToFailure>(
       "time_to_failure", 10, [&](const messages::TimeToFailureConstPtr& message) {
         stale = message->state == messages::TimeToFailure::FAILED &&
                 (message->reasons & messages::TimeToFailure::REASON_STALE) != 0 && message->time_to_failure == 0.0;

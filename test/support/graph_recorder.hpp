@@ -35,6 +35,7 @@ class Recorder {
     const auto at = messages_.find(stamp);
     return at == messages_.end() ? 0 : at->second.size();
   }
+  void forget(const ros::Time& stamp) { messages_.erase(stamp); }
   const Message& at(const ros::Time& stamp) const { return *messages_.at(stamp).front(); }
 
  private:

@@ -5,6 +5,7 @@
 
 #include <fail_aware_lidar_odometry/FilterState.h>
 #include <fail_aware_lidar_odometry/PoseMeasurement.h>
+#include <fail_aware_lidar_odometry/SweepCheck.h>
 #include <fail_aware_lidar_odometry/SweepPrediction.h>
 #include <fail_aware_lidar_odometry/TimeToFailure.h>
 #include <std_msgs/Header.h>
@@ -17,6 +18,7 @@
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 
 namespace fail_aware {
 
@@ -46,14 +48,21 @@ messages::PoseMeasurement toMessage(const Measurement& measurement, const std::s
 /// A pose that is none comes out not finite: the fusion counts it as invalid. An unknown status: kNoReference.
 Measurement fromMessage(const messages::PoseMeasurement& message);
 
+/// `points`: usable ones.
+messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points, const std_msgs::Header& header);
+SweepFindings fromMessage(const messages::SweepCheck& message);
+
 /// What a filter state message says beside the core's FilterState.
 struct SweepAccount {
   struct Source {
     std::string name;
     std::optional<Measurement> measurement;  ///< nothing: not arrived by the deadline
+    bool awaited = true;                     ///< false: it comes when it likes, its absence means nothing
+    bool external = false;                   ///< not made of the sweep
   };
   std::vector<Source> sources;  ///< in the order of the fusion's inputs
   int sweep_points = -1;        ///< -1: not known
+  std::optional<SweepFindings> findings;  ///< nothing: not arrived by the deadline
   int dropped_before = 0;
 };
 
@@ -61,8 +70,8 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
 /// Nothing if a pose is none.
 std::optional<FilterState> fromMessage(const messages::FilterState& message);
 
-/// The monitor's other input, as offline makes it: a source that the profile does not use is not missed.
-SweepCondition conditionOf(const messages::FilterState& message, const RegistrationParameters& registration);
+/// The monitor's other input, as offline makes it: a source that the filter does not use is not listed, so not missed.
+SweepCondition conditionOf(const messages::FilterState& message);
 
 messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorParameters& params,
                                   const std_msgs::Header& header);

@@ -10,6 +10,7 @@
 #include <xmlrpcpp/XmlRpcValue.h>
 
 #include <string>
+#include <vector>
 
 #include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
@@ -22,12 +23,18 @@ ParameterMap toParameterMap(const XmlRpc::XmlRpcValue& value);
 /// What stands below `name` of `node`, which need not exist; a copy of the server's.
 ParameterMap readParameterMap(const ros::NodeHandle& node, const std::string& name);
 
+/// `others`: beginnings of keys that stand there too and belong to somebody else.
 template <class Struct>
 void readParameters(const ros::NodeHandle& node, const std::string& name, Struct& parameters,
-                    MissingKeys missing_keys = MissingKeys::kRefuse) {
+                    MissingKeys missing_keys = MissingKeys::kRefuse, const std::vector<std::string>& others = {}) {
   const std::string place = name.empty() ? node.getNamespace() : node.resolveName(name);
   try {
-    fromMap(parameters, readParameterMap(node, name), missing_keys);
+    ParameterMap values = readParameterMap(node, name);
+    for (const std::string& other : others) {
+      auto at = values.lower_bound(other);
+      while (at != values.end() && at->first.compare(0, other.size(), other) == 0) at = values.erase(at);
+    }
+    fromMap(parameters, values, missing_keys);
   } catch (const ParameterError& error) {
     throw ParameterError(place + ": " + error.what());
   }

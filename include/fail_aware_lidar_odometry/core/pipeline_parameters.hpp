@@ -17,6 +17,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
@@ -30,12 +31,14 @@ namespace fail_aware {
 struct SensorParameters {
   SweepTimingParams timing;
   VerticalAngleCorrectionParams vertical_angle;
+  SweepCheckParams check;
   std::vector<double> lidar_in_base = {0, 0, 0, 0, 0, 0};  ///< x y z (m) roll pitch yaw (rad) of the lidar in base_link
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("timing", self.timing);
     v("vertical_angle", self.vertical_angle);
+    v("check", self.check);
     v("lidar_in_base", self.lidar_in_base);
   }
   void validate() const;

@@ -45,12 +45,25 @@ void FailAwareMonitor::reset() {
   t1_stamp_s_ = -1.0;
 }
 
+void FailAwareMonitor::setLimits(const MonitorParameters& params) {
+  params.validate();
+  predictor_ = CovariancePredictor(params.predictor);
+  params_.predictor = params.predictor;
+  params_.thresholds = params.thresholds;
+  params_.disagreement_m = params.disagreement_m;
+  params_.min_information_share = params.min_information_share;
+}
+
 std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const SweepCondition& condition) const {
   std::uint32_t reasons = 0;
   const auto add = [&](bool holds, ReasonBit bit) { reasons |= holds ? static_cast<std::uint32_t>(bit) : 0u; };
   const bool first = state.dt_s <= 0.0;  // nothing to register against yet
   add(condition.empty, kReasonSweepEmpty);
   add(condition.incomplete, kReasonSweepIncomplete);
+  add(condition.low_visibility, kReasonLowVisibility);
+  add(condition.frozen, kReasonFrozenCloud);
+  add(condition.time_jump, kReasonTimeJump);
+  add(condition.no_answer, kReasonNoAnswer);
   add(condition.dropped_before > 0, kReasonDroppedSweeps);
   if (first) return reasons;
   add(state.fusion.valid_inputs == 0, kReasonNoMeasurement);
@@ -84,10 +97,12 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
 
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   if (has_previous_ && state.dt_s > 0.0) {
-    covariance_.propagate(T_odom_previous_, state.T_odom_cog, state.increment_covariance);
+    const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
+    covariance_.propagate(T_odom_previous, state.T_odom_cog, state.increment_covariance);
     rate_.update(state.increment_covariance, state.dt_s);
   }
-  T_odom_previous_ = state.T_odom_cog;
+  if (state.odom_epoch != odom_epoch_ && indicator_.started()) start_pending_ = true;
+  odom_epoch_ = state.odom_epoch;
   has_previous_ = true;
   if (start_pending_) {
     start_pending_ = false;

@@ -68,9 +68,46 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   started_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
+  const int odom_epoch = state_.odom_epoch;
   state_ = FilterState();
+  state_.odom_epoch = odom_epoch;
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
+}
+
+namespace {
+
+/// A state covariance at `from`, turned with odom by R_new_old to the same body at `to`.
+Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
+  const Matrix6d pose_covariance = rotateCovariance(toPoseCovariance(P, from), R_new_old);
+  const Matrix6d J_inverse = poseFromStateJacobian(to.tail<3>()).inverse();
+  const Matrix6d turned = J_inverse * pose_covariance * J_inverse.transpose();
+  return 0.5 * (turned + turned.transpose());
+}
+
+}  // namespace
+
+bool PoseFilter::setPose(const Pose& T_odom_cog) {
+  if (!isFinite(T_odom_cog)) return false;
+  const Vector6d before = ukf_.state(), after = vectorFromPose(T_odom_cog);
+  const Pose T_new_old = T_odom_cog * poseFromVector(before).inverse();
+  const Matrix6d P = turned(ukf_.covariance(), before, after, T_new_old.linear());
+  if (!ukf_.reset(after, P)) return false;
+  history_.move(T_new_old);
+  road_.turn(T_new_old.linear());
+  const Eigen::Matrix3d rates_after_before = fixedAxisFromRpyRates(after.tail<3>()).inverse() * T_new_old.linear() *
+                                             fixedAxisFromRpyRates(before.tail<3>());
+  motion_.rpy_rates_rad_s = rates_after_before * motion_.rpy_rates_rad_s;
+  motion_.rpy_accelerations_rad_s2 = rates_after_before * motion_.rpy_accelerations_rad_s2;
+
+  const Vector6d z = state_.fusion.z;
+  state_.fusion.z = vectorFromPose(T_new_old * poseFromVector(z));
+  state_.fusion.R = turned(state_.fusion.R, z, state_.fusion.z, T_new_old.linear());
+  state_.T_odom_cog = T_odom_cog;
+  state_.covariance = ukf_.covariance();
+  state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
+  ++state_.odom_epoch;
+  return true;
 }
 
 bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
@@ -78,6 +115,7 @@ bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
   prediction_ = SweepPrediction();
   prediction_.stamp_s = stamp_s;
   prediction_.T_odom_cog_previous = state_.T_odom_cog;
+  prediction_.odom_epoch = state_.odom_epoch;
   if (started_) {
     const double dt = secondsBetween(state_.stamp_s, stamp_s);
     prediction_.dt_s = dt;
@@ -110,6 +148,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   FilterState next;
   next.stamp_s = prediction_.stamp_s;
   next.dt_s = prediction_.dt_s;
+  next.odom_epoch = state_.odom_epoch;
   next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), measurements);
   if (next.fusion.has_measurement) {
     next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);

@@ -12,6 +12,7 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kExternalSigmas = 3.0;
 constexpr double kLargestCoordinate = 1e9;    // m; beyond this a pose is garbage
 constexpr double kLargestVariance = 1e12;     // m^2, rad^2; "not observed" needs no more
 constexpr double kSmallestVariance = 1e-14;
@@ -203,6 +204,9 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
     any_inside = any_inside || result.weights[c.input] > 0.0;
     for (std::size_t j = 0; j < i; ++j) {
       const Vector6d apart = stateDifference(c.z, candidates[j].z);
+      const bool external = inputs[c.input].external || inputs[candidates[j].input].external;
+      const Eigen::Matrix2d R_xy = c.R.topLeftCorner<2, 2>() + candidates[j].R.topLeftCorner<2, 2>();
+      if (external && mahalanobis2d(apart.head<2>(), R_xy) <= kExternalSigmas) continue;
       result.disagreement_m = std::max(result.disagreement_m, apart.head<2>().norm());
       result.disagreement_yaw_rad = std::max(result.disagreement_yaw_rad, std::abs(apart[5]));
     }

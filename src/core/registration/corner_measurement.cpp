@@ -8,6 +8,7 @@ CornerMeasurement::CornerMeasurement(const CornerExtractor::Params& extraction,
 
 Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                        const Pose& T_cog_lidar) {
+  enterOdom(prediction.odom_epoch);
   corners_cog_.clear();
   const Eigen::Matrix3d R_odom_lidar = prediction.T_odom_cog.linear() * T_cog_lidar.linear();
   for (const Corner& corner : extractor_.extract(sweep.points_lidar, R_odom_lidar)) {
@@ -19,7 +20,14 @@ Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepP
 }
 
 void CornerMeasurement::place(const FilterState& state) {
+  enterOdom(state.odom_epoch);
   if (motion_known_) reference_.update(corners_cog_, state.T_odom_cog);
+}
+
+void CornerMeasurement::enterOdom(int epoch) {
+  if (epoch == odom_epoch_) return;
+  odom_epoch_ = epoch;
+  reference_.clear();
 }
 
 void CornerMeasurement::reset() {

@@ -14,6 +14,7 @@ RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& clo
 
 bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                 const Pose& T_cog_lidar) {
+  enterOdom(prediction.odom_epoch);
   builder_.build(sweep, T_cog_lidar, cloud_);
   T_odom_cog_start_ = prediction.T_odom_cog;
   start_covariance_ = prediction.covariance;
@@ -80,6 +81,7 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog) {
 void RegistrationFront::place(const FilterState& state) {
   const bool between_measured = last_measured_ && state.corrected;
   last_measured_ = state.corrected || state.dt_s <= 0.0;  // the first sweep defines the start pose
+  enterOdom(state.odom_epoch);
   if (!prepared_) return;
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
@@ -91,6 +93,12 @@ void RegistrationFront::place(const FilterState& state) {
     T_odom_cog_first_ = state.T_odom_cog;
   }
   reference_.add(cloud_.map_points_cog, state.T_odom_cog);
+}
+
+void RegistrationFront::enterOdom(int epoch) {
+  if (epoch == odom_epoch_) return;
+  odom_epoch_ = epoch;
+  reference_.clear();
 }
 
 void RegistrationFront::reset() {

@@ -72,6 +72,13 @@ bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
   return true;
 }
 
+void MotionHistory::move(const Pose& T_new_old) {
+  std::vector<Sample> samples;  // oldest first
+  for (std::size_t age = size_; age-- > 0;) samples.push_back(fromNewest(age));
+  clear();
+  for (const Sample& sample : samples) push(sample.stamp_s, orthonormalized(T_new_old * sample.T_odom_cog));
+}
+
 // Slope of the weighted least-squares line through the newest `samples` mean rates over their interval's middles.
 Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
   const double newest_s = fromNewest(0).stamp_s;

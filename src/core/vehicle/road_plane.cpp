@@ -60,6 +60,20 @@ bool RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const Mot
   return true;
 }
 
+void RoadPlaneEstimator::turn(const Eigen::Matrix3d& R_new_old) {
+  if (!plane_.valid) return;
+  // The normal n ~ (-slope, 1) turns, and so does its rate of change.
+  const Eigen::Vector3d n = R_new_old * Eigen::Vector3d(-plane_.slope.x(), -plane_.slope.y(), 1.0);
+  const Eigen::Vector3d n_rate =
+      R_new_old * Eigen::Vector3d(-plane_.slope_rate_per_s.x(), -plane_.slope_rate_per_s.y(), 0.0);
+  if (!(n.z() > 0.5 * n.norm())) {
+    clear();
+    return;
+  }
+  plane_.slope = -n.head<2>() / n.z();
+  plane_.slope_rate_per_s = -(n_rate.head<2>() + plane_.slope * n_rate.z()) / n.z();
+}
+
 void RoadPlaneEstimator::clear() { plane_ = RoadPlane(); }
 
 }  // namespace fail_aware

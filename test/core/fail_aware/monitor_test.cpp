@@ -209,6 +209,9 @@ TEST(FailAwareMonitor, EachConditionHasItsReason) {
   const Case cases[] = {
       {"empty", kReasonSweepEmpty, true, [](FilterState&, SweepCondition& c) { c.empty = true; }},
       {"incomplete", kReasonSweepIncomplete, true, [](FilterState&, SweepCondition& c) { c.incomplete = true; }},
+      {"fog", kReasonLowVisibility, true, [](FilterState&, SweepCondition& c) { c.low_visibility = true; }},
+      {"time jump", kReasonTimeJump, true, [](FilterState&, SweepCondition& c) { c.time_jump = true; }},
+      {"no answer", kReasonNoAnswer, true, [](FilterState&, SweepCondition& c) { c.no_answer = true; }},
       {"dropped", kReasonDroppedSweeps, true, [](FilterState&, SweepCondition& c) { c.dropped_before = 2; }},
       {"none", kReasonNoMeasurement, false, [](FilterState& s, SweepCondition&) { s.fusion.valid_inputs = 0; }},
       {"predicted", kReasonPredictionOnly, false, [](FilterState& s, SweepCondition&) { s.corrected = false; }},
@@ -384,6 +387,29 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   EXPECT_NE(refused([](MonitorParameters& p) { p.rate_window_s = kNan; }).find("rate_window_s"), std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"),
             std::string::npos);
+}
+
+TEST(FailAwareMonitor, APoseThatIsSetIsANewT1OnceItServes) {
+  FailAwareMonitor monitor{MonitorParameters()}, idle{MonitorParameters()};
+  Road road, idle_road;
+  drive(idle, idle_road, 50);
+  FilterState state = idle_road.next();
+  state.odom_epoch = 1;
+  EXPECT_FALSE(idle.update(state, {}).time_to_failure.isKnown()) << "it does not serve";
+  monitor.start();
+  const double sigma_before_m = drive(monitor, road, 50).sigma_x_m;
+  EXPECT_GT(sigma_before_m, 0.0);
+  const Pose T_new_old = Pose(Eigen::Translation3d(300.0, -40.0, 0.0)) *
+                         Pose(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ()));
+  for (int i = 0; i < 10; ++i) {
+    state = road.next();
+    state.T_odom_cog = T_new_old * state.T_odom_cog;
+    state.odom_epoch = 1;
+    const MonitorOutput output = monitor.update(state, {});
+    EXPECT_TRUE(output.time_to_failure_covariance.isKnown()) << "the rates are still known";
+    EXPECT_NEAR(output.sigma_x_m, road.sigma_m * std::sqrt(i), 1e-9) << "no lever arm to where odom was";
+    EXPECT_LT(output.sigma_y_m, 0.05);
+  }
 }
 
 }  // namespace

@@ -341,5 +341,51 @@ TEST(PoseFilter, ParametersAreChecked) {
   EXPECT_NE(refused([](PoseFilter::Params& p) { p.max_speed_mps = kNan; }).find("max_speed_mps"), std::string::npos);
 }
 
+/// The same curve in another odom; only sweep `set_at` says so, by setPose().
+TEST(PoseFilter, APoseThatIsSetMovesOdomUnderTheVehicleAndNothingElse) {
+  Drive drive;
+  drive.yaw_rate_rps = 0.2;
+  drive.T_start = pose(1.0, 2.0, 0.5, 0.01, -0.03, 0.4);
+  const Pose T_new_old = pose(100.0, -50.0, 7.0, 0.0, 0.0, 2.6);
+  constexpr int kSetAt = 12, kLast = 20;
+  PoseFilter undisturbed = makeFilter(), filter = makeFilter();
+  const Step before = driveMeasured(filter, drive, kSetAt);
+  driveMeasured(undisturbed, drive, kSetAt);
+  EXPECT_FALSE(filter.setPose(pose(kNan, 0, 0, 0, 0, 0)));
+  EXPECT_EQ(filter.state().odom_epoch, 0);
+  ASSERT_TRUE(filter.setPose(T_new_old * before.state.T_odom_cog));
+  EXPECT_EQ(filter.state().odom_epoch, 1);
+  EXPECT_LT(distance(filter.state().T_odom_cog, T_new_old * before.state.T_odom_cog), 1e-9);
+  EXPECT_LT(distance(filter.state().T_previous_now, before.state.T_previous_now), 1e-12) << "the true motion";
+  expectCovariance(filter.state().covariance, "after setPose");
+  for (int i = kSetAt + 1; i <= kLast; ++i) {
+    const Step expected = step(undisturbed, drive.stamp(i), {measured(drive.at(i))});
+    const Step moved = step(filter, drive.stamp(i), {measured(T_new_old * drive.at(i))});
+    EXPECT_EQ(moved.prediction.odom_epoch, 1);
+    EXPECT_TRUE(moved.prediction.motion_known);
+    EXPECT_LT(distance(moved.prediction.T_odom_cog, T_new_old * expected.prediction.T_odom_cog), 1e-6) << i;
+    EXPECT_LT(angle(moved.prediction.T_odom_cog, T_new_old * expected.prediction.T_odom_cog), 1e-7) << i;
+    EXPECT_LT(distance(moved.state.T_odom_cog, T_new_old * expected.state.T_odom_cog), 1e-6) << i;
+    EXPECT_NEAR(moved.state.sigma_yaw_rad, expected.state.sigma_yaw_rad, 1e-8) << i;
+    EXPECT_NEAR(moved.state.covariance.diagonal().head(2).sum(), expected.state.covariance.diagonal().head(2).sum(), 1e-8)
+        << i;
+    EXPECT_LT((moved.state.increment_covariance - expected.state.increment_covariance).cwiseAbs().maxCoeff(), 1e-8) << i;
+  }
+}
+
+TEST(PoseFilter, TheFusionsRulesCanChangeInFlight) {
+  PoseFilter filter = makeFilter();
+  Drive drive;
+  driveMeasured(filter, drive, 10);
+  MeasurementFusion::Params narrow;
+  narrow.gate_sigma = 1e-6;
+  filter.setFusion(narrow);
+  Pose off = drive.at(11);
+  off.translation().y() += 0.01;
+  EXPECT_TRUE(step(filter, drive.stamp(11), {measured(off)}).state.fusion.all_gated_out);
+  narrow.gate_sigma = -1.0;
+  EXPECT_THROW(filter.setFusion(narrow), ParameterError);
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -242,5 +242,29 @@ TEST(RegistrationFront, afterAResetTheNextSweepIsTheFirst) {
   EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.1)), 0.1);
 }
 
+TEST(RegistrationFront, inAnotherOdomTheReferenceStartsAnewWithTheSweepThatIsPlacedThere) {
+  const SyntheticDrive drive = curve();
+  const Pose T_new_old = poseOf(50.0, -20.0, 1.0, 0.0, 0.0, 120.0);
+  for (const bool state_was_heard : {true, false}) {
+    RegistrationFront front = makeFront(true);
+    placeFirst(front, drive);
+    SweepPrediction prediction = predictionOf(0.1, 0.1, Pose::Identity(), drive.pose(0.1), true);
+    ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), prediction, drive.T_cog_lidar));
+    FilterState state = stateOf(prediction, drive.pose(0.1), true);
+    state.T_odom_cog = T_new_old * drive.pose(0.1);
+    state.odom_epoch = 1;
+    if (state_was_heard) {
+      front.place(state);
+      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+      for (const Eigen::Vector3d& p : front.map().points()) mean += p / static_cast<double>(front.map().points().size());
+      EXPECT_LT((mean - state.T_odom_cog.translation()).norm(), 25.0) << "nothing is left of the other odom";
+    }
+    prediction = predictionOf(0.2, 0.1, state.T_odom_cog, drive.pose(0.1).inverse() * drive.pose(0.2), true);
+    prediction.odom_epoch = 1;
+    ASSERT_TRUE(front.prepare(drive.sweep(0.2, 3), prediction, drive.T_cog_lidar));
+    EXPECT_EQ(front.map().empty(), !state_was_heard) << "who did not hear the state has no reference";
+  }
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -181,5 +181,20 @@ TEST(MotionHistory, validatesItsParameters) {
   EXPECT_THROW(params.validate(), ParameterError);
 }
 
+TEST(MotionHistory, inAnotherOdomTheMotionIsTheSame) {
+  MotionHistory history{MotionHistory::Params()};
+  Vector6d twist;
+  twist << 12.0, 0.1, 0.0, 0.0, 0.0, 0.3;
+  for (int i = 0; i < 6; ++i) history.push(5.0 + 0.1 * i, expSe3(0.1 * i * (1.0 + 0.02 * i) * twist));
+  const MotionDerivatives before = history.derivatives();
+  history.move(poseFromVector((Vector6d() << 50.0, -3.0, 1.0, 0.0, 0.0, 3.0).finished()));
+  EXPECT_EQ(history.size(), 5u);
+  const MotionDerivatives after = history.derivatives();
+  EXPECT_TRUE(after.valid);
+  EXPECT_LT((after.velocity_body_mps - before.velocity_body_mps).norm(), 1e-9);
+  EXPECT_LT((after.acceleration_body_mps2 - before.acceleration_body_mps2).norm(), 1e-7);
+  EXPECT_LT((after.rpy_rates_rad_s - before.rpy_rates_rad_s).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -87,5 +87,23 @@ TEST(RoadPlane, ignoresWhatItCannotUse) {
   EXPECT_THROW(params.validate(), ParameterError);
 }
 
+TEST(RoadPlane, turnsWithOdom) {
+  RoadPlaneEstimator estimator{VehicleParameters(), RoadPlaneEstimator::Params()}, expected = estimator;
+  const double turn_rad = 0.7;
+  for (int i = 0; i < 20; ++i) {
+    const double pitch = -0.05 - 0.002 * i, yaw = 0.4;
+    Vector6d state = Vector6d::Zero();
+    state.tail<3>() << 0.03, pitch, yaw;
+    estimator.update(0.1 * i, state, MotionDerivatives());
+    state[5] += turn_rad;
+    expected.update(0.1 * i, state, MotionDerivatives());
+  }
+  estimator.turn(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix());
+  EXPECT_LT((estimator.plane().slope - expected.plane().slope).norm(), 1e-12);
+  EXPECT_LT((estimator.plane().slope_rate_per_s - expected.plane().slope_rate_per_s).norm(), 1e-12);
+  estimator.turn(Eigen::AngleAxisd(1.4, Eigen::Vector3d::UnitX()).toRotationMatrix());
+  EXPECT_FALSE(estimator.plane().valid) << "a wall is no road";
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -37,7 +37,8 @@ enum ReasonBit : std::uint32_t {
   kReasonFrozenCloud = 1u << 13,          ///< the sensor repeats itself
   kReasonTimeJump = 1u << 14,
   kReasonDroppedSweeps = 1u << 15,
-  kReasonLowVisibility = 1u << 16         ///< ranges cut short (fog, spray)
+  kReasonLowVisibility = 1u << 16,        ///< ranges cut short (fog, spray)
+  kReasonNoAnswer = 1u << 17              ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
 };
 
 constexpr std::uint32_t kFailedReasons = kReasonStale;
@@ -45,7 +46,7 @@ constexpr std::uint32_t kFailingReasons = kReasonFrozenCloud;
 constexpr std::uint32_t kDegradedReasons =
     kReasonNoMeasurement | kReasonPredictionOnly | kReasonPredictionOverruled | kReasonMeasurementsDisagree |
     kReasonWeakDirection | kReasonSweepIncomplete | kReasonSweepEmpty | kReasonMissingIcpPoint |
-    kReasonMissingIcpPlane | kReasonTimeJump | kReasonDroppedSweeps | kReasonLowVisibility;
+    kReasonMissingIcpPlane | kReasonTimeJump | kReasonDroppedSweeps | kReasonLowVisibility | kReasonNoAnswer;
 
 /// "STALE|NO_MEASUREMENT"; empty for none; a bit without a name as "BIT_n".
 std::string reasonText(std::uint32_t reasons);

@@ -40,6 +40,10 @@ struct MonitorParameters {
 struct SweepCondition {
   bool empty = false;         ///< no usable point
   bool incomplete = false;    ///< part of the revolution is missing
+  bool low_visibility = false;
+  bool frozen = false;        ///< the sensor repeats itself
+  bool time_jump = false;     ///< of the stamps, back or ahead
+  bool no_answer = false;     ///< of a stage of the live graph, by the deadline
   int dropped_before = 0;     ///< sweeps lost since the last one
   bool point_missing = false;
   bool plane_missing = false;
@@ -51,6 +55,10 @@ struct SweepCondition {
   static void visit(Self& self, Visitor&& v) {
     v("empty", self.empty);
     v("incomplete", self.incomplete);
+    v("low_visibility", self.low_visibility);
+    v("frozen", self.frozen);
+    v("time_jump", self.time_jump);
+    v("no_answer", self.no_answer);
     v("dropped_before", self.dropped_before);
     v("point_missing", self.point_missing);
     v("plane_missing", self.plane_missing);
@@ -80,9 +88,14 @@ class FailAwareMonitor {
  public:
   explicit FailAwareMonitor(const MonitorParameters& params);
 
-  /// t1 = the stamp of the next update().
+  /// t1 = the stamp of the next update(). Once it serves, a pose set from outside (FilterState::odom_epoch) is a new t1:
+  /// what went wrong before is mended by it.
   void start() { start_pending_ = true; }
   bool started() const { return indicator_.started() || start_pending_; }
+
+  /// Limits that may change in flight: predictor, thresholds, disagreement_m, min_information_share. What was estimated
+  /// stays. Throws ParameterError and changes nothing.
+  void setLimits(const MonitorParameters& params);
 
   MonitorOutput update(const FilterState& state, const SweepCondition& condition);
 
@@ -106,7 +119,7 @@ class FailAwareMonitor {
   StateHysteresis hysteresis_;
   Pose T_odom_mark_ = Pose::Identity();
   double t1_stamp_s_ = -1.0;
-  Pose T_odom_previous_ = Pose::Identity();
+  int odom_epoch_ = 0;
   bool has_previous_ = false;
   bool start_pending_ = false;
 };

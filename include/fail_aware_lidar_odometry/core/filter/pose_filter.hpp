@@ -32,6 +32,7 @@ struct SweepPrediction {
   Matrix6d covariance = Matrix6d::Identity();   ///< of the prediction, geometry/pose.hpp's convention
   double sigma_yaw_rad = 0.0;
   bool motion_known = false;                    ///< false: the vehicle's speed is not known yet
+  int odom_epoch = 0;                           ///< as FilterState's
 };
 
 struct FilterState {
@@ -45,6 +46,7 @@ struct FilterState {
   double filter_nis = 0.0;                     ///< of the fused measurement, 6 degrees of freedom
   Pose T_previous_now = Pose::Identity();      ///< increment of the centre of gravity
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
+  int odom_epoch = 0;  ///< counts setPose(): references placed under another number are in another odom
 };
 
 class PoseFilter {
@@ -89,6 +91,13 @@ class PoseFilter {
 
   /// Closes the sweep that was predicted last.
   const FilterState& correct(const std::vector<FusionInput>& measurements);
+
+  /// Says from outside where the vehicle was at the last estimate: odom is moved under the vehicle. Motion, increments
+  /// and P (about the vehicle) stay; odom_epoch counts on. A pose that is not finite: false, nothing changes.
+  bool setPose(const Pose& T_odom_cog);
+
+  /// The fusion's rules from the next sweep on. Throws ParameterError.
+  void setFusion(const MeasurementFusion::Params& params) { fusion_ = MeasurementFusion(params); }
 
   const FilterState& state() const { return state_; }
   bool started() const { return started_; }

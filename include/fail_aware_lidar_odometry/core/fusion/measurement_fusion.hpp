@@ -28,6 +28,7 @@ namespace fail_aware {
 struct FusionInput {
   std::string name;
   const Measurement* measurement = nullptr;  ///< null or not ok(): absent
+  bool external = false;  ///< not made of the sweep: it disagrees with another only beyond both covariances (3 sigma)
 };
 
 struct FusionResult {

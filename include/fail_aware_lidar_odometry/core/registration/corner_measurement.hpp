@@ -24,16 +24,21 @@ class CornerMeasurement {
   Measurement measure(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void place(const FilterState& state);
   void reset();
+  /// From the next sweep on; the reference stays. Throws ParameterError.
+  void setAlignment(const CornerAlignment::Params& params) { alignment_ = CornerAlignment(params); }
 
   const std::vector<Corner>& cornersCog() const { return corners_cog_; }
   const std::vector<Corner>& referenceOdom() const { return reference_.corners(); }
 
  private:
+  void enterOdom(int epoch);
+
   CornerExtractor extractor_;
   CornerReference reference_;
   CornerAlignment alignment_;
   std::vector<Corner> corners_cog_;
   bool motion_known_ = false;
+  int odom_epoch_ = 0;  ///< of the reference, as in registration_front.hpp
 };
 
 }  // namespace fail_aware

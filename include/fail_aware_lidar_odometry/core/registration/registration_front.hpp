@@ -2,6 +2,7 @@
 //
 // Offline one front serves both ICPs; on the vehicle each ICP nodelet holds its own and, since everything here is a
 // function of the corrected sweeps and the filter's states alone, both hold the same.
+// When odom was moved under the vehicle (FilterState::odom_epoch) the reference starts anew from the next placed sweep.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
 #pragma once
@@ -46,6 +47,7 @@ class RegistrationFront {
  private:
   void initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void recorrectFor(const Vector6d& twist_cog);
+  void enterOdom(int epoch);
 
   RegistrationCloudBuilder builder_;
   ReferenceMap reference_;
@@ -60,6 +62,7 @@ class RegistrationFront {
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
   bool last_measured_ = false;  ///< the last estimate is no mere prediction
+  int odom_epoch_ = 0;          ///< of the reference
 };
 
 }  // namespace fail_aware

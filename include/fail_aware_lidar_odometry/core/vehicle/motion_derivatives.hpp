@@ -67,6 +67,9 @@ class MotionHistory {
 
   MotionDerivatives derivatives() const;
 
+  /// The same motion in another odom: every pose becomes T_new_old * pose.
+  void move(const Pose& T_new_old);
+
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
 

@@ -49,6 +49,8 @@ class RoadPlaneEstimator {
   bool update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion);
 
   const RoadPlane& plane() const { return plane_; }
+  /// The same road in an odom that is turned by R_new_old.
+  void turn(const Eigen::Matrix3d& R_new_old);
   void clear();
 
  private:

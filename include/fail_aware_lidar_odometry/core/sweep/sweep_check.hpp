@@ -1,0 +1,66 @@
+// Is a raw sweep what the head should give? Beyond the article: the monitor's reasons SWEEP_INCOMPLETE, FROZEN_CLOUD,
+// LOW_VISIBILITY and TIME_JUMP come from here, offline and live.
+//
+// incomplete      fewer than min_azimuth_coverage of the azimuth's sectors (5 deg each) hold points: half a sweep, a
+//                 blanked sector
+// low_visibility  fewer than min_far_share of the points lie beyond visible_range_m: fog, spray, a dirty window
+// frozen          the points are, bit for bit, those of each of the last frozen_sweeps sweeps: a driver that repeats
+//                 itself (a simulator without noise looks the same when the vehicle stands: 0 switches this off)
+// time_jump       the stamp is more than max_gap_s after the last one, or before it
+// An empty sweep shows nothing of the first three. Input: points in the lidar's frame, m, as they came.
+// Cost: 0.5 ms for 120 000 points (coverage and range look at every n-th point, some 20 000 in all).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+
+namespace fail_aware {
+
+struct SweepCheckParams {
+  double min_azimuth_coverage = 0.75;  ///< share of the sectors; 0: off, as for a lidar that does not look all around
+  double visible_range_m = 15.0;
+  double min_far_share = 0.02;         ///< 0: off
+  int frozen_sweeps = 3;               ///< repetitions in a row; 0: off
+  double max_gap_s = 0.5;              ///< between stamps
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("min_azimuth_coverage", self.min_azimuth_coverage);
+    v("visible_range_m", self.visible_range_m);
+    v("min_far_share", self.min_far_share);
+    v("frozen_sweeps", self.frozen_sweeps);
+    v("max_gap_s", self.max_gap_s);
+  }
+  void validate() const;
+};
+
+struct SweepFindings {
+  bool incomplete = false;
+  bool low_visibility = false;
+  bool frozen = false;
+  bool time_jump = false;
+  double azimuth_coverage = 0.0;  ///< share of the sectors that hold points; 0 for an empty sweep
+  double far_share = 0.0;         ///< share of the points beyond visible_range_m
+  int repetitions = 0;            ///< sweeps in a row that repeated the one before
+};
+
+/// Keeps stamp and fingerprint of the last sweep: give it every sweep, in order, also the first after stamps jumped back.
+class SweepCheck {
+ public:
+  using Params = SweepCheckParams;
+
+  explicit SweepCheck(const Params& params);
+
+  SweepFindings check(const Sweep& sweep);
+  void reset();
+
+ private:
+  Params params_;
+  std::optional<double> last_stamp_s_;
+  std::optional<std::uint64_t> last_fingerprint_;
+  int repetitions_ = 0;
+};
+
+}  // namespace fail_aware

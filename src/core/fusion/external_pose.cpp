@@ -1,0 +1,77 @@
+#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kUnmeasuredVariance_rad2 = 1e4;
+
+bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRightCorner<3, 3>().isZero(0.0); }
+
+}  // namespace
+
+std::string unusableReason(const ExternalPose& pose) {
+  if (!std::isfinite(pose.stamp_s) || !isFinite(pose.T_odom_base)) return "the pose is not finite";
+  const Matrix6d& C = pose.covariance;
+  if (!C.allFinite()) return "the covariance is not finite";
+  const double scale = C.cwiseAbs().maxCoeff();
+  if (scale == 0.0) return "the covariance is all zero: it must say how good the pose is";
+  if (!(C - C.transpose()).isZero(1e-6 * scale)) return "the covariance is not symmetric";
+  const Eigen::Matrix3d position = C.topLeftCorner<3, 3>();
+  if (!(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(position).eigenvalues()[0] > 0.0)) {
+    return "the position's covariance is not positive";
+  }
+  if (!rotationMeasured(C)) return "";
+  if (!(Eigen::SelfAdjointEigenSolver<Matrix6d>(C).eigenvalues()[0] > 0.0)) return "the covariance is not positive";
+  return "";
+}
+
+Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
+                                const Vector6d& twist_cog, const Pose& T_base_cog, double speed_sigma) {
+  const Vector6d motion = (stamp_s - pose.stamp_s) * twist_cog;
+  const Pose T_then_now = expSe3(motion);
+  const bool rotation_measured = rotationMeasured(pose.covariance);
+  Pose T_odom_base = pose.T_odom_base;
+  if (!rotation_measured) {
+    T_odom_base.linear() = (T_odom_cog_predicted * T_then_now.inverse() * T_base_cog.inverse()).linear();
+  }
+  const Pose T_base_now = T_base_cog * T_then_now;
+  Measurement measurement;
+  measurement.status = MeasurementStatus::kOk;
+  measurement.T_odom_cog = T_odom_base * T_base_now;
+  measurement.covariance = pose.covariance;
+  if (rotation_measured) {
+    measurement.covariance = covarianceAfterOffset(pose.covariance, T_odom_base, T_base_now);
+    const double sigma_rad = speed_sigma * motion.tail<3>().norm();
+    measurement.covariance.diagonal().tail<3>().array() += sigma_rad * sigma_rad;
+  } else {
+    measurement.covariance.rightCols<3>().setZero();
+    measurement.covariance.bottomRows<3>().setZero();
+    measurement.covariance.diagonal().tail<3>().setConstant(kUnmeasuredVariance_rad2);
+  }
+  const double sigma_m = speed_sigma * motion.head<3>().norm();
+  measurement.covariance.diagonal().head<3>().array() += sigma_m * sigma_m;
+  return measurement;
+}
+
+void ExternalPoseBuffer::push(const ExternalPose& pose) {
+  if (!poses_.empty() && pose.stamp_s < poses_.back().stamp_s) poses_.clear();
+  poses_.push_back(pose);
+  if (poses_.size() > capacity_) poses_.pop_front();
+}
+
+std::optional<ExternalPose> ExternalPoseBuffer::takeNearest(double stamp_s, double tolerance_s) {
+  const auto nearest = std::min_element(poses_.begin(), poses_.end(), [&](const auto& a, const auto& b) {
+    return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
+  });
+  if (nearest == poses_.end() || std::abs(nearest->stamp_s - stamp_s) > tolerance_s) return std::nullopt;
+  const ExternalPose found = *nearest;
+  poses_.erase(poses_.begin(), nearest + 1);
+  return found;
+}
+
+}  // namespace fail_aware

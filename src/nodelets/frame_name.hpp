@@ -1,0 +1,12 @@
+// tf2 knows no leading slash.
+#pragma once
+
+#include <string>
+
+namespace fail_aware {
+
+inline std::string withoutSlash(const std::string& frame) {
+  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+}
+
+}  // namespace fail_aware

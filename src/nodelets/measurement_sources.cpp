@@ -1,0 +1,235 @@
+#include "measurement_sources.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "frame_name.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr std::uint32_t kQueue = 8;
+constexpr const char* kPoseMeasurement = "PoseMeasurement";
+constexpr const char* kPoseWithCovariance = "PoseWithCovarianceStamped";
+constexpr const char* kBuiltIn[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
+
+}  // namespace
+
+void ExtraSourceParams::validate() const {
+  if (topic.empty()) throw ParameterError("topic: must name a topic");
+  if (type != kPoseMeasurement && type != kPoseWithCovariance) {
+    throw ParameterError("type = " + type + ": must be " + kPoseMeasurement + " or " + kPoseWithCovariance);
+  }
+  requireNotNegative("tolerance_s", tolerance_s);
+}
+
+std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle& private_node) {
+  std::map<std::string, ParameterMap> groups;
+  for (const auto& [key, value] : readParameterMap(private_node, "extra_sources")) {
+    const std::size_t dot = key.find('.');
+    if (dot == std::string::npos) throw ParameterError("extra_sources: " + key + " must be a group: topic, type");
+    groups[key.substr(0, dot)][key.substr(dot + 1)] = value;
+  }
+  std::map<std::string, ExtraSourceParams> sources;
+  for (const auto& [name, values] : groups) {
+    try {
+      if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
+        throw ParameterError("is the name of one of the package's own measurements");
+      }
+      fromMap(sources[name], values, MissingKeys::kKeep);
+      sources[name].validate();
+    } catch (const ParameterError& error) {
+      throw ParameterError("extra_sources/" + name + ": " + error.what());
+    }
+  }
+  return sources;
+}
+
+MeasurementSources::MeasurementSources(ros::NodeHandle node, const std::map<std::string, ExtraSourceParams>& extra,
+                                       const std::string& odom_frame, std::function<void()> answered)
+    : node_(std::move(node)), odom_frame_(withoutSlash(odom_frame)), answered_(std::move(answered)) {
+  check_subscriber_ = node_.subscribe<messages::SweepCheck>(
+      "sweep/check", kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
+  for (const char* name : kBuiltIn) {
+    Source& source = add(name);
+    source.built_in = true;
+    source.params.topic = std::string("measurement/") + name;
+  }
+  for (const auto& [name, params] : extra) {
+    Source& source = add(name);
+    source.params = params;
+    source.exact = params.type == kPoseMeasurement;
+  }
+  for (Source& source : sources_) {  // they stay where they are from here on
+    if (source.exact) {
+      source.subscriber = node_.subscribe<messages::PoseMeasurement>(
+          source.params.topic, kQueue,
+          [this, &source](const messages::PoseMeasurementConstPtr& message) { onMeasurement(source, *message); });
+    } else {
+      source.subscriber = node_.subscribe<geometry_msgs::PoseWithCovarianceStamped>(
+          source.params.topic, 100, [this, &source](const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
+            onPose(source, *message);
+          });
+    }
+  }
+}
+
+MeasurementSources::Source& MeasurementSources::add(const std::string& name) {
+  sources_.emplace_back();
+  sources_.back().name = name;
+  return sources_.back();
+}
+
+void MeasurementSources::use(const std::string& name, bool used) {
+  for (Source& source : sources_) {
+    if (source.name == name) source.used = used;
+  }
+}
+
+void MeasurementSources::open(const ros::Time& stamp) {
+  open_ = stamp;
+  findings_.reset();
+  check_points_ = sweep_points_ = -1;
+  for (Source& source : sources_) source.measurement.reset();
+}
+
+void MeasurementSources::reset() {
+  open(ros::Time());
+  for (Source& source : sources_) source.poses.clear();
+}
+
+bool MeasurementSources::awaited(const Source& source) const {
+  if (!source.used || !source.exact) return false;
+  const bool has_points = !source.built_in || findings_ || canAnswer(check_subscriber_, check_missed_);
+  return has_points && canAnswer(source.subscriber, source.missed);
+}
+
+bool MeasurementSources::allAnswered() const {
+  if (!findings_ && canAnswer(check_subscriber_, check_missed_)) return false;
+  return std::all_of(sources_.begin(), sources_.end(),
+                     [this](const Source& source) { return source.measurement || !awaited(source); });
+}
+
+void MeasurementSources::onCheck(const messages::SweepCheck& message) {
+  check_missed_ = 0;
+  if (message.header.stamp != open_) return;
+  findings_ = fromMessage(message);
+  check_points_ = message.points;
+  answered_();
+}
+
+void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasurement& message) {
+  source.missed = 0;
+  if (message.header.stamp != open_ || open_.isZero()) {
+    ++source.late;
+    return;
+  }
+  source.measurement = fromMessage(message);
+  source.last_status = toString(source.measurement->status);
+  source.last_duration_s = message.duration;
+  ++source.answers;
+  sweep_points_ = std::max(sweep_points_, static_cast<int>(message.sweep_points));
+  answered_();
+}
+
+void MeasurementSources::onPose(Source& source, const geometry_msgs::PoseWithCovarianceStamped& message) {
+  std::string reason;
+  const std::optional<Pose> T_odom_frame = odomFrom(message.header.frame_id, reason);
+  const std::optional<Pose> T_frame_base = fromMessage(message.pose.pose);
+  if (T_odom_frame) {
+    ExternalPose pose;
+    pose.stamp_s = message.header.stamp.toSec();
+    pose.covariance = rotateCovariance(fromMessage(message.pose.covariance), T_odom_frame->linear());
+    if (T_frame_base) pose.T_odom_base = *T_odom_frame * *T_frame_base;
+    reason = T_frame_base ? unusableReason(pose) : "the pose is none (orientation must be a unit quaternion)";
+    if (reason.empty()) {
+      source.poses.push(pose);
+      return;
+    }
+  }
+  if (source.refused++ == 0 || reason != source.refused_because) {
+    ROS_WARN("extra source %s refused: %s", source.name.c_str(), reason.c_str());
+  }
+  source.refused_because = reason;
+}
+
+std::optional<Pose> MeasurementSources::odomFrom(const std::string& frame_id, std::string& reason) {
+  const std::string frame = withoutSlash(frame_id);
+  if (frame == odom_frame_) return Pose::Identity();
+  if (!tf_buffer_) {
+    tf_buffer_ = std::make_unique<tf2_ros::Buffer>();
+    tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
+  }
+  try {
+    return fromMessage(tf_buffer_->lookupTransform(odom_frame_, frame, ros::Time(0)).transform);
+  } catch (const tf2::TransformException& error) {
+    reason = "its frame is " + frame + ", not " + odom_frame_ + ", and tf does not know it: " + error.what();
+    return std::nullopt;
+  }
+}
+
+SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const Pose& T_base_cog) {
+  SweepAccount account;
+  account.findings = findings_;
+  account.sweep_points = sweep_points_ >= 0 ? sweep_points_ : check_points_ == 0 ? 0 : -1;
+  if (!findings_) ++check_missed_;
+  const std::optional<Vector6d> twist = twistFromIncrement(
+      prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
+  for (Source& source : sources_) {
+    if (!source.used) continue;
+    if (!source.exact) {
+      // while no motion is known there is nothing to move it with
+      const std::optional<ExternalPose> pose =
+          prediction.motion_known ? source.poses.takeNearest(prediction.stamp_s, source.params.tolerance_s)
+                                  : std::nullopt;
+      source.measurement.reset();
+      if (pose && twist) {
+        source.measurement =
+            externalMeasurement(*pose, prediction.stamp_s, prediction.T_odom_cog, *twist, T_base_cog);
+        source.last_status = toString(source.measurement->status);
+        ++source.answers;
+      }
+    } else if (!source.measurement) {
+      ++source.missed;
+    }
+    account.sources.push_back({source.name, source.measurement, source.exact, !source.built_in});
+  }
+  open_ = ros::Time();
+  return account;
+}
+
+std::string MeasurementSources::absent() const {
+  std::string names;
+  if (!canAnswer(check_subscriber_, check_missed_)) names += " sweep_correction";
+  for (const Source& source : sources_) {
+    if (source.used && source.exact && !canAnswer(source.subscriber, source.missed)) names += ' ' + source.name;
+  }
+  return names;
+}
+
+void MeasurementSources::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  status.add("sweep_correction: publishers", check_subscriber_.getNumPublishers());
+  for (const Source& source : sources_) {
+    if (!source.used) {
+      status.add(source.name, "not used");
+      continue;
+    }
+    status.add(source.name + ": publishers", source.subscriber.getNumPublishers());
+    status.add(source.name + ": last", source.last_status);
+    status.add(source.name + ": answers", source.answers);
+    if (source.exact) {
+      status.add(source.name + ": late", source.late);
+      status.addf(source.name + ": ms", "%.1f", 1e3 * source.last_duration_s);
+    } else {
+      status.add(source.name + ": refused", source.refused);
+      if (source.refused > 0) status.add(source.name + ": refused because", source.refused_because);
+    }
+  }
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,110 @@
+// Who answers for a sweep: the sweep's check (from SweepCorrection), the three measurements, and any further source that
+// is named by parameter. Collects the answers to the open sweep and says when nobody is left to wait for.
+//
+// Not waited for: a source that nobody publishes, one that missed absent_after_sweeps in a row (until it is heard again),
+// the three measurements while SweepCorrection is silent, and poses with a stamp of their own (they are taken when the
+// sweep is closed, the nearest in time).
+//
+// Parameters: ~extra_sources/NAME/{topic, type, tolerance_s}. type: PoseMeasurement (stamp of the sweep, exactly; waited
+// for) or PoseWithCovarianceStamped (base_link in odom, or in a frame that tf knows in odom).
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <ros/ros.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
+
+namespace fail_aware {
+
+struct ExtraSourceParams {
+  std::string topic;
+  std::string type = "PoseWithCovarianceStamped";  ///< or PoseMeasurement
+  double tolerance_s = 0.1;                        ///< between its stamp and the sweep's
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("topic", self.topic);
+    v("type", self.type);
+    v("tolerance_s", self.tolerance_s);
+  }
+  void validate() const;
+};
+
+/// Throws ParameterError, naming the source.
+std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle& private_node);
+
+class MeasurementSources {
+ public:
+  /// `answered` is called whenever something came for the open sweep.
+  MeasurementSources(ros::NodeHandle node, const std::map<std::string, ExtraSourceParams>& extra,
+                     const std::string& odom_frame, std::function<void()> answered);
+
+  void setAbsentAfter(int sweeps) { absent_after_sweeps_ = sweeps; }
+  /// One of the three measurements: false: neither waited for nor fused.
+  void use(const std::string& name, bool used);
+
+  void open(const ros::Time& stamp);
+  bool allAnswered() const;
+  /// What came for the open sweep; poses with stamps of their own are moved to it with the predicted motion.
+  SweepAccount close(const SweepPrediction& prediction, const Pose& T_base_cog);
+  void reset();
+
+  bool isOpen() const { return !open_.isZero(); }
+  /// " a b": those that others wait for in vain.
+  std::string absent() const;
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+ private:
+  struct Source {
+    std::string name;
+    ExtraSourceParams params;
+    bool built_in = false;  ///< made of SweepCorrection's points
+    bool used = true;
+    bool exact = true;      ///< carries the sweep's stamp
+    ros::Subscriber subscriber;
+    std::optional<Measurement> measurement;  ///< of the open sweep
+    ExternalPoseBuffer poses;
+    int missed = 0;                          ///< sweeps in a row
+    std::size_t answers = 0, late = 0, refused = 0;
+    std::string refused_because;
+    std::string last_status = "none yet";
+    double last_duration_s = 0.0;
+  };
+
+  Source& add(const std::string& name);
+  bool canAnswer(const ros::Subscriber& subscriber, int missed) const {
+    return missed < absent_after_sweeps_ && subscriber.getNumPublishers() > 0;
+  }
+  bool awaited(const Source& source) const;
+  void onCheck(const messages::SweepCheck& message);
+  void onMeasurement(Source& source, const messages::PoseMeasurement& message);
+  void onPose(Source& source, const geometry_msgs::PoseWithCovarianceStamped& message);
+  std::optional<Pose> odomFrom(const std::string& frame, std::string& reason);
+
+  ros::NodeHandle node_;
+  std::string odom_frame_;
+  std::function<void()> answered_;
+  int absent_after_sweeps_ = 3;
+  ros::Time open_;  ///< zero: none
+  std::deque<Source> sources_;
+  ros::Subscriber check_subscriber_;
+  std::optional<SweepFindings> findings_;
+  int check_missed_ = 0;
+  int check_points_ = -1;
+  int sweep_points_ = -1;
+  std::unique_ptr<tf2_ros::Buffer> tf_buffer_;
+  std::unique_ptr<tf2_ros::TransformListener> tf_listener_;
+};
+
+}  // namespace fail_aware

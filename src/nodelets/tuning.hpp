@@ -1,0 +1,97 @@
+// What can change in flight, nodelet by nodelet: the parameters of cfg/*.cfg, by the same names, beside the places in the
+// parameter structs that they stand for. A test compares names, types and defaults.
+#pragma once
+
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "fusion_ukf_params.hpp"
+
+namespace fail_aware {
+
+struct FusionUkfTuning {
+  FusionUkfNodeletParams node;
+  RegistrationParameters registration;  ///< only which measurements are used
+  MeasurementFusion::Params fusion;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("use_point", self.registration.use_point);
+    v("use_plane", self.registration.use_plane);
+    v("use_corners", self.registration.use_corners);
+    v("deadline_s", self.node.deadline_s);
+    v("first_deadline_s", self.node.first_deadline_s);
+    v("queue_size", self.node.queue_size);
+    v("max_reorder_s", self.node.max_reorder_s);
+    v("absent_after_sweeps", self.node.absent_after_sweeps);
+    v("gate_sigma", self.fusion.gate_sigma);
+    v("min_weight", self.fusion.min_weight);
+    v("agreement_distance_m", self.fusion.agreement_distance_m);
+    v("agreement_yaw_deg", self.fusion.agreement_yaw_deg);
+  }
+  void validate() const {
+    node.validate();
+    registration.validate();
+    fusion.validate();
+  }
+};
+
+struct FailAwareMonitorTuning {
+  MonitorParameters monitor;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("alert_limit_m", self.monitor.predictor.alert_limit_m);
+    v("confidence", self.monitor.predictor.confidence);
+    v("failing_s", self.monitor.thresholds.failing_s);
+    v("degraded_s", self.monitor.thresholds.degraded_s);
+    v("disagreement_m", self.monitor.disagreement_m);
+    v("min_information_share", self.monitor.min_information_share);
+  }
+  void validate() const { monitor.validate(); }
+};
+
+struct IcpPointToPointTuning {
+  MultiplexIcp::Params icp;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("seeds", self.icp.seeds);
+    v("spread", self.icp.spread);
+    v("max_refined_seeds", self.icp.max_refined_seeds);
+    v("max_iterations", self.icp.max_iterations);
+    v("max_distance_m", self.icp.max_distance_m);
+    v("kernel_m", self.icp.kernel_m);
+    v("min_inlier_share", self.icp.min_inlier_share);
+  }
+  void validate() const { icp.validate(); }
+};
+
+struct IcpPointToPlaneTuning {
+  NormalFilteredIcp::Params icp;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("filter_normals", self.icp.filter_normals);
+    v("heading_tolerance_deg", self.icp.heading_tolerance_deg);
+    v("keep_ground", self.icp.keep_ground);
+    v("ground_tolerance_deg", self.icp.ground_tolerance_deg);
+    v("max_iterations", self.icp.max_iterations);
+    v("max_distance_m", self.icp.max_distance_m);
+    v("kernel_m", self.icp.kernel_m);
+  }
+  void validate() const { icp.validate(); }
+};
+
+struct CornerSvdTuning {
+  CornerAlignment::Params alignment;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("association_distance_m", self.alignment.association_distance_m);
+    v("min_corners", self.alignment.min_corners);
+    v("max_residual_m", self.alignment.max_residual_m);
+    v("min_baseline_m", self.alignment.min_baseline_m);
+  }
+  void validate() const { alignment.validate(); }
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,514 @@
+// What plugs into the running graph: clouds as different drivers pack them, stamps that jump, services, set_pose, extra
+// measurement sources, dynamic_reconfigure, diagnostics. One graph for all tests; each begins with ~reset.
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <gtest/gtest.h>
+#include <std_srvs/Trigger.h>
+
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <set>
+
+#include "../support/graph_driver.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+
+namespace fail_aware {
+namespace {
+
+using Reason = messages::TimeToFailure;
+
+class Interfaces : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    graph_ = new GraphDriver;
+    using Answer = boost::function<void(const messages::SweepPredictionConstPtr&)>;
+    // A source of one's own that answers every sweep, mostly that it has nothing.
+    visual_ = new ros::Publisher(graph_->node().advertise<messages::PoseMeasurement>("/visual/pose", 10));
+    predictions_ = new ros::Subscriber(graph_->node().subscribe<messages::SweepPrediction>(
+        "sweep/prediction", 10, Answer([](const messages::SweepPredictionConstPtr& prediction) {
+          messages::PoseMeasurement measurement;
+          if (visual_pose_) measurement = visual_pose_(*prediction);
+          if (!visual_pose_) measurement.status = messages::PoseMeasurement::NOT_CONVERGED;
+          measurement.header = prediction->header;
+          measurement.source = "visual";
+          measurement.sweep_points = -1;
+          visual_->publish(measurement);
+        })));
+    graph_->sendTransform();
+    ASSERT_TRUE(graph_->waitUntilLinked());
+    ASSERT_TRUE(waitFor([] { return allLinked({"/visual/pose"}); }));
+    ASSERT_TRUE(graph_->start(streetCloud(0)));
+  }
+  static void TearDownTestSuite() {
+    delete predictions_;
+    delete visual_;
+    delete graph_;
+  }
+
+  void SetUp() override { ASSERT_TRUE(call("fusion_ukf/reset")); }
+
+  static bool call(const std::string& service, std::string* message = nullptr) {
+    std_srvs::Trigger trigger;
+    if (!ros::service::call(graph_->topic(service), trigger)) return false;
+    if (message != nullptr) *message = trigger.response.message;
+    return trigger.response.success;
+  }
+  static void drive(int first, int last) {
+    for (int i = first; i <= last; ++i) ASSERT_TRUE(graph_->drive(streetCloud(i))) << "sweep " << i;
+  }
+  static const messages::FilterState& stateAt(int i) { return graph_->states.at(stampOfSweep(i)); }
+  static std::uint32_t reasonsAt(int i) { return graph_->times.at(stampOfSweep(i)).reasons; }
+  static Pose poseAt(int i) { return graph_->T_odom_base(stampOfSweep(i)); }
+  static Pose truthAt(int i, int first = 0) { return synthetic::Drive().T_odom_base(kSweepPeriod_s * i, kSweepPeriod_s * first); }
+  static void expectNear(const Pose& a, const Pose& b, double tolerance_m, const std::string& what) {
+    EXPECT_LT((a.translation() - b.translation()).norm(), tolerance_m) << what;
+    EXPECT_LT(logSe3(a.inverse() * b).tail<3>().norm(), 0.01) << what;
+  }
+
+  static GraphDriver* graph_;
+  static ros::Publisher* visual_;
+  static ros::Subscriber* predictions_;
+  static std::function<messages::PoseMeasurement(const messages::SweepPrediction&)> visual_pose_;
+};
+
+GraphDriver* Interfaces::graph_ = nullptr;
+ros::Publisher* Interfaces::visual_ = nullptr;
+ros::Subscriber* Interfaces::predictions_ = nullptr;
+std::function<messages::PoseMeasurement(const messages::SweepPrediction&)> Interfaces::visual_pose_;
+
+// ---- clouds -----------------------------------------------------------------------------------------------------------
+
+/// s from the middle of the sweep, of each point, by its column (the head turns clockwise from the rear).
+std::vector<float> columnTimes(const Sweep& sweep) {
+  std::vector<float> times;
+  for (const Eigen::Vector3f& p : sweep.points_lidar) {
+    const double yaw = std::atan2(p.y(), p.x());
+    times.push_back(static_cast<float>(kSweepPeriod_s * (0.5 * (1.0 - yaw / M_PI) - 0.5)));
+  }
+  return times;
+}
+
+sensor_msgs::PointField field(const char* name, std::uint32_t offset, std::uint8_t datatype) {
+  sensor_msgs::PointField field;
+  field.name = name;
+  field.offset = offset;
+  field.datatype = datatype;
+  field.count = 1;
+  return field;
+}
+
+/// As the Noetic velodyne driver packs: 22 bytes a point, ring and time not aligned.
+sensor_msgs::PointCloud2Ptr velodyneCloud(int i, const std::function<float(float)>& time_of) {
+  const Sweep sweep = streetSweep(i);
+  const std::vector<float> times = columnTimes(sweep);
+  const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
+  using Field = sensor_msgs::PointField;
+  cloud->fields = {field("x", 0, Field::FLOAT32),          field("y", 4, Field::FLOAT32), field("z", 8, Field::FLOAT32),
+                   field("intensity", 12, Field::FLOAT32), field("ring", 16, Field::UINT16), field("time", 18, Field::FLOAT32)};
+  cloud->point_step = 22;
+  cloud->height = 1;
+  cloud->width = static_cast<std::uint32_t>(sweep.size());
+  cloud->row_step = cloud->width * cloud->point_step;
+  cloud->is_dense = true;
+  cloud->data.resize(cloud->row_step);
+  for (std::size_t k = 0; k < sweep.size(); ++k) {
+    std::uint8_t* point = cloud->data.data() + k * cloud->point_step;
+    const float time = time_of(times[k]);
+    std::memcpy(point, sweep.points_lidar[k].data(), 12);
+    std::memcpy(point + 12, &sweep.intensities[k], 4);
+    std::memcpy(point + 16, &sweep.rings[k], 2);
+    std::memcpy(point + 18, &time, 4);
+  }
+  cloud->header.frame_id = "velodyne";
+  cloud->header.stamp = stampOfSweep(i);
+  return cloud;
+}
+
+/// As kitti2bag packs: x y z i.
+sensor_msgs::PointCloud2Ptr kittiCloud(int i) {
+  const sensor_msgs::PointCloud2Ptr cloud = streetCloud(i);
+  cloud->fields.resize(4);
+  cloud->fields[3].name = "i";
+  const std::vector<std::uint8_t> data = cloud->data;
+  cloud->data.resize(16 * cloud->width);
+  for (std::uint32_t k = 0; k < cloud->width; ++k) std::memcpy(&cloud->data[16 * k], &data[20 * k], 16);
+  cloud->point_step = 16;
+  cloud->row_step = 16 * cloud->width;
+  return cloud;
+}
+
+/// Rows of 100 points with a NaN after every ninth, the last row filled up with them, and padding after each row.
+sensor_msgs::PointCloud2Ptr organisedCloud(int i) {
+  const Sweep sweep = streetSweep(i);
+  std::vector<Eigen::Vector3f> points;
+  const Eigen::Vector3f nan = Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN());
+  for (const Eigen::Vector3f& p : sweep.points_lidar) {
+    points.push_back(p);
+    if (points.size() % 10 == 9) points.push_back(nan);
+  }
+  constexpr std::size_t kWidth = 100, kStep = 16;
+  while (points.size() % kWidth != 0) points.push_back(nan);
+  const sensor_msgs::PointCloud2Ptr cloud = kittiCloud(i);
+  cloud->is_dense = false;
+  cloud->width = kWidth;
+  cloud->height = static_cast<std::uint32_t>(points.size() / kWidth);
+  cloud->row_step = kWidth * kStep + 8;
+  cloud->data.assign(static_cast<std::size_t>(cloud->height) * cloud->row_step, 0xff);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    std::memcpy(&cloud->data[(k / kWidth) * cloud->row_step + (k % kWidth) * kStep], points[k].data(), 12);
+  }
+  return cloud;
+}
+
+TEST_F(Interfaces, CloudsOfEveryDriverGiveTheSameOdometry) {
+  struct Packing {
+    const char* name;
+    std::function<sensor_msgs::PointCloud2Ptr(int)> cloud;
+  };
+  constexpr float kHalf = static_cast<float>(0.5 * kSweepPeriod_s);
+  const Packing packings[] = {
+      {"x y z intensity time", [](int i) { return streetCloud(i); }},
+      {"velodyne driver, time zero", [](int i) { return velodyneCloud(i, [](float) { return 0.0f; }); }},
+      {"velodyne driver, time negative", [](int i) { return velodyneCloud(i, [](float t) { return t - kHalf; }); }},
+      {"velodyne driver, time positive", [](int i) { return velodyneCloud(i, [](float t) { return t + kHalf; }); }},
+      {"kitti2bag", kittiCloud},
+      {"organised with NaN", organisedCloud}};
+  constexpr int kSweeps = 5;
+  std::vector<Pose> expected;
+  for (const Packing& packing : packings) {
+    SetUp();
+    for (int i = 0; i < kSweeps; ++i) {
+      ASSERT_TRUE(graph_->drive(packing.cloud(i))) << packing.name << ", sweep " << i;
+      EXPECT_EQ(stateAt(i).corrected != 0, i > 0) << packing.name << ", sweep " << i;
+      if (static_cast<int>(expected.size()) <= i) expected.push_back(poseAt(i));
+      expectNear(poseAt(i), expected[static_cast<std::size_t>(i)], 1e-3, packing.name + std::string(", sweep ") + std::to_string(i));
+    }
+  }
+  expectNear(expected.back(), truthAt(kSweeps - 1), 0.05, "truth");
+}
+
+TEST_F(Interfaces, ACloudOfAnotherFrameIsLostAndCounted) {
+  drive(0, 2);
+  const sensor_msgs::PointCloud2Ptr other = streetCloud(3);
+  other->header.frame_id = "rear_lidar";
+  graph_->states.forget(stampOfSweep(3));  // of other tests
+  graph_->publish(other);
+  drive(4, 4);
+  EXPECT_EQ(graph_->states.count(stampOfSweep(3)), 0u);
+  EXPECT_EQ(stateAt(4).dropped_before, 1u);
+  EXPECT_TRUE(has(reasonsAt(4), Reason::REASON_DROPPED_SWEEPS));
+  EXPECT_TRUE(stateAt(4).corrected);
+}
+
+TEST_F(Interfaces, WhatIsWrongWithASweepIsToldAtOnce) {
+  drive(0, 2);
+  const auto driveOnly = [&](int i, const std::function<bool(const Eigen::Vector3f&)>& keep) {
+    Sweep sweep = streetSweep(i), kept;
+    for (const Eigen::Vector3f& p : sweep.points_lidar) {
+      if (keep(p)) kept.points_lidar.push_back(p);
+    }
+    ASSERT_TRUE(graph_->drive(cloudOf(kept, stampOfSweep(i))));
+  };
+  driveOnly(3, [](const Eigen::Vector3f& p) { return p.y() > 0.0f; });
+  EXPECT_TRUE(has(reasonsAt(3), Reason::REASON_SWEEP_INCOMPLETE));
+  driveOnly(4, [](const Eigen::Vector3f& p) { return p.norm() < 10.0f; });
+  EXPECT_TRUE(has(reasonsAt(4), Reason::REASON_LOW_VISIBILITY));
+  driveOnly(5, [](const Eigen::Vector3f&) { return false; });
+  EXPECT_TRUE(has(reasonsAt(5), Reason::REASON_SWEEP_EMPTY | Reason::REASON_NO_MEASUREMENT));
+  for (int i = 6; i < 11; ++i) ASSERT_TRUE(graph_->drive(cloudOf(streetSweep(6), stampOfSweep(i))));
+  EXPECT_FALSE(has(reasonsAt(6), Reason::REASON_FROZEN_CLOUD));
+  EXPECT_TRUE(has(reasonsAt(10), Reason::REASON_FROZEN_CLOUD)) << "within five sweeps";
+  EXPECT_GE(graph_->times.at(stampOfSweep(10)).state, Reason::FAILING);
+}
+
+// ---- time -------------------------------------------------------------------------------------------------------------
+
+TEST_F(Interfaces, ABagThatBeginsAgainIsACleanStart) {
+  drive(0, 7);
+  std::vector<Pose> first;
+  for (int i = 0; i < 3; ++i) first.push_back(poseAt(i));
+  drive(0, 2);  // 0.7 s back
+  EXPECT_EQ(stateAt(0).dt, 0.0);
+  EXPECT_TRUE(has(reasonsAt(0), Reason::REASON_TIME_JUMP));
+  EXPECT_FALSE(has(reasonsAt(1), Reason::REASON_TIME_JUMP));
+  for (int i = 0; i < 3; ++i) expectNear(poseAt(i), first[static_cast<std::size_t>(i)], 1e-6, std::to_string(i));
+  EXPECT_EQ(graph_->times.at(stampOfSweep(0)).sigma_x, 0.0) << "t1 is the new start";
+}
+
+TEST_F(Interfaces, OverAGapOfASecondItGoesOn) {
+  drive(0, 7);
+  drive(18, 20);
+  EXPECT_NEAR(stateAt(18).dt, 1.1, 1e-6);
+  EXPECT_TRUE(has(reasonsAt(18), Reason::REASON_TIME_JUMP));
+  EXPECT_FALSE(has(reasonsAt(19), Reason::REASON_TIME_JUMP));
+  EXPECT_TRUE(stateAt(20).corrected);
+  expectNear(poseAt(20), truthAt(20), 0.3, "after the gap");
+}
+
+// ---- services ---------------------------------------------------------------------------------------------------------
+
+TEST_F(Interfaces, ResetIsANewStartForAll) {
+  drive(0, 4);
+  EXPECT_GT(graph_->times.at(stampOfSweep(4)).sigma_x, 0.0);
+  ASSERT_TRUE(call("fusion_ukf/reset"));
+  drive(5, 8);
+  EXPECT_EQ(stateAt(5).dt, 0.0);
+  expectNear(poseAt(5), Pose::Identity(), 1e-9, "odom begins at base_link");
+  EXPECT_EQ(graph_->times.at(stampOfSweep(5)).sigma_x, 0.0) << "and t1 is there";
+  EXPECT_EQ(reasonsAt(5), 0u) << "nothing is wrong with a reset";
+  EXPECT_TRUE(stateAt(8).corrected);
+  expectNear(poseAt(8), truthAt(8, 5), 0.05, "references began anew");
+}
+
+TEST_F(Interfaces, SaveTrajectoryWritesEverySweepSinceTheStart) {
+  std::string message;
+  EXPECT_FALSE(call("fusion_ukf/save_trajectory", &message));
+  EXPECT_NE(message.find("no pose yet"), std::string::npos) << message;
+  drive(0, 3);
+  ASSERT_TRUE(call("fusion_ukf/save_trajectory", &message)) << message;
+  const std::string path = "/tmp/fail_aware_interfaces_test_tum.txt";
+  EXPECT_NE(message.find(path + ": 4 poses"), std::string::npos) << message;
+  const std::vector<StampedPose> poses = readTumTrajectory(path);
+  std::filesystem::remove(path);
+  ASSERT_EQ(poses.size(), 4u);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(poses[static_cast<std::size_t>(i)].stamp_s, stampOfSweep(i).toSec(), 1e-6);
+    expectNear(poses[static_cast<std::size_t>(i)].T, poseAt(i), 1e-6, std::to_string(i));
+  }
+  graph_->node().setParam("fusion_ukf/trajectory_file", "/no/such/folder/tum.txt");
+  EXPECT_FALSE(call("fusion_ukf/save_trajectory", &message));
+  EXPECT_NE(message.find("/no/such/folder"), std::string::npos) << message;
+  graph_->node().setParam("fusion_ukf/trajectory_file", path);
+}
+
+// ---- set_pose ---------------------------------------------------------------------------------------------------------
+
+geometry_msgs::PoseWithCovarianceStamped poseMessage(const Pose& T, double sigma_m, double sigma_rad,
+                                                     const std::string& frame, const ros::Time& stamp) {
+  geometry_msgs::PoseWithCovarianceStamped message;
+  message.header.frame_id = frame;
+  message.header.stamp = stamp;
+  message.pose.pose = toPoseMessage(T);
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(sigma_m * sigma_m), Eigen::Vector3d::Constant(sigma_rad * sigma_rad);
+  message.pose.covariance = toCovarianceMessage(variances.asDiagonal());
+  return message;
+}
+
+TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
+  ros::Publisher publisher = graph_->node().advertise<geometry_msgs::PoseWithCovarianceStamped>("set_pose", 1);
+  ASSERT_TRUE(waitFor([&] { return publisher.getNumSubscribers() == 1; }));
+  drive(0, 5);
+  const Pose T_new_old = poseFromVector((Vector6d() << 500.0, -200.0, 3.0, 0.0, 0.0, 2.0).finished());
+  publisher.publish(poseMessage(T_new_old * poseAt(5), 0.1, 0.01, "map", stampOfSweep(5)));  // refused
+  const auto epoch = stateAt(5).odom_epoch;
+  drive(6, 6);
+  EXPECT_EQ(stateAt(6).odom_epoch, epoch) << "another frame's pose is refused";
+  expectNear(poseAt(6), truthAt(6), 0.05, "refused");
+
+  // topics of one publisher and another are not ordered: it takes effect with one of the next sweeps
+  publisher.publish(poseMessage(T_new_old * truthAt(6), 0.1, 0.01, "odom", stampOfSweep(6)));
+  int set_at = 7;
+  for (;; ++set_at) {
+    ASSERT_LT(set_at, 16);
+    drive(set_at, set_at);
+    if (stateAt(set_at).odom_epoch != epoch) break;
+  }
+  expectNear(poseAt(set_at), T_new_old * truthAt(set_at), 0.15, "moved on from its stamp");
+  const nav_msgs::Odometry& odometry = graph_->odometry.at(stampOfSweep(set_at));
+  EXPECT_NEAR(odometry.twist.twist.linear.x, synthetic::Drive().speed_mps, 0.5) << "the true motion";
+  EXPECT_NEAR(std::sqrt(odometry.pose.covariance[35]), 0.01, 1e-3) << "the covariance that was set";
+  EXPECT_TRUE(graph_->times.at(stampOfSweep(set_at)).sigma_x == 0.0) << "a new t1";
+  const Pose T_set = poseAt(set_at);
+  drive(set_at + 1, set_at + 5);
+  for (int i = set_at + 1; i <= set_at + 5; ++i) {
+    EXPECT_TRUE(stateAt(i).corrected) << i;
+    EXPECT_EQ(stateAt(i).odom_epoch, stateAt(set_at).odom_epoch);
+    EXPECT_GT(stateAt(i).valid_inputs, 1u) << "references began anew, the motion is known";
+    expectNear(T_set.inverse() * poseAt(i), truthAt(i, set_at), 0.06, std::to_string(i));
+  }
+}
+
+// ---- extra sources ----------------------------------------------------------------------------------------------------
+
+int sourceOf(const messages::FilterState& state, const std::string& name) {
+  const auto at = std::find(state.measurement_names.begin(), state.measurement_names.end(), name);
+  return at == state.measurement_names.end() ? -1 : static_cast<int>(at - state.measurement_names.begin());
+}
+
+TEST_F(Interfaces, AGpsJoinsTheFusionAndCarriesItAlone) {
+  ros::Publisher gps = graph_->node().advertise<geometry_msgs::PoseWithCovarianceStamped>("/gps/pose", 10);
+  ASSERT_TRUE(waitFor([&] { return gps.getNumSubscribers() == 1; }));
+  // its stamps lie 30 ms after the sweeps'; it comes before the sweep does, in odom, without a heading
+  const auto fix = [&](int i) {
+    const double stamp_s = kSweepPeriod_s * i + 0.03;
+    Pose T = Pose::Identity();
+    T.translation() = synthetic::Drive().T_odom_base(stamp_s).translation();
+    gps.publish(poseMessage(T, 0.3, 0.0, "odom", stampOfSweep(i) + ros::Duration(0.03)));
+  };
+  drive(0, 3);
+  EXPECT_GE(sourceOf(stateAt(3), "gps"), 0);
+  EXPECT_FALSE(stateAt(3).deadline_missed) << "nobody waits for it";
+  int used = 0;
+  for (int i = 4; i < 10; ++i) {
+    fix(i);
+    drive(i, i);
+    const auto at = static_cast<std::size_t>(sourceOf(stateAt(i), "gps"));
+    if (stateAt(i).measurement_status[at] != messages::PoseMeasurement::OK) continue;
+    ++used;
+    EXPECT_GT(stateAt(i).measurement_weights[at], 0.5) << i;
+    EXPECT_FALSE(has(reasonsAt(i), Reason::REASON_MEASUREMENTS_DISAGREE)) << i;
+  }
+  EXPECT_GE(used, 4);
+  expectNear(poseAt(9), truthAt(9), 0.06, "with the lidar");
+  // the lidar goes blind
+  used = 0;
+  for (int i = 10; i < 25; ++i) {
+    fix(i);
+    ASSERT_TRUE(graph_->drive(cloudOf(Sweep(), stampOfSweep(i))));
+    EXPECT_TRUE(has(reasonsAt(i), Reason::REASON_SWEEP_EMPTY));
+    used += stateAt(i).corrected ? 1 : 0;
+  }
+  EXPECT_GE(used, 12);
+  EXPECT_LT((poseAt(24).translation() - truthAt(24).translation()).head<2>().norm(), 0.6);
+  // a frame that nobody knows
+  gps.publish(poseMessage(Pose::Identity(), 0.3, 0.0, "utm", stampOfSweep(25)));
+  drive(25, 27);
+  EXPECT_EQ(stateAt(27).measurement_status[static_cast<std::size_t>(sourceOf(stateAt(27), "gps"))],
+            messages::FilterState::NOT_ARRIVED);
+}
+
+TEST_F(Interfaces, APoseMeasurementOfOnesOwnIsWaitedForByItsExactStamp) {
+  visual_pose_ = [](const messages::SweepPrediction& prediction) {
+    const Pose T_base_cog = synthetic::Lidar().T_base_lidar * fromMessage(prediction.lidar_in_cog)->inverse();
+    const double since_start_s = (prediction.header.stamp - stampOfSweep(0)).toSec();
+    messages::PoseMeasurement measurement;
+    measurement.status = messages::PoseMeasurement::OK;
+    measurement.pose = toPoseMessage(synthetic::Drive().T_odom_base(since_start_s) * T_base_cog);
+    measurement.covariance = toCovarianceMessage(0.01 * Matrix6d::Identity());
+    return measurement;
+  };
+  drive(0, 4);
+  for (int i = 1; i <= 4; ++i) {
+    const auto at = static_cast<std::size_t>(sourceOf(stateAt(i), "visual"));
+    EXPECT_EQ(stateAt(i).measurement_status[at], messages::PoseMeasurement::OK) << i;
+    EXPECT_GT(stateAt(i).measurement_weights[at], 0.5) << i;
+    EXPECT_EQ(stateAt(i).deadline_missed, 0) << i;
+  }
+  expectNear(poseAt(4), truthAt(4), 0.06, "with it");
+  visual_pose_ = nullptr;
+}
+
+// ---- reconfiguration, diagnostics -------------------------------------------------------------------------------------
+
+template <class Value>
+const Value* valueOf(const std::vector<Value>& values, const std::string& name) {
+  for (const Value& value : values) {
+    if (value.name == name) return &value;
+  }
+  return nullptr;
+}
+
+bool reconfigure(const std::string& node, const dynamic_reconfigure::Config& request, dynamic_reconfigure::Config& reply) {
+  dynamic_reconfigure::Reconfigure call;
+  call.request.config = request;
+  if (!ros::service::call("/fail_aware_lidar_odometry/" + node + "/set_parameters", call)) return false;
+  reply = call.response.config;
+  return true;
+}
+
+TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
+  dynamic_reconfigure::Config request, reply;
+  ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
+  EXPECT_EQ(valueOf(reply.doubles, "gate_sigma")->value, 2.5) << "the profile's, not the .cfg's nor an earlier run's";
+  EXPECT_EQ(valueOf(reply.doubles, "deadline_s")->value, 60.0) << "the launch file's";
+
+  dynamic_reconfigure::BoolParameter off;
+  off.name = "use_corners";
+  off.value = false;
+  request.bools = {off};
+  ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
+  drive(0, 2);
+  EXPECT_EQ(sourceOf(stateAt(2), "corner_svd"), -1);
+  EXPECT_FALSE(has(reasonsAt(2), Reason::REASON_MISSING_CORNERS)) << "not used, not missed";
+  request.bools.front().value = true;
+  ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
+  drive(3, 3);
+  EXPECT_GE(sourceOf(stateAt(3), "corner_svd"), 0);
+
+  request.bools.clear();
+  for (const char* name : {"use_point", "use_plane"}) {
+    off.name = name;
+    request.bools.push_back(off);
+  }
+  ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
+  EXPECT_TRUE(valueOf(reply.bools, "use_point")->value && valueOf(reply.bools, "use_plane")->value) << "refused";
+  drive(4, 4);
+  EXPECT_TRUE(stateAt(4).corrected);
+
+  request = dynamic_reconfigure::Config();
+  dynamic_reconfigure::DoubleParameter value;
+  value.name = "failing_s";
+  value.value = 20.0;  // more than degraded_s
+  request.doubles = {value};
+  ASSERT_TRUE(reconfigure("fail_aware_monitor", request, reply));
+  EXPECT_EQ(valueOf(reply.doubles, "failing_s")->value, 3.0);
+  value.name = "alert_limit_m";
+  value.value = 0.01;
+  request.doubles = {value};
+  ASSERT_TRUE(reconfigure("fail_aware_monitor", request, reply));
+  EXPECT_EQ(valueOf(reply.doubles, "alert_limit_m")->value, 0.01);
+  drive(5, 9);
+  EXPECT_EQ(graph_->times.at(stampOfSweep(9)).state, Reason::FAILED) << "a centimetre is soon passed";
+  EXPECT_TRUE(has(reasonsAt(9), Reason::REASON_COVARIANCE_LIMIT));
+  value.value = 0.6;
+  request.doubles = {value};
+  ASSERT_TRUE(reconfigure("fail_aware_monitor", request, reply));
+
+  request = dynamic_reconfigure::Config();
+  dynamic_reconfigure::IntParameter seeds;
+  seeds.name = "seeds";
+  seeds.value = 1;
+  request.ints = {seeds};
+  ASSERT_TRUE(reconfigure("icp_point_to_point", request, reply));
+  EXPECT_EQ(valueOf(reply.ints, "seeds")->value, 1);
+  drive(10, 11);
+  EXPECT_TRUE(stateAt(11).corrected);
+  request.ints.front().value = 8;
+  ASSERT_TRUE(reconfigure("icp_point_to_point", request, reply));
+}
+
+TEST_F(Interfaces, EveryNodeletTellsItsHealth) {
+  std::map<std::string, std::set<std::string>> keys;
+  ros::Subscriber listener = graph_->node().subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 50, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+        for (const auto& status : array->status) {
+          for (const auto& name : NodeletManager::types()) {
+            if (status.name.find(name.first) == std::string::npos) continue;
+            for (const auto& value : status.values) keys[name.first].insert(value.key);
+          }
+        }
+      });
+  drive(0, 3);
+  EXPECT_TRUE(waitFor([&] { return keys.size() == NodeletManager::types().size(); }));
+  for (const char* name : {"sweep_correction", "icp_point_to_point", "icp_point_to_plane", "corner_svd", "fusion_ukf"}) {
+    EXPECT_TRUE(keys[name].count("rate (Hz)")) << name;
+    EXPECT_TRUE(keys[name].count("sweeps")) << name;
+  }
+  EXPECT_TRUE(keys["fusion_ukf"].count("dropped: overload"));
+  EXPECT_TRUE(keys["fusion_ukf"].count("icp_point_to_plane: last"));
+  EXPECT_TRUE(keys["fusion_ukf"].count("gps: answers"));
+  EXPECT_TRUE(keys["fail_aware_monitor"].count("silence (s)"));
+}
+
+}  // namespace
+}  // namespace fail_aware
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "interfaces_test");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}

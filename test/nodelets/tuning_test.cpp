@@ -1,0 +1,111 @@
+// Defaults in the .cfg files, in code and in cfg/profiles/default.yaml agree; a request never gives an invalid set.
+#include "../../src/nodelets/tuning.hpp"
+
+#include <fail_aware_lidar_odometry/CornerSvdConfig.h>
+#include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
+#include <fail_aware_lidar_odometry/FusionUkfConfig.h>
+#include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
+#include <fail_aware_lidar_odometry/IcpPointToPointConfig.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "../../src/nodelets/reconfiguration.hpp"
+#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+
+namespace fail_aware {
+namespace {
+
+namespace config = ::fail_aware_lidar_odometry;
+
+ProfileParameters defaultYaml() {
+  return loadPipelineParameters({FAIL_AWARE_SOURCE_CFG, "default", "passat_b6", "hdl64e"}).profile;
+}
+
+template <class Config, class Tuning>
+void expectSameDefaults(const Tuning& in_code, const Tuning& in_yaml) {
+  EXPECT_EQ(valuesOf(Config::__getDefault__()), toMap(in_code));
+  EXPECT_EQ(toMap(in_yaml), toMap(in_code));
+}
+
+TEST(Tuning, DefaultsOfCfgCodeAndYamlAgree) {
+  const ProfileParameters yaml = defaultYaml();
+  expectSameDefaults<config::FusionUkfConfig>(FusionUkfTuning(),
+                                              FusionUkfTuning{FusionUkfNodeletParams(), yaml.registration, yaml.fusion});
+  expectSameDefaults<config::FailAwareMonitorConfig>(FailAwareMonitorTuning(), FailAwareMonitorTuning{yaml.monitor});
+  expectSameDefaults<config::IcpPointToPointConfig>(IcpPointToPointTuning(),
+                                                    IcpPointToPointTuning{yaml.registration.point});
+  expectSameDefaults<config::IcpPointToPlaneConfig>(IcpPointToPlaneTuning(),
+                                                    IcpPointToPlaneTuning{yaml.registration.plane});
+  expectSameDefaults<config::CornerSvdConfig>(CornerSvdTuning(), CornerSvdTuning{yaml.registration.corner_alignment});
+}
+
+/// Each bound by itself, the others at their defaults: valid, or refused by a rule between two parameters.
+template <class Config, class Tuning>
+void expectUsableBounds(const std::vector<std::string>& tied) {
+  for (const Config& bounds : {Config::__getMin__(), Config::__getMax__()}) {
+    for (const auto& [name, value] : valuesOf(bounds)) {
+      if (std::find(tied.begin(), tied.end(), name) != tied.end()) continue;
+      Tuning tuning;
+      fromMap(tuning, ParameterMap{{name, value}}, MissingKeys::kKeep);
+      EXPECT_NO_THROW(tuning.validate()) << name;
+    }
+  }
+}
+
+TEST(Tuning, BoundsAreWithinTheRules) {
+  expectUsableBounds<config::FusionUkfConfig, FusionUkfTuning>({});
+  expectUsableBounds<config::FailAwareMonitorConfig, FailAwareMonitorTuning>({"failing_s", "degraded_s"});
+  expectUsableBounds<config::IcpPointToPointConfig, IcpPointToPointTuning>({});
+  expectUsableBounds<config::IcpPointToPlaneConfig, IcpPointToPlaneTuning>({});
+  expectUsableBounds<config::CornerSvdConfig, CornerSvdTuning>({});
+}
+
+TEST(Tuning, ARequestChangesWhatItNames) {
+  FailAwareMonitorTuning current;
+  current.monitor.thresholds.failing_s = 4.0;  // from yaml
+  auto request = configOf<config::FailAwareMonitorConfig>(current);
+  EXPECT_EQ(request.failing_s, 4.0);
+  request.alert_limit_m = 0.3;
+  const FailAwareMonitorTuning tuned = tunedBy(request, current);
+  EXPECT_EQ(tuned.monitor.predictor.alert_limit_m, 0.3);
+  EXPECT_EQ(tuned.monitor.thresholds.failing_s, 4.0);
+}
+
+TEST(Tuning, AnInvalidSetIsRefusedWithTheRule) {
+  const FailAwareMonitorTuning current;
+  auto request = configOf<config::FailAwareMonitorConfig>(current);
+  request.failing_s = 20.0;  // more than degraded_s
+  try {
+    tunedBy(request, current);
+    FAIL();
+  } catch (const ParameterError& error) {
+    EXPECT_NE(std::string(error.what()).find("degraded_s"), std::string::npos) << error.what();
+  }
+  auto blind = configOf<config::FusionUkfConfig>(FusionUkfTuning());
+  blind.use_point = blind.use_plane = false;
+  EXPECT_THROW(tunedBy(blind, FusionUkfTuning()), ParameterError);
+}
+
+TEST(Tuning, AValueOfTheYamlBeyondTheBoundsStaysUntilItIsChanged) {
+  FusionUkfTuning current;
+  current.fusion.gate_sigma = 500.0;  // valid, though no slider goes there
+  auto request = configOf<config::FusionUkfConfig>(current);
+  request.queue_size = 5;
+  request.__clamp__();  // as the server does
+  FusionUkfTuning tuned = tunedBy(request, current);
+  EXPECT_EQ(tuned.fusion.gate_sigma, 500.0);
+  EXPECT_EQ(tuned.node.queue_size, 5);
+  request.gate_sigma = 4.0;
+  tuned = tunedBy(request, tuned);
+  EXPECT_EQ(tuned.fusion.gate_sigma, 4.0);
+}
+
+TEST(Tuning, WhatDynamicReconfigureWritesBesideOwnParametersIsKnown) {
+  const std::vector<std::string> foreign = foreignKeys(FusionUkfTuning(), FusionUkfNodeletParams());
+  EXPECT_NE(std::find(foreign.begin(), foreign.end(), "gate_sigma"), foreign.end());
+  EXPECT_EQ(std::find(foreign.begin(), foreign.end(), "deadline_s"), foreign.end());
+}
+
+}  // namespace
+}  // namespace fail_aware
