@@ -50,6 +50,11 @@ ParameterMap readParameterMap(const ros::NodeHandle& node, const std::string& na
   return toParameterMap(value);
 }
 
+std::string readText(const ros::NodeHandle& node, const std::string& name, const std::string& otherwise) {
+  std::string text;
+  return node.getParam(name, text) ? text : otherwise;
+}
+
 PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
   for (const char* part : {"profile", "vehicle", "sensor"}) {
     if (node.hasParam(part)) continue;

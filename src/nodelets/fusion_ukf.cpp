@@ -252,8 +252,8 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   }
 
   bool onSaveTrajectory(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    std::string file = params_.trajectory_file;
-    getPrivateNodeHandle().getParam("trajectory_file", file);  // may have been set meanwhile
+    // may have been set meanwhile
+    const std::string file = readText(getPrivateNodeHandle(), "trajectory_file", params_.trajectory_file);
     std::error_code error;
     const std::filesystem::path path = std::filesystem::absolute(file, error);
     try {

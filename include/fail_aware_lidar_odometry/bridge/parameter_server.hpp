@@ -40,6 +40,9 @@ void readParameters(const ros::NodeHandle& node, const std::string& name, Struct
   }
 }
 
+/// The text `name` of `node` as it stands now; `otherwise` if there is none.
+std::string readText(const ros::NodeHandle& node, const std::string& name, const std::string& otherwise);
+
 /// profile/, vehicle/ and sensor/ below `node`, validated.
 PipelineParameters readPipelineParameters(const ros::NodeHandle& node);
 
