@@ -127,6 +127,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.corrected = state.corrected;
   message.increment = toPoseMessage(state.T_previous_now);
   message.increment_covariance = toCovarianceMessage(state.increment_covariance);
+  message.unobserved_covariance = toCovarianceMessage(state.unobserved_covariance);
   message.odom_epoch = state.odom_epoch;
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
@@ -173,6 +174,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.corrected = message.corrected != 0;
   state.T_previous_now = *increment;
   state.increment_covariance = fromMessage(message.increment_covariance);
+  state.unobserved_covariance = fromMessage(message.unobserved_covariance);
   state.odom_epoch = message.odom_epoch;
   state.filter_nis = message.fused_nis;
   state.fusion.has_measurement = message.has_measurement != 0;

@@ -68,6 +68,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     filter_ = std::make_unique<PoseFilter>(profile.filter, profile.ukf,
                                            VehicleModel(pipeline.vehicle.dynamics, profile.model), profile.history,
                                            profile.road, profile.fusion);
+    odometry_covariance_ = OdometryCovariance(profile.monitor.drift);
     path_ = std::make_unique<BoundedPath>(static_cast<std::size_t>(params_.path_max_poses), params_.path_spacing_m);
     trajectory_ = std::make_unique<TrajectoryRecord>(static_cast<std::size_t>(params_.trajectory_max_poses));
     sources_ = std::make_unique<MeasurementSources>(node, readExtraSources(private_node), params_.odom_frame,
@@ -177,7 +178,8 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     const Pose T_odom_cog_previous = filter_->state().T_odom_cog;
     const FilterState& state = filter_->correct(inputs);
     if (state.dt_s > 0.0) {
-      odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, state.increment_covariance);
+      odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog,
+                                     {state.increment_covariance, state.unobserved_covariance, state.dt_s});
     }
     if (pose_setting_.pending() && (state.dt_s <= 0.0 || prediction_.motion_known)) setPose();
     ++counts_.sweeps;

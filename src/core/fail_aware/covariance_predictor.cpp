@@ -25,18 +25,26 @@ bool isCovariance(const Eigen::Matrix3d& C) {
   return eigen.info() == Eigen::Success && eigen.eigenvalues()[0] >= -1e-6;
 }
 
-double radius(const Eigen::Matrix3d& S, double k) {
-  const double mean = 0.5 * (S(0, 0) + S(1, 1));
-  const double largest = mean + std::hypot(0.5 * (S(0, 0) - S(1, 1)), S(0, 1));
-  return k * std::sqrt(std::max(largest, 0.0));
-}
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// The solution of dS/dt = L S + S L^T + Q after `dt`, L nilpotent (L^2 = 0).
-Eigen::Matrix3d grown(const Eigen::Matrix3d& S, const Eigen::Matrix3d& L, const Eigen::Matrix3d& Q, double dt) {
-  const Eigen::Matrix3d A = Eigen::Matrix3d::Identity() + dt * L;
-  const Eigen::Matrix3d LQ = L * Q;
+// The solution of dS/dt = L S + S L^T + Q after `dt`; L^3 = 0, and L^2 Q = 0, since what L^2 takes in has no noise.
+Matrix6 grown(const Matrix6& S, const Matrix6& L, const Matrix6& Q, double dt) {
+  const Matrix6 A = Matrix6::Identity() + dt * L + 0.5 * dt * dt * L * L;
+  const Matrix6 LQ = L * Q;
   return A * S * A.transpose() + dt * Q + 0.5 * dt * dt * (LQ + LQ.transpose()) +
          dt * dt * dt / 3.0 * LQ * L.transpose();
+}
+
+// Probability that an error with sigmas 1 and `ratio` is farther than `radius`. The integrand has period pi.
+double exceedance(double ratio, double radius) {
+  constexpr int kSteps = 128;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double phi = M_PI * (i + 0.5) / kSteps;
+    const double variance = 1.0 - (1.0 - ratio * ratio) * std::sin(phi) * std::sin(phi);
+    sum += std::exp(-0.5 * radius * radius / variance);
+  }
+  return sum / kSteps;
 }
 
 }  // namespace
@@ -86,38 +94,82 @@ void CovariancePredictor::Params::validate() const {
   requireWithin("rate_scale", rate_scale, 0.0, 1e6);
 }
 
-CovariancePredictor::CovariancePredictor(const Params& params) : params_(params) {
-  params_.validate();
-  k_ = std::sqrt(-2.0 * std::log1p(-params_.confidence));
+ConfidenceRadius::ConfidenceRadius(double probability) {
+  for (int i = 0; i <= kTable; ++i) {
+    const double ratio = static_cast<double>(i) / kTable;
+    double low = 0.0, high = std::sqrt(-2.0 * std::log1p(-probability)) + 1e-9;  // a circle's: the largest
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = 0.5 * (low + high);
+      (exceedance(ratio, middle) > 1.0 - probability ? low : high) = middle;
+    }
+    sigmas_[static_cast<std::size_t>(i)] = high;
+  }
 }
+
+double ConfidenceRadius::operator()(const Eigen::Matrix2d& covariance) const {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  const double larger = std::max(mean + half, 0.0), smaller = std::max(mean - half, 0.0);
+  if (larger <= 0.0) return 0.0;
+  const double place = std::sqrt(std::min(smaller / larger, 1.0)) * kTable;
+  const auto below = std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(kTable - 1));
+  const double share = place - static_cast<double>(below);
+  return ((1.0 - share) * sigmas_[below] + share * sigmas_[below + 1]) * std::sqrt(larger);
+}
+
+namespace {
+
+// Before the members are made of them.
+const CovariancePredictor::Params& validated(const CovariancePredictor::Params& params) {
+  params.validate();
+  return params;
+}
+
+bool isUsable(const CovarianceGrowth& g) {
+  const auto bounded = [](double value) { return std::isfinite(value) && std::abs(value) <= kLargestEntry; };
+  return isCovariance(g.covariance) && isCovariance(g.rate) && isCovariance(g.drivers) && g.cross.allFinite() &&
+         g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.passing.allFinite() &&
+         g.passing.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
+         bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.unobserved >= 0.0 &&
+         g.unobserved <= 1.0;
+}
+
+}  // namespace
+
+CovariancePredictor::CovariancePredictor(const Params& params)
+    : params_(validated(params)), radius_(params.confidence) {}
 
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
-  if (!isCovariance(growth.covariance) || !isCovariance(growth.rate) || !std::isfinite(growth.course_rad) ||
-      !std::isfinite(growth.speed_mps) || std::abs(growth.speed_mps) > kLargestEntry ||
-      !std::isfinite(growth.yaw_rate_rps) || std::abs(growth.yaw_rate_rps) > kLargestEntry) {
-    return prediction;
-  }
-  Eigen::Matrix3d S = 0.5 * (growth.covariance + growth.covariance.transpose());
+  if (!isUsable(growth)) return prediction;
+  Matrix6 S;
+  S << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
+  S = (0.5 * (S + S.transpose())).eval();
   const Eigen::Matrix3d rate = 0.5 * params_.rate_scale * (growth.rate + growth.rate.transpose());
-  const auto passes = [this](const Eigen::Matrix3d& covariance) {
-    return !(radius(covariance, k_) < params_.alert_limit_m);
+  const auto radius = [&](const Matrix6& covariance) {
+    return radius_(covariance.topLeftCorner<2, 2>() + growth.passing);
   };
-  prediction.radius_m = radius(S, k_);
+  const auto passes = [&](const Matrix6& covariance) { return !(radius(covariance) < params_.alert_limit_m); };
+  prediction.radius_m = radius(S);
   if (passes(S)) {
     prediction.time_to_failure = TimeToFailure::reached();
     return prediction;
   }
 
+  const double v = growth.speed_mps, u = growth.unobserved;
   for (double t = 0.0; t < params_.horizon_s; t += params_.step_s) {
     const double step_s = std::min(params_.step_s, params_.horizon_s - t);
     const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);
-    Eigen::Matrix3d L = Eigen::Matrix3d::Zero();
-    L(0, 2) = -growth.speed_mps * std::sin(course);
-    L(1, 2) = growth.speed_mps * std::cos(course);
+    const double c = std::cos(course), s = std::sin(course);
+    Matrix6 L = Matrix6::Zero();
+    L.row(0) << 0.0, 0.0, -v * s, 0.0, v * c, u * c;
+    L.row(1) << 0.0, 0.0, v * c, 0.0, v * s, u * s;
+    L(2, 3) = std::abs(v);  // by distance, whichever way
     const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    const Eigen::Matrix3d Q = R * rate * R.transpose();
-    const Eigen::Matrix3d next = grown(S, L, Q, step_s);
+    Matrix6 Q = Matrix6::Zero();
+    Q.topLeftCorner<3, 3>() = R * rate * R.transpose();
+    Q(5, 5) = params_.rate_scale * u * growth.speed_wander;
+    const Matrix6 next = grown(S, L, Q, step_s);
     if (passes(next)) {
       double before = 0.0, after = step_s;
       for (int i = 0; i < kBisections; ++i) {

@@ -20,6 +20,7 @@ const MonitorParameters& validated(const MonitorParameters& params) {
 void MonitorParameters::validate() const {
   indicator.validate();
   predictor.validate();
+  drift.validate();
   thresholds.validate();
   requirePositive("rate_window_s", rate_window_s);
   requireWithin("sweeps_to_recover", sweeps_to_recover, 1, 10000);
@@ -31,7 +32,9 @@ FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
     : params_(validated(params)),
       indicator_(params.indicator),
       predictor_(params.predictor),
+      drift_(params.drift),
       rate_(params.rate_window_s),
+      covariance_(params.drift),
       hysteresis_(params.sweeps_to_recover) {}
 
 void FailAwareMonitor::reset() {
@@ -84,7 +87,14 @@ Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
 
 CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
   CovarianceGrowth growth;
-  growth.covariance = horizontalBlock(covariance_.sinceMark());
+  const DriftState& drift = covariance_.driftSinceMark();
+  growth.covariance = horizontalBlock(drift.lasting.topLeftCorner<6, 6>());
+  growth.drivers = drift.lasting.bottomRightCorner<3, 3>();
+  growth.cross << drift.lasting.block<2, 3>(0, DriftState::kHeadingBias),
+      drift.lasting.block<1, 3>(5, DriftState::kHeadingBias);
+  growth.passing = drift.passing.topLeftCorner<2, 2>();
+  growth.speed_wander = drift_.speedWander();
+  growth.unobserved = drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance);
   growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
   const Eigen::Matrix3d R_mark_cog = T_odom_mark_.linear().transpose() * state.T_odom_cog.linear();
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
@@ -98,8 +108,11 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   if (has_previous_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
-    covariance_.propagate(T_odom_previous, state.T_odom_cog, state.increment_covariance);
-    rate_.update(state.increment_covariance, state.dt_s);
+    covariance_.propagate(T_odom_previous, state.T_odom_cog,
+                          {state.increment_covariance, state.unobserved_covariance, state.dt_s});
+    rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance,
+                                state.T_previous_now.translation().norm()),
+                 state.dt_s);
   }
   if (state.odom_epoch != odom_epoch_ && indicator_.started()) start_pending_ = true;
   odom_epoch_ = state.odom_epoch;

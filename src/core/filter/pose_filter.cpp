@@ -159,7 +159,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
-    next.increment_covariance = incrementCovariance(next, prediction_);
+    setIncrementCovariance(prediction_, next);
   }
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
   const bool begins = !started_ || (!prediction_.motion_known && beginReference(measurements));
@@ -193,24 +193,31 @@ void PoseFilter::updateMotion() {
   yaw_rate = std::clamp(yaw_rate, -params_.max_yaw_rate_rps, params_.max_yaw_rate_rps);
 }
 
-Matrix6d PoseFilter::incrementCovariance(const FilterState& state, const SweepPrediction& prediction) const {
-  // What this sweep adds to a pose known exactly before: along observed directions the measurement's R, along the
-  // others the model's Q, as in one Kalman step from zero covariance: Q - Q (Q + R)^-1 Q = Q (Q + R)^-1 R.
+void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const {
+  // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T, along the
+  // directions that R does not observe all of Q, and the measurement's part K R K^T.
   const Matrix6d& Q = process_noise_;
-  Matrix6d added = Q;
+  Matrix6d from_prediction = Q, from_measurement = Matrix6d::Zero();
   if (state.corrected) {
     const Matrix6d sum = Q + state.fusion.R;
-    added = Q - Q * sum.ldlt().solve(Q);
-    added = (0.5 * (added + added.transpose())).eval();
+    const Matrix6d K = sum.ldlt().solve(Q).transpose();
+    const Matrix6d left = Matrix6d::Identity() - K;
+    from_prediction = left * Q * left.transpose();
+    from_measurement = K * state.fusion.R * K.transpose();
   }
-  const Matrix6d in_odom = toPoseCovariance(params_.increment_scale * added, vectorFromPose(state.T_odom_cog));
-  Matrix6d covariance = rotateCovariance(in_odom, prediction.T_odom_cog_previous.linear().transpose());
+  const Vector6d x = vectorFromPose(state.T_odom_cog);
+  const Eigen::Matrix3d R_previous_odom = prediction.T_odom_cog_previous.linear().transpose();
+  const auto aboutPrevious = [&](const Matrix6d& C) {
+    const Matrix6d scaled = 0.5 * params_.increment_scale * (C + C.transpose());
+    return rotateCovariance(toPoseCovariance(scaled, x), R_previous_odom);
+  };
+  state.unobserved_covariance = aboutPrevious(from_prediction);
+  state.increment_covariance = state.unobserved_covariance + aboutPrevious(from_measurement);
   const double floor_m =
       params_.increment_floor_m + params_.increment_per_metre_m * state.T_previous_now.translation().norm();
   const double floor_rad = params_.increment_floor_deg * kDegree;
-  covariance.diagonal().head<3>().array() += floor_m * floor_m;
-  covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
-  return covariance;
+  state.increment_covariance.diagonal().head<3>().array() += floor_m * floor_m;
+  state.increment_covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
 }
 
 }  // namespace fail_aware

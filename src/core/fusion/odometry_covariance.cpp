@@ -9,7 +9,10 @@ namespace fail_aware {
 
 namespace {
 
-Matrix6d symmetric(const Matrix6d& C) { return 0.5 * C + 0.5 * C.transpose(); }
+template <class Matrix>
+Matrix symmetric(const Matrix& C) {
+  return 0.5 * C + 0.5 * C.transpose();
+}
 
 // The nearest positive semidefinite matrix.
 Matrix6d positiveSemidefinite(const Matrix6d& C) {
@@ -24,34 +27,77 @@ bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
 
 }  // namespace
 
-bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
-                                   const Matrix6d& increment_covariance) {
-  if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !increment_covariance.allFinite()) return false;
-  const Matrix6d increment = positiveSemidefinite(increment_covariance);
-  const Pose T_previous_now = T_odom_base_previous.inverse() * T_odom_base_now;
+OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }
 
-  const Matrix6d covariance = composeCovariance(covariance_, T_odom_base_previous, increment, T_previous_now);
-  Matrix6d since_mark = Matrix6d::Zero();
-  if (T_odom_mark_) {
-    const Pose T_mark_previous = T_odom_mark_->inverse() * T_odom_base_previous;
-    since_mark = composeCovariance(since_mark_, T_mark_previous, increment, T_previous_now);
+// Errors e = (dt, dr, b, s, v) of pose, heading bias, scale bias and speed:
+//   dt += dr x R t + s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v *= u,   u: how little of the speed is observed
+void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_previous_now,
+                                 const OdometryIncrement& increment, DriftState& state) const {
+  const Eigen::Matrix3d& R = T_start_previous.linear();
+  const Eigen::Vector3d step = R * T_previous_now.translation();
+  const double distance_m = step.norm();
+  const double u = drift_.unobservedAlong(increment.covariance, increment.unobserved);
+  DriftState::Matrix F = DriftState::Matrix::Identity();
+  F.topLeftCorner<6, 6>().topRightCorner<3, 3>() = -skew(step);
+  F.block<3, 1>(3, DriftState::kHeadingBias) = distance_m * R.col(2);
+  F.block<3, 1>(0, DriftState::kScaleBias) = step;
+  F.block<3, 1>(0, DriftState::kSpeed) = u * increment.dt_s * R.col(0);
+  F(DriftState::kSpeed, DriftState::kSpeed) = u;
+  state.lasting = symmetric(DriftState::Matrix(F * state.lasting * F.transpose()));
+  state.lasting.topLeftCorner<6, 6>() +=
+      symmetric(rotateCovariance(drift_.lasting(increment.covariance, increment.unobserved, distance_m), R));
+  state.lasting(DriftState::kSpeed, DriftState::kSpeed) += u * increment.dt_s * drift_.speedWander();
+  state.passing = symmetric(rotateCovariance(drift_.passing(increment.covariance, increment.unobserved), R));
+}
+
+bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
+                                   const OdometryIncrement& increment) {
+  if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !increment.covariance.allFinite() ||
+      !increment.unobserved.allFinite() || !std::isfinite(increment.dt_s) || increment.dt_s < 0.0) {
+    return false;
   }
-  if (!covariance.allFinite() || !since_mark.allFinite()) return false;
-  covariance_ = symmetric(covariance);
-  since_mark_ = symmetric(since_mark);
+  const Pose T_previous_now = T_odom_base_previous.inverse() * T_odom_base_now;
+  OdometryIncrement sane = increment;
+  const Matrix6d observed = positiveSemidefinite(increment.covariance - increment.unobserved);
+  sane.unobserved = positiveSemidefinite(increment.unobserved);
+  sane.covariance = sane.unobserved + observed;
+
+  DriftState since_start = since_start_, since_mark = since_mark_;
+  advance(T_odom_base_previous, T_previous_now, sane, since_start);
+  if (T_odom_mark_) advance(T_odom_mark_->inverse() * T_odom_base_previous, T_previous_now, sane, since_mark);
+  if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
+  since_start_ = since_start;
+  since_mark_ = since_mark;
+  covariance_ = since_start_.pose();
+  if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
+  passing_base_ = rotateCovariance(drift_.passing(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
+  speed_variance_ = since_start_.lasting(DriftState::kSpeed, DriftState::kSpeed);
   return true;
 }
 
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {
-  covariance_ = start_covariance.allFinite() ? positiveSemidefinite(start_covariance) : Matrix6d::Zero();
+  const Eigen::Vector2d biases = drift_.biasVariances();
+  since_start_ = DriftState();
+  if (start_covariance.allFinite()) since_start_.lasting.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
+  since_start_.lasting.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
+  covariance_ = since_start_.pose();
+  passing_base_.setZero();
+  speed_variance_ = 0.0;
   T_odom_mark_.reset();
-  since_mark_.setZero();
+  since_mark_ = DriftState();
+  since_mark_covariance_.setZero();
 }
 
 void OdometryCovariance::mark(const Pose& T_odom_mark) {
-  since_mark_.setZero();
+  since_mark_ = DriftState();
+  since_mark_covariance_.setZero();
   T_odom_mark_.reset();
-  if (isFinite(T_odom_mark)) T_odom_mark_ = T_odom_mark;
+  if (!isFinite(T_odom_mark)) return;
+  T_odom_mark_ = T_odom_mark;
+  // The jitter of the mark itself stays: all that follows is seen from there.
+  since_mark_.lasting.topLeftCorner<6, 6>() = passing_base_;
+  since_mark_.lasting.diagonal().segment<2>(DriftState::kHeadingBias) = drift_.biasVariances();
+  since_mark_.lasting(DriftState::kSpeed, DriftState::kSpeed) = speed_variance_;
 }
 
 std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s) {

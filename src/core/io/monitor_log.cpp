@@ -35,6 +35,7 @@ void visitNumbers(Input& input, Visitor&& v) {
   v("corrected", s.corrected);
   visitMatrix("T_previous_now", s.T_previous_now.affine(), v);
   visitMatrix("increment_covariance", s.increment_covariance, v);
+  visitMatrix("unobserved_covariance", s.unobserved_covariance, v);
   v("odom_epoch", s.odom_epoch);
   v("filter_nis", s.filter_nis);
   auto& f = s.fusion;

@@ -1,16 +1,21 @@
-// Beyond the paper: the time at which the horizontal error since t1 passes the alert limit, from the accumulated
-// covariance and its present growth. The confidence radius of a 2D Gaussian is r = k sqrt(largest eigenvalue),
-// k = sqrt(-2 ln(1 - p)): the error is inside r with probability p at least.
+// Beyond the paper: the time at which the horizontal error since t1 passes the alert limit with a given probability, from
+// the accumulated covariance and its present growth.
 //
-// Growth: at constant speed v and yaw rate, with S the covariance of (x, y, yaw) in the frame at t1, Q the increments'
-// rate, th the course:  dS/dt = L S + S L^T + R(th) Q R(th)^T,  L = v [0 0 -sin th; 0 0 cos th; 0 0 0]
-// so the heading's variance turns into lateral variance with the distance driven. Integrated in steps of constant
-// course (exact for straight driving), the crossing found inside its step by bisection.
+// The error (x, y) is Gaussian; with variances a >= b along its axes and c = 1 - b/a it is within r with probability
+//   p = 1 - 1/(2 pi) integral over phi of exp(-r^2 / (2 a (1 - c sin^2 phi)))
+// from sqrt(-2 ln(1 - p)) sigma for a circle down to a normal's two-sided quantile for a line. `radius` is that r.
 //
-// Inputs: m, rad, s. Failure: input not finite or not a covariance -> unknown. Cost: horizon_s / step_s 3x3 products.
+// Growth: at constant speed v and yaw rate, the error (x, y, yaw) in the frame at t1 with heading bias h, scale bias s
+// and speed error w (fusion/odometry_covariance.hpp), u how little of the speed is observed, th the course:
+//   x' = -v sin th yaw + (v s + u w) cos th,  y' = v cos th yaw + (v s + u w) sin th,  yaw' = v h
+// driven by white noise: Q on (x, y, yaw), about the body's axes, and on w. Integrated in steps of constant course (exact
+// for straight driving), the crossing found inside its step by bisection.
+//
+// Inputs: m, rad, s. Failure: input not finite or not a covariance -> unknown. Cost: horizon_s / step_s 6x6 products.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <deque>
 #include <optional>
 
@@ -50,11 +55,29 @@ struct CovarianceGrowth {
   double course_rad = 0.0;                               ///< direction of travel in the frame at t1
   double speed_mps = 0.0;
   double yaw_rate_rps = 0.0;                             ///< 0: as if driving on straight
+
+  Eigen::Matrix3d drivers = Eigen::Matrix3d::Zero();  ///< of heading bias (rad/m), scale bias, speed error (m/s)
+  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();    ///< (x, y, yaw) against the drivers
+  double speed_wander = 0.0;                          ///< of the speed error, m^2/s^3
+  double unobserved = 0.0;                            ///< u above, 0..1
+  Eigen::Matrix2d passing = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow
 };
 
 struct CovariancePrediction {
   TimeToFailure time_to_failure;
   double radius_m = -1.0;  ///< the confidence radius now; -1: unknown
+};
+
+/// The circle that holds a horizontal error with a given probability.
+class ConfidenceRadius {
+ public:
+  /// probability in (0, 1).
+  explicit ConfidenceRadius(double probability);
+  double operator()(const Eigen::Matrix2d& covariance) const;
+
+ private:
+  static constexpr int kTable = 64;
+  std::array<double, kTable + 1> sigmas_{};  ///< by the ratio of the smaller sigma to the larger
 };
 
 class CovariancePredictor {
@@ -64,7 +87,7 @@ class CovariancePredictor {
     double confidence = 0.95;
     double horizon_s = 60.0;
     double step_s = 0.25;
-    double rate_scale = 1.0;  ///< on the increments' covariance: calibrates for errors that are not independent
+    double rate_scale = 1.0;  ///< on the growth of the covariance
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -84,7 +107,7 @@ class CovariancePredictor {
 
  private:
   Params params_;
-  double k_;
+  ConfidenceRadius radius_;
 };
 
 }  // namespace fail_aware

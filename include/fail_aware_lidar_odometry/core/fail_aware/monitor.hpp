@@ -17,6 +17,7 @@ namespace fail_aware {
 struct MonitorParameters {
   FailAwareIndicator::Params indicator;
   CovariancePredictor::Params predictor;
+  DriftModel::Params drift;       ///< also of the published odometry's covariance
   FailureThresholds thresholds;
   double rate_window_s = 3.0;     ///< over which the increments' covariance rate is averaged
   int sweeps_to_recover = 10;
@@ -27,6 +28,7 @@ struct MonitorParameters {
   static void visit(Self& self, Visitor&& v) {
     v("indicator", self.indicator);
     v("predictor", self.predictor);
+    v("drift", self.drift);
     v("thresholds", self.thresholds);
     v("rate_window_s", self.rate_window_s);
     v("sweeps_to_recover", self.sweeps_to_recover);
@@ -114,6 +116,7 @@ class FailAwareMonitor {
   MonitorParameters params_;
   FailAwareIndicator indicator_;
   CovariancePredictor predictor_;
+  DriftModel drift_;
   IncrementRate rate_;
   OdometryCovariance covariance_;
   StateHysteresis hysteresis_;

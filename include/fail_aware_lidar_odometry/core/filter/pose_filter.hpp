@@ -46,6 +46,7 @@ struct FilterState {
   double filter_nis = 0.0;                     ///< of the fused measurement, 6 degrees of freedom
   Pose T_previous_now = Pose::Identity();      ///< increment of the centre of gravity
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
+  Matrix6d unobserved_covariance = Matrix6d::Zero();  ///< the part of it that no measurement contradicts
   int odom_epoch = 0;  ///< counts setPose(): references placed under another number are in another odom
 };
 
@@ -104,7 +105,7 @@ class PoseFilter {
 
  private:
   void updateMotion();
-  Matrix6d incrementCovariance(const FilterState& state, const SweepPrediction& prediction) const;
+  void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
 
   Params params_;
   VehicleModel model_;

@@ -1,23 +1,50 @@
 // The covariance of the accumulated odometry (not in the paper): what is published as odometry.pose.covariance. The
-// filter's P settles to a steady level; this one adds up the uncertainty of the increments, so that it grows with
-// distance and a heading error turns into a position error over the distance driven after it.
+// filter's P settles to a steady level; this one adds up what drift_model.hpp says stays of each sweep's uncertainty, so
+// that it grows with distance and a heading error turns into a position error over the distance driven after it.
 //
-// Convention: geometry/pose.hpp's (m, rad; rotation about fixed axes). Increments are taken as independent.
+// Beside the pose's error (6) it carries, with their correlations: heading bias per metre, scale bias (both constant),
+// and the error of the speed along the vehicle's axis, which wanders where the measurements do not observe the motion
+// along it (a tunnel: successive errors are then alike, not independent) and is forgotten where they do.
+//
+// Convention: geometry/pose.hpp's (m, rad; rotation about fixed axes).
 // The position's part may rightly shrink: driving back to the start undoes a heading error's effect there. What never
 // shrinks is the covariance referred to a fixed point of odom.
-// Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 6x6 products.
+// Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 9x9 products.
 #pragma once
 
 #include <optional>
 
+#include "fail_aware_lidar_odometry/core/fusion/drift_model.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 
 namespace fail_aware {
 
+/// One sweep's motion, as far as its uncertainty goes; covariances about the previous body's axes.
+struct OdometryIncrement {
+  Matrix6d covariance = Matrix6d::Zero();
+  Matrix6d unobserved = Matrix6d::Zero();  ///< the part of `covariance` that no measurement contradicts
+  double dt_s = 0.0;
+};
+
+/// Covariance of the pose's error with what drives it.
+struct DriftState {
+  static constexpr int kHeadingBias = 6, kScaleBias = 7, kSpeed = 8, kSize = 9;  ///< rad/m, 1, m/s; 0..5: the pose
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  Matrix lasting = Matrix::Zero();
+  Matrix6d passing = Matrix6d::Zero();  ///< the pose's jitter of the moment, on top
+  Matrix6d pose() const { return lasting.topLeftCorner<6, 6>() + passing; }
+};
+
 class OdometryCovariance {
  public:
+  /// Throws ParameterError. The default: errors of successive sweeps are independent.
+  explicit OdometryCovariance(const DriftModel::Params& drift = DriftModel::Params::independent());
+
+  bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
-  bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance);
+  bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
+    return propagate(T_odom_base_previous, T_odom_base_now, OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0});
+  }
 
   /// Of T_odom_base, about odom's axes.
   const Matrix6d& covariance() const { return covariance_; }
@@ -28,12 +55,22 @@ class OdometryCovariance {
   /// From here on (the monitor's t1) sinceMark() is the covariance of T_mark_base, about the mark's axes.
   void mark(const Pose& T_odom_mark);
   bool hasMark() const { return T_odom_mark_.has_value(); }
-  const Matrix6d& sinceMark() const { return since_mark_; }
+  const Matrix6d& sinceMark() const { return since_mark_covariance_; }
+  /// The same with all that will make it grow.
+  const DriftState& driftSinceMark() const { return since_mark_; }
 
  private:
+  void advance(const Pose& T_start_previous, const Pose& T_previous_now, const OdometryIncrement& increment,
+               DriftState& state) const;
+
+  DriftModel drift_;
+  DriftState since_start_;
+  DriftState since_mark_;
   Matrix6d covariance_ = Matrix6d::Zero();
+  Matrix6d since_mark_covariance_ = Matrix6d::Zero();
+  Matrix6d passing_base_ = Matrix6d::Zero();  ///< jitter of the newest pose, about its own axes
+  double speed_variance_ = 0.0;               ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
-  Matrix6d since_mark_ = Matrix6d::Zero();
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that

@@ -1,0 +1,67 @@
+// Which part of a sweep's uncertainty stays in the odometry for good (not in the paper).
+//
+// A sweep is registered against a map, so most of a measurement's error is gone with the next sweep: the pose jitters
+// about the map, the jitter does not add up. What adds up is
+//   - what no measurement contradicts: the prediction's error along unobserved directions, all of it
+//   - the slow drift of the map itself, which goes with the distance driven, not with the number of sweeps (a standing
+//     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
+//   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
+//     Unknown and constant; they make the error grow with distance squared and distance.
+//   - the speed along the vehicle's axis, where no measurement observes it: the model carries on with the last one that was
+//     seen, and the true one wanders away from it, a random walk per square root of a second
+//
+// Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
+#pragma once
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+class DriftModel {
+ public:
+  struct Params {
+    double measured_share = 0.0;              ///< of the observed part's variance, that adds up too
+    double position_per_root_metre_m = 0.005;
+    double tilt_per_root_metre_deg = 0.02;
+    double heading_per_root_metre_deg = 0.005;
+    double heading_bias_deg_per_m = 0.0002;   ///< standard deviation of the constant
+    double scale_bias = 0.0005;               ///< likewise: metres per metre
+    double speed_per_root_second_mps = 0.5;   ///< wander of a speed that is not observed
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("measured_share", self.measured_share);
+      v("position_per_root_metre_m", self.position_per_root_metre_m);
+      v("tilt_per_root_metre_deg", self.tilt_per_root_metre_deg);
+      v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
+      v("heading_bias_deg_per_m", self.heading_bias_deg_per_m);
+      v("scale_bias", self.scale_bias);
+      v("speed_per_root_second_mps", self.speed_per_root_second_mps);
+    }
+    void validate() const;
+
+    /// Errors of successive sweeps that know nothing of each other: all of a sweep's uncertainty stays.
+    static Params independent();
+  };
+
+  /// Throws ParameterError.
+  explicit DriftModel(const Params& params);
+
+  /// What a sweep adds for good. `increment`: the covariance of its motion, `unobserved`: the part of it that no
+  /// measurement contradicts.
+  Matrix6d lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m) const;
+  /// What it adds for the moment: the pose's own jitter, half of an increment's, which is between two of them.
+  Matrix6d passing(const Matrix6d& increment, const Matrix6d& unobserved) const;
+
+  /// Variances of the two constants: heading (rad^2/m^2) and scale.
+  Eigen::Vector2d biasVariances() const;
+
+  /// How little of the motion along the body's x axis is observed: 0 well, 1 not at all.
+  double unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const;
+  double speedWander() const;  ///< m^2/s^3: variance of the unobserved speed, per second
+
+ private:
+  Params params_;
+};
+
+}  // namespace fail_aware

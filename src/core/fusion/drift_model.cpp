@@ -1,0 +1,67 @@
+#include "fail_aware_lidar_odometry/core/fusion/drift_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+double squared(double value) { return value * value; }
+
+}  // namespace
+
+void DriftModel::Params::validate() const {
+  requireWithin("measured_share", measured_share, 0.0, 1.0);
+  requireNotNegative("position_per_root_metre_m", position_per_root_metre_m);
+  requireNotNegative("tilt_per_root_metre_deg", tilt_per_root_metre_deg);
+  requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
+  requireNotNegative("heading_bias_deg_per_m", heading_bias_deg_per_m);
+  requireNotNegative("scale_bias", scale_bias);
+  requireNotNegative("speed_per_root_second_mps", speed_per_root_second_mps);
+}
+
+DriftModel::Params DriftModel::Params::independent() {
+  Params params;
+  params.measured_share = 1.0;
+  params.position_per_root_metre_m = 0.0;
+  params.tilt_per_root_metre_deg = 0.0;
+  params.heading_per_root_metre_deg = 0.0;
+  params.heading_bias_deg_per_m = 0.0;
+  params.scale_bias = 0.0;
+  params.speed_per_root_second_mps = 0.0;
+  return params;
+}
+
+DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }
+
+Matrix6d DriftModel::lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m) const {
+  Matrix6d lasting = unobserved + params_.measured_share * (increment - unobserved);
+  const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * distance_m;
+  lasting.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * distance_m;
+  lasting(3, 3) += tilt;
+  lasting(4, 4) += tilt;
+  lasting(5, 5) += squared(params_.heading_per_root_metre_deg * kDegree) * distance_m;
+  return lasting;
+}
+
+Matrix6d DriftModel::passing(const Matrix6d& increment, const Matrix6d& unobserved) const {
+  return 0.5 * (1.0 - params_.measured_share) * (increment - unobserved);
+}
+
+Eigen::Vector2d DriftModel::biasVariances() const {
+  return {squared(params_.heading_bias_deg_per_m * kDegree), squared(params_.scale_bias)};
+}
+
+double DriftModel::unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const {
+  if (!(increment(0, 0) > 0.0)) return 0.0;
+  return std::clamp(unobserved(0, 0) / increment(0, 0), 0.0, 1.0);
+}
+
+double DriftModel::speedWander() const { return squared(params_.speed_per_root_second_mps); }
+
+}  // namespace fail_aware
