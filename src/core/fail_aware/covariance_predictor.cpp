@@ -88,6 +88,8 @@ void CovariancePredictor::Params::validate() const {
   requirePositive("alert_limit_m", alert_limit_m);
   requireParameter(std::isfinite(confidence) && confidence > 0.0 && confidence < 1.0, "confidence", confidence,
                    "in (0, 1)");
+  requireParameter(alarm_confidence > 0.0 && alarm_confidence <= confidence, "alarm_confidence", alarm_confidence,
+                   "in (0, confidence]");
   requirePositive("horizon_s", horizon_s);
   requireParameter(std::isfinite(step_s) && step_s > 0.0 && horizon_s / step_s <= kMaxSteps, "step_s", step_s,
                    "> 0 and at least horizon_s / 100000");
@@ -137,7 +139,7 @@ bool isUsable(const CovarianceGrowth& g) {
 }  // namespace
 
 CovariancePredictor::CovariancePredictor(const Params& params)
-    : params_(validated(params)), radius_(params.confidence) {}
+    : params_(validated(params)), radius_(params.confidence), alarm_radius_(params.alarm_confidence) {}
 
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
@@ -146,18 +148,18 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   S << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
   S = (0.5 * (S + S.transpose())).eval();
   const Eigen::Matrix3d rate = 0.5 * params_.rate_scale * (growth.rate + growth.rate.transpose());
-  const auto radius = [&](const Matrix6& covariance) {
-    return radius_(covariance.topLeftCorner<2, 2>() + growth.passing);
+  const auto passes = [&](const ConfidenceRadius& radius, const Matrix6& covariance) {
+    return !(radius(covariance.topLeftCorner<2, 2>() + growth.passing) < params_.alert_limit_m);
   };
-  const auto passes = [&](const Matrix6& covariance) { return !(radius(covariance) < params_.alert_limit_m); };
-  prediction.radius_m = radius(S);
-  if (passes(S)) {
-    prediction.time_to_failure = TimeToFailure::reached();
-    return prediction;
-  }
+  prediction.radius_m = radius_(S.topLeftCorner<2, 2>() + growth.passing);
+  // the alarm's radius is the smaller, so its time comes last
+  const ConfidenceRadius* const radii[] = {&radius_, &alarm_radius_};
+  TimeToFailure* const times[] = {&prediction.time_to_failure, &prediction.time_to_alarm};
+  int found = 0;
+  while (found < 2 && passes(*radii[found], S)) *times[found++] = TimeToFailure::reached();
 
   const double v = growth.speed_mps, u = growth.unobserved;
-  for (double t = 0.0; t < params_.horizon_s; t += params_.step_s) {
+  for (double t = 0.0; t < params_.horizon_s && found < 2; t += params_.step_s) {
     const double step_s = std::min(params_.step_s, params_.horizon_s - t);
     const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);
     const double c = std::cos(course), s = std::sin(course);
@@ -170,18 +172,17 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     Q.topLeftCorner<3, 3>() = R * rate * R.transpose();
     Q(5, 5) = params_.rate_scale * u * growth.speed_wander;
     const Matrix6 next = grown(S, L, Q, step_s);
-    if (passes(next)) {
+    while (found < 2 && passes(*radii[found], next)) {
       double before = 0.0, after = step_s;
       for (int i = 0; i < kBisections; ++i) {
         const double middle = 0.5 * (before + after);
-        (passes(grown(S, L, Q, middle)) ? after : before) = middle;
+        (passes(*radii[found], grown(S, L, Q, middle)) ? after : before) = middle;
       }
-      prediction.time_to_failure = TimeToFailure::fromSeconds(t + after, params_.horizon_s);
-      return prediction;
+      *times[found++] = TimeToFailure::fromSeconds(t + after, params_.horizon_s);
     }
     S = next;
   }
-  prediction.time_to_failure = TimeToFailure::fromSeconds(params_.horizon_s, params_.horizon_s);
+  while (found < 2) *times[found++] = TimeToFailure::fromSeconds(params_.horizon_s, params_.horizon_s);
   return prediction;
 }
 

@@ -56,14 +56,13 @@ void FailureThresholds::validate() const {
                    "finite and >= failing_s");
 }
 
-FailAwareState stateFor(const TimeToFailure& time_to_failure, const FailureThresholds& thresholds,
-                        std::uint32_t reasons) {
-  const bool known = time_to_failure.isKnown();
-  const double seconds = time_to_failure.seconds;
-  if ((reasons & kFailedReasons) || (known && seconds <= 0.0)) return FailAwareState::kFailed;
-  if ((reasons & kFailingReasons) || (known && seconds <= thresholds.failing_s)) return FailAwareState::kFailing;
-  if (!known) return FailAwareState::kUnknown;
-  if ((reasons & kDegradedReasons) || seconds <= thresholds.degraded_s) return FailAwareState::kDegraded;
+FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,
+                        const FailureThresholds& thresholds, std::uint32_t reasons) {
+  const auto within = [](const TimeToFailure& time, double seconds) { return time.isKnown() && time.seconds <= seconds; };
+  if ((reasons & kFailedReasons) || within(time_to_alarm, 0.0)) return FailAwareState::kFailed;
+  if ((reasons & kFailingReasons) || within(time_to_alarm, thresholds.failing_s)) return FailAwareState::kFailing;
+  if (!time_to_alarm.isKnown()) return FailAwareState::kUnknown;
+  if ((reasons & kDegradedReasons) || within(time_to_failure, thresholds.degraded_s)) return FailAwareState::kDegraded;
   return FailAwareState::kOk;
 }
 

@@ -133,6 +133,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.reasons = reasonsFor(state, condition);
   output.eta = indicator_.eta();
   output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);
+  TimeToFailure time_to_alarm;
   if (indicator_.started()) {
     output.time_to_failure_indicator = indicator_.timeToFailure();
     output.covariance_since_start = covariance_.sinceMark();
@@ -142,13 +143,15 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
       const CovariancePrediction prediction = predictor_.predict(growth(state));
       output.time_to_failure_covariance = prediction.time_to_failure;
       output.protection_level_m = prediction.radius_m;
+      time_to_alarm = prediction.time_to_alarm;
     }
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
   const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };
   if (reached(output.time_to_failure_indicator)) output.reasons |= kReasonEtaThreshold;
   if (reached(output.time_to_failure_covariance)) output.reasons |= kReasonCovarianceLimit;
-  output.state = hysteresis_.update(stateFor(output.time_to_failure, params_.thresholds, output.reasons));
+  output.state = hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm),
+                                             output.time_to_failure, params_.thresholds, output.reasons));
   return output;
 }
 

@@ -10,8 +10,9 @@ namespace fail_aware {
 namespace {
 
 template <class Matrix>
-Matrix symmetric(const Matrix& C) {
-  return 0.5 * C + 0.5 * C.transpose();
+typename Matrix::PlainObject symmetric(const Matrix& C) {
+  const typename Matrix::PlainObject plain = C;
+  return 0.5 * plain + 0.5 * plain.transpose();
 }
 
 // The nearest positive semidefinite matrix.

@@ -16,26 +16,27 @@ using Status = TimeToFailureStatus;
 
 CovariancePredictor predictorWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
   CovariancePredictor::Params params;
-  params.confidence = confidence;
+  params.confidence = params.alarm_confidence = confidence;
   params.horizon_s = horizon_s;
   params.step_s = step_s;
   return CovariancePredictor(params);
 }
 
-const double kConfidenceForK1 = 1.0 - std::exp(-0.5);  // k = 1
+const double kOneSigma = std::erf(std::sqrt(0.5));  // of a normal: an error along a line
 
 TEST(CovariancePredictor, PositionVarianceAloneGrowsLinearly) {
   CovarianceGrowth growth;
-  growth.covariance.diagonal() << 0.01, 0.04, 0.0;
-  growth.rate.diagonal() << 0.001, 0.02, 0.0;
+  growth.covariance.diagonal() << 0.0, 0.04, 0.0;
+  growth.rate.diagonal() << 0.0, 0.02, 0.0;
   growth.speed_mps = 10.0;
-  const CovariancePrediction p = predictorWith(kConfidenceForK1).predict(growth);
+  const CovariancePrediction p = predictorWith(kOneSigma).predict(growth);
   EXPECT_NEAR(p.radius_m, 0.2, 1e-12);
   EXPECT_EQ(p.time_to_failure.status, Status::kWithinHorizon);
   EXPECT_NEAR(p.time_to_failure.seconds, (0.36 - 0.04) / 0.02, 1e-9);
 
+  growth.covariance.diagonal() << 0.01, 0.0, 0.0;
   growth.course_rad = M_PI / 2;  // the body's lateral axis is now the mark's x
-  EXPECT_NEAR(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.seconds, (0.36 - 0.01) / 0.02, 1e-9);
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, (0.36 - 0.01) / 0.02, 1e-9);
 }
 
 TEST(CovariancePredictor, HeadingErrorAloneReachesTheLimitBySpeedTimesSigma) {
@@ -43,12 +44,12 @@ TEST(CovariancePredictor, HeadingErrorAloneReachesTheLimitBySpeedTimesSigma) {
   growth.covariance(2, 2) = 1e-4;  // 0.01 rad
   growth.speed_mps = 8.0;
   growth.course_rad = 0.6;
-  const double k = std::sqrt(-2.0 * std::log(0.05));
+  const double k = 1.959964;  // a normal's 95 %
   const CovariancePrediction p = predictorWith(0.95).predict(growth);
   EXPECT_EQ(p.radius_m, 0.0);
-  EXPECT_NEAR(p.time_to_failure.seconds, 0.6 / (k * 0.01 * 8.0), 1e-9);
+  EXPECT_NEAR(p.time_to_failure.seconds, 0.6 / (k * 0.01 * 8.0), 1e-4);
   growth.speed_mps = -8.0;
-  EXPECT_NEAR(predictorWith(0.95).predict(growth).time_to_failure.seconds, 0.6 / (k * 0.01 * 8.0), 1e-9);
+  EXPECT_NEAR(predictorWith(0.95).predict(growth).time_to_failure.seconds, 0.6 / (k * 0.01 * 8.0), 1e-4);
 }
 
 TEST(CovariancePredictor, HeadingNoiseGrowsWithTheCubeOfTime) {
@@ -58,7 +59,7 @@ TEST(CovariancePredictor, HeadingNoiseGrowsWithTheCubeOfTime) {
   // v^2 q t^3 / 3 = 0.36
   const double expected = std::cbrt(3.0 * 0.36 / (400.0 * 1e-6));
   for (const double step : {0.1, 0.25, 3.0}) {
-    EXPECT_NEAR(predictorWith(kConfidenceForK1, 60.0, step).predict(growth).time_to_failure.seconds, expected, 1e-6);
+    EXPECT_NEAR(predictorWith(kOneSigma, 60.0, step).predict(growth).time_to_failure.seconds, expected, 1e-6);
   }
 }
 
@@ -80,16 +81,63 @@ TEST(CovariancePredictor, AgreesWithTheAccumulatedCovarianceOnACurve) {
     odometry.propagate(T, next, increment);
     T = next;
     const Eigen::Matrix3d S = horizontalBlock(odometry.covariance());
-    const double largest =
-        0.5 * (S(0, 0) + S(1, 1)) + std::hypot(0.5 * (S(0, 0) - S(1, 1)), S(0, 1));
-    if (largest >= 0.36) crossed_s = i * dt;
+    if (ConfidenceRadius(kOneSigma)(S.topLeftCorner<2, 2>()) >= 0.6) crossed_s = i * dt;
   }
   ASSERT_GT(crossed_s, 5.0);
   CovarianceGrowth growth;
   growth.rate = horizontalBlock(increment) / dt;
   growth.speed_mps = speed;
   growth.yaw_rate_rps = yaw_rate;
-  EXPECT_NEAR(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.seconds, crossed_s, 0.02 * crossed_s);
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, crossed_s, 0.02 * crossed_s);
+}
+
+TEST(ConfidenceRadius, LineCircleAndBetween) {
+  EXPECT_NEAR(ConfidenceRadius(0.95)(Eigen::Vector2d(4.0, 0.0).asDiagonal()), 2.0 * 1.959964, 1e-4);
+  EXPECT_NEAR(ConfidenceRadius(0.95)(Eigen::Vector2d(9.0, 9.0).asDiagonal()), 3.0 * std::sqrt(-2.0 * std::log(0.05)), 1e-9);
+  EXPECT_EQ(ConfidenceRadius(0.95)(Eigen::Matrix2d::Zero()), 0.0);
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(0.7).toRotationMatrix();
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  for (const double ratio : {0.05, 0.3, 0.7}) {
+    const Eigen::Matrix2d root = R * Eigen::Vector2d(1.0, ratio).asDiagonal();
+    for (const double probability : {0.5, 0.9, 0.99}) {
+      const double radius = ConfidenceRadius(probability)(root * root.transpose());
+      int inside = 0;
+      for (int i = 0; i < 40000; ++i) inside += (root * Eigen::Vector2d(normal(random), normal(random))).norm() <= radius;
+      EXPECT_NEAR(inside / 40000.0, probability, 0.01) << ratio;
+    }
+  }
+}
+
+TEST(CovariancePredictor, DriversInClosedForm) {
+  CovarianceGrowth bias;
+  bias.drivers(0, 0) = 1e-10;  // 1e-5 rad/m: v^2 t^2 / 2 * 1e-5 = 0.6
+  bias.speed_mps = 20.0;
+  bias.course_rad = 1.1;
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(bias).time_to_failure.seconds, std::sqrt(2.0 * 0.6 / 1e-5) / 20.0, 1e-4);
+  CovarianceGrowth scale;
+  scale.drivers(1, 1) = 1e-6;
+  scale.speed_mps = 20.0;
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(scale).time_to_failure.seconds, 0.6 / (1e-3 * 20.0), 1e-4);
+  CovarianceGrowth lost;
+  lost.unobserved = 1.0;
+  lost.speed_wander = 0.04;  // 0.04 t^3 / 3 = 0.36
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(lost).time_to_failure.seconds, std::cbrt(27.0), 1e-4);
+  CovarianceGrowth speed;
+  speed.unobserved = 1.0;
+  speed.drivers(2, 2) = 0.09;
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(speed).time_to_failure.seconds, 2.0, 1e-4);
+  speed.unobserved = 0.0;
+  EXPECT_EQ(predictorWith(kOneSigma).predict(speed).time_to_failure.status, Status::kBeyondHorizon);
+}
+
+TEST(CovariancePredictor, TheJitterOfTheMomentIsOnTopAndDoesNotGrow) {
+  CovarianceGrowth growth;
+  growth.passing(1, 1) = 0.16;
+  EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).radius_m, 0.4, 1e-4);
+  growth.rate(1, 1) = 0.02;
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, 10.0, 1e-3);
 }
 
 TEST(CovariancePredictor, StandingStillIsBeyondTheHorizon) {
@@ -104,16 +152,16 @@ TEST(CovariancePredictor, StandingStillIsBeyondTheHorizon) {
 TEST(CovariancePredictor, TheLimitsAndTheHorizonsEdges) {
   CovarianceGrowth growth;
   growth.covariance(0, 0) = 0.36 * (1.0 + 1e-12);
-  EXPECT_EQ(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.status, Status::kReached);
-  EXPECT_EQ(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.seconds, 0.0);
+  EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kReached);
+  EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, 0.0);
   growth.covariance(0, 0) = 0.36 * (1.0 - 1e-12);
-  EXPECT_EQ(predictorWith(kConfidenceForK1).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
+  EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
 
   growth.covariance(0, 0) = 0.0;
   growth.rate(0, 0) = 0.036;  // 10 s
-  EXPECT_EQ(predictorWith(kConfidenceForK1, 9.999).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
-  EXPECT_EQ(predictorWith(kConfidenceForK1, 9.999).predict(growth).time_to_failure.seconds, 9.999);
-  EXPECT_EQ(predictorWith(kConfidenceForK1, 10.001).predict(growth).time_to_failure.status, Status::kWithinHorizon);
+  EXPECT_EQ(predictorWith(kOneSigma, 9.999).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
+  EXPECT_EQ(predictorWith(kOneSigma, 9.999).predict(growth).time_to_failure.seconds, 9.999);
+  EXPECT_EQ(predictorWith(kOneSigma, 10.001).predict(growth).time_to_failure.status, Status::kWithinHorizon);
 }
 
 TEST(CovariancePredictor, MoreConfidenceOrMoreNoiseNeverGivesMoreTime) {
@@ -128,6 +176,7 @@ TEST(CovariancePredictor, MoreConfidenceOrMoreNoiseNeverGivesMoreTime) {
     last = seconds;
   }
   CovariancePredictor::Params params;
+  params.confidence = params.alarm_confidence = 0.95;
   params.rate_scale = 4.0;
   EXPECT_LT(CovariancePredictor(params).predict(growth).time_to_failure.seconds,
             predictorWith(0.95).predict(growth).time_to_failure.seconds);
@@ -203,6 +252,27 @@ TEST(IncrementRate, AveragesOverItsWindowPerSecond) {
   EXPECT_NEAR((*rate.rate())(0, 0), 0.0025, 1e-15);
   rate.reset();
   EXPECT_FALSE(rate.rate());
+}
+
+TEST(CovariancePredictor, TheAlarmComesWithItsOwnConfidence) {
+  CovarianceGrowth growth;
+  growth.rate.diagonal() << 1e-3, 1e-3, 1e-6;
+  growth.speed_mps = 10.0;
+  CovariancePredictor::Params params;
+  params.confidence = 0.95;
+  params.alarm_confidence = 0.7;
+  const CovariancePredictor both(params);
+  const CovariancePrediction p = both.predict(growth);
+  EXPECT_NEAR(p.time_to_failure.seconds, predictorWith(0.95).predict(growth).time_to_failure.seconds, 1e-9);
+  EXPECT_NEAR(p.time_to_alarm.seconds, predictorWith(0.7).predict(growth).time_to_failure.seconds, 1e-9);
+  EXPECT_GT(p.time_to_alarm.seconds, p.time_to_failure.seconds);
+  growth.covariance(0, 0) = 0.15;  // 0.387 m: past the limit with 0.95, not with 0.7
+  EXPECT_EQ(both.predict(growth).time_to_failure.status, Status::kReached);
+  EXPECT_EQ(both.predict(growth).time_to_alarm.status, Status::kWithinHorizon);
+  growth.covariance(0, 0) = 1.0;
+  EXPECT_EQ(both.predict(growth).time_to_alarm.status, Status::kReached);
+  params.alarm_confidence = 0.96;
+  EXPECT_THROW(CovariancePredictor{params}, ParameterError);
 }
 
 TEST(CovariancePredictor, ParametersAreChecked) {

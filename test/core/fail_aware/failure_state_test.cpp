@@ -13,7 +13,12 @@ namespace {
 using State = FailAwareState;
 
 State stateAt(double seconds, std::uint32_t reasons = 0) {
-  return stateFor(TimeToFailure::fromSeconds(seconds, 60.0), FailureThresholds{3.0, 10.0}, reasons);
+  const TimeToFailure time = TimeToFailure::fromSeconds(seconds, 60.0);
+  return stateFor(time, time, FailureThresholds{3.0, 10.0}, reasons);
+}
+
+State unknownWith(std::uint32_t reasons) {
+  return stateFor(TimeToFailure::unknown(), TimeToFailure::unknown(), FailureThresholds(), reasons);
 }
 
 TEST(StateFor, ExactlyAtTheBoundaries) {
@@ -24,18 +29,30 @@ TEST(StateFor, ExactlyAtTheBoundaries) {
   EXPECT_EQ(stateAt(10.0), State::kDegraded);
   EXPECT_EQ(stateAt(std::nextafter(10.0, 11.0)), State::kOk);
   EXPECT_EQ(stateAt(1000.0), State::kOk);
-  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), 0), State::kUnknown);
+  EXPECT_EQ(unknownWith(0), State::kUnknown);
+}
+
+TEST(StateFor, TheAlarmActsOnItsOwnTimeAndDegradedOnTheFailures) {
+  const auto state = [](double alarm_s, double failure_s) {
+    return stateFor(TimeToFailure::fromSeconds(alarm_s, 60.0), TimeToFailure::fromSeconds(failure_s, 60.0),
+                    FailureThresholds{3.0, 10.0}, 0);
+  };
+  EXPECT_EQ(state(20.0, 11.0), State::kOk);
+  EXPECT_EQ(state(20.0, 10.0), State::kDegraded);
+  EXPECT_EQ(state(20.0, 0.0), State::kDegraded) << "possible by now, not probable";
+  EXPECT_EQ(state(3.0, 1.0), State::kFailing);
+  EXPECT_EQ(state(0.0, 0.0), State::kFailed);
 }
 
 TEST(StateFor, Reasons) {
   EXPECT_EQ(stateAt(50.0, kReasonStale), State::kFailed);
-  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), kReasonStale), State::kFailed);
+  EXPECT_EQ(unknownWith(kReasonStale), State::kFailed);
   EXPECT_EQ(stateAt(50.0, kReasonFrozenCloud), State::kFailing);
   EXPECT_EQ(stateAt(0.0, kReasonFrozenCloud), State::kFailed);
-  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), kReasonFrozenCloud), State::kFailing);
+  EXPECT_EQ(unknownWith(kReasonFrozenCloud), State::kFailing);
   EXPECT_EQ(stateAt(50.0, kReasonPredictionOnly), State::kDegraded);
   EXPECT_EQ(stateAt(2.0, kReasonPredictionOnly), State::kFailing);
-  EXPECT_EQ(stateFor(TimeToFailure::unknown(), FailureThresholds(), kReasonPredictionOnly), State::kUnknown);
+  EXPECT_EQ(unknownWith(kReasonPredictionOnly), State::kUnknown);
   EXPECT_EQ(stateAt(50.0, kReasonMissingCorners | kReasonEtaThreshold | kReasonCovarianceLimit), State::kOk);
 }
 

@@ -48,6 +48,16 @@ class Road {
   int sweep_ = 0;
 };
 
+/// The closed forms below are those of sweeps whose errors know nothing of each other, one confidence for both times and
+/// the article's threshold.
+MonitorParameters independentSweeps() {
+  MonitorParameters params;
+  params.drift = DriftModel::Params::independent();
+  params.predictor.confidence = params.predictor.alarm_confidence = 0.95;
+  params.indicator.threshold = 0.001;
+  return params;
+}
+
 MonitorOutput drive(FailAwareMonitor& monitor, Road& road, int sweeps, const SweepCondition& condition = {}) {
   MonitorOutput output;
   for (int i = 0; i < sweeps; ++i) output = monitor.update(road.next(), condition);
@@ -64,7 +74,7 @@ void expectFinite(const MonitorOutput& output) {
 }
 
 TEST(FailAwareMonitor, BeforeTheStartTimesAreUnknown) {
-  FailAwareMonitor monitor{MonitorParameters()};
+  FailAwareMonitor monitor{independentSweeps()};
   Road road;
   EXPECT_FALSE(monitor.started());
   for (int i = 0; i < 30; ++i) {
@@ -83,7 +93,7 @@ TEST(FailAwareMonitor, BeforeTheStartTimesAreUnknown) {
 }
 
 TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
-  FailAwareMonitor monitor{MonitorParameters()};
+  FailAwareMonitor monitor{independentSweeps()};
   Road road;
   EXPECT_EQ(drive(monitor, road, 40).t1_stamp_s, -1.0);
   monitor.start();
@@ -107,7 +117,7 @@ TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
 }
 
 TEST(FailAwareMonitor, StartedBeforeTheFirstSweepItIsUnknownForOneSweepOnly) {
-  FailAwareMonitor monitor{MonitorParameters()};
+  FailAwareMonitor monitor{independentSweeps()};
   Road road;
   monitor.start();
   EXPECT_EQ(drive(monitor, road, 1).state, FailAwareState::kUnknown);
@@ -118,7 +128,7 @@ TEST(FailAwareMonitor, StartedBeforeTheFirstSweepItIsUnknownForOneSweepOnly) {
 
 TEST(FailAwareMonitor, TheAccumulatedCovarianceGrowsWithDistanceInTheFrameAtT1) {
   for (const double yaw_rad : {0.0, 0.5 * M_PI, -2.5}) {
-    FailAwareMonitor monitor{MonitorParameters()};
+    FailAwareMonitor monitor{independentSweeps()};
     Road road(yaw_rad);
     monitor.start();
     drive(monitor, road, 1);
@@ -139,7 +149,7 @@ TEST(FailAwareMonitor, TheAccumulatedCovarianceGrowsWithDistanceInTheFrameAtT1) 
 }
 
 TEST(FailAwareMonitor, TheHorizontalCovarianceIsAboutOdomsAxes) {
-  FailAwareMonitor ahead{MonitorParameters()}, aslant{MonitorParameters()};
+  FailAwareMonitor ahead{independentSweeps()}, aslant{independentSweeps()};
   Road straight(0.0), turned(0.5);
   straight.sigma_yaw_step_rad = turned.sigma_yaw_step_rad = 2e-3;  // mostly lateral
   EXPECT_TRUE(ahead.horizontalCovarianceOdom().isZero());
@@ -154,7 +164,7 @@ TEST(FailAwareMonitor, TheHorizontalCovarianceIsAboutOdomsAxes) {
 }
 
 TEST(FailAwareMonitor, TheCovariancesTimeToFailureRunsDown) {
-  FailAwareMonitor monitor{MonitorParameters()};
+  FailAwareMonitor monitor{independentSweeps()};
   Road road;
   road.sigma_m = 0.02;
   road.sigma_yaw_step_rad = 5e-4;
@@ -176,7 +186,7 @@ TEST(FailAwareMonitor, TheCovariancesTimeToFailureRunsDown) {
 }
 
 TEST(FailAwareMonitor, EtaGrowsWithAnUnsteadyHeadingSigmaAndReachesItsThreshold) {
-  MonitorParameters params;
+  MonitorParameters params = independentSweeps();
   FailAwareMonitor monitor(params);
   Road road;
   monitor.start();
@@ -226,7 +236,7 @@ TEST(FailAwareMonitor, EachConditionHasItsReason) {
   };
   for (const Case& c : cases) {
     for (const bool first : {false, true}) {
-      FailAwareMonitor monitor{MonitorParameters()};
+      FailAwareMonitor monitor{independentSweeps()};
       Road road;
       monitor.start();
       if (!first) {
@@ -245,7 +255,7 @@ TEST(FailAwareMonitor, EachConditionHasItsReason) {
 }
 
 TEST(FailAwareMonitor, AtTheThresholdsThereIsNoReasonYet) {
-  const MonitorParameters params;
+  const MonitorParameters params = independentSweeps();
   FailAwareMonitor monitor(params);
   Road road;
   drive(monitor, road, 5);
@@ -257,7 +267,7 @@ TEST(FailAwareMonitor, AtTheThresholdsThereIsNoReasonYet) {
 }
 
 TEST(FailAwareMonitor, TheStateGetsWorseAtOnceAndBetterAfterAsManySweepsAsToldTo) {
-  MonitorParameters params;
+  MonitorParameters params = independentSweeps();
   params.sweeps_to_recover = 4;
   FailAwareMonitor monitor(params);
   Road road;
@@ -273,7 +283,7 @@ TEST(FailAwareMonitor, TheStateGetsWorseAtOnceAndBetterAfterAsManySweepsAsToldTo
 }
 
 TEST(FailAwareMonitor, ATimeToFailureThatIsShortDegrades) {
-  MonitorParameters params;
+  MonitorParameters params = independentSweeps();
   params.sweeps_to_recover = 1;
   FailAwareMonitor monitor(params);
   Road road;
@@ -298,7 +308,7 @@ TEST(FailAwareMonitor, ATimeToFailureThatIsShortDegrades) {
 }
 
 TEST(FailAwareMonitor, ResetForgetsTheDriveAndKeepsServing) {
-  FailAwareMonitor monitor{MonitorParameters()};
+  FailAwareMonitor monitor{independentSweeps()};
   Road road;
   monitor.start();
   drive(monitor, road, 50);
@@ -314,7 +324,7 @@ TEST(FailAwareMonitor, ResetForgetsTheDriveAndKeepsServing) {
   EXPECT_EQ(later.state, FailAwareState::kOk);
   EXPECT_NEAR(later.sigma_x_m, 0.01 * 3.0, 1e-6);
 
-  FailAwareMonitor not_started{MonitorParameters()};
+  FailAwareMonitor not_started{independentSweeps()};
   drive(not_started, again, 3);
   not_started.reset();
   EXPECT_FALSE(not_started.started());
@@ -322,7 +332,7 @@ TEST(FailAwareMonitor, ResetForgetsTheDriveAndKeepsServing) {
 }
 
 TEST(FailAwareMonitor, AStandingVehicleHasAnswersToo) {
-  FailAwareMonitor monitor{MonitorParameters()};
+  FailAwareMonitor monitor{independentSweeps()};
   Road road;
   road.speed_mps = 0.0;
   road.sigma_m = 0.0;
@@ -352,7 +362,7 @@ TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
   };
   for (const auto& fault : faults) {
     for (const int fault_at : {0, 1, 10}) {  // 0: at t1
-      FailAwareMonitor monitor{MonitorParameters()};
+      FailAwareMonitor monitor{independentSweeps()};
       Road road;
       monitor.start();
       for (int i = 0; i < 20; ++i) {
@@ -369,7 +379,7 @@ TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
 
 TEST(FailAwareMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(MonitorParameters&)>& change) {
-    MonitorParameters params;
+    MonitorParameters params = independentSweeps();
     change(params);
     try {
       FailAwareMonitor monitor(params);

@@ -197,6 +197,72 @@ TEST(OdometryCovariance, UnusableIncrementsChangeNothing) {
   EXPECT_TRUE(odometry.covariance().isApprox(before, 1e-12));
 }
 
+// Straight on along odom's x, 1 m and 0.1 s a step.
+DriftState driveStraight(OdometryCovariance& odometry, int steps, const Matrix6d& covariance, const Matrix6d& unobserved,
+                         Pose T = Pose::Identity()) {
+  for (int i = 0; i < steps; ++i) {
+    const Pose next = T * planarPose(1.0, 0.0, 0.0);
+    EXPECT_TRUE(odometry.propagate(T, next, OdometryIncrement{covariance, unobserved, 0.1}));
+    T = next;
+  }
+  return odometry.driftSinceMark();
+}
+
+TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.heading_bias_deg_per_m = 0.01;
+  drift.scale_bias = 0.02;
+  OdometryCovariance odometry(drift);
+  odometry.mark(Pose::Identity());
+  driveStraight(odometry, 100, Matrix6d::Zero(), Matrix6d::Zero());
+  const Matrix6d& C = odometry.sinceMark();
+  const double bias = 0.01 * M_PI / 180.0;
+  EXPECT_NEAR(std::sqrt(C(0, 0)), 0.02 * 100.0, 1e-9);
+  EXPECT_NEAR(std::sqrt(C(5, 5)), bias * 100.0, 1e-12);
+  EXPECT_NEAR(std::sqrt(C(1, 1)), bias * 100.0 * 99.0 / 2.0, 1e-9) << "sum of the headings at the steps' begins";
+  EXPECT_TRUE(odometry.covariance().isApprox(C, 1e-9));
+}
+
+TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.measured_share = 0.0;
+  OdometryCovariance odometry(drift);
+  Matrix6d C = Matrix6d::Zero();
+  C(0, 0) = C(1, 1) = 2e-4;
+  C(5, 5) = 2e-6;
+  driveStraight(odometry, 20, C, Matrix6d::Zero());
+  odometry.mark(planarPose(20.0, 0.0, 0.0));
+  EXPECT_TRUE(odometry.sinceMark().isZero()) << "the mark is where the mark is";
+  driveStraight(odometry, 50, C, Matrix6d::Zero(), planarPose(20.0, 0.0, 0.0));
+  // jitter of the mark and of the pose, 1e-4 each; the mark's heading jitter of 1e-6 over 50 m
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), 2e-4, 1e-9);
+  EXPECT_NEAR(odometry.sinceMark()(1, 1), 2e-4 + 2500.0 * 1e-6, 1e-9);
+  EXPECT_NEAR(odometry.covariance()(0, 0), 1e-4, 1e-9) << "since the start, which is known exactly";
+}
+
+TEST(OdometryCovariance, AnUnobservedSpeedWandersAndIsForgottenWhenSeen) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.speed_per_root_second_mps = 2.0;
+  OdometryCovariance odometry(drift);
+  odometry.mark(Pose::Identity());
+  Matrix6d C = Matrix6d::Zero();
+  C(0, 0) = 1e-6;
+  const DriftState lost = driveStraight(odometry, 100, C, C);
+  // 10 s: speed 2 sqrt(t), position 2 sqrt(t^3 / 3), and 100 independent steps of 1 mm
+  EXPECT_NEAR(lost.lasting(DriftState::kSpeed, DriftState::kSpeed), 40.0, 1e-6);
+  EXPECT_NEAR(std::sqrt(odometry.sinceMark()(0, 0)), 2.0 * std::sqrt(1000.0 / 3.0), 0.6);
+  EXPECT_NEAR(odometry.sinceMark()(1, 1), 0.0, 1e-12);
+  const double position = odometry.sinceMark()(0, 0);
+  const DriftState seen = driveStraight(odometry, 1, C, Matrix6d::Zero(), planarPose(100.0, 0.0, 0.0));
+  EXPECT_EQ(seen.lasting(DriftState::kSpeed, DriftState::kSpeed), 0.0);
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), position + 1e-6, 1e-9) << "what was lost stays lost";
+
+  driveStraight(odometry, 30, C, C, planarPose(101.0, 0.0, 0.0));
+  odometry.mark(planarPose(131.0, 0.0, 0.0));
+  EXPECT_NEAR(odometry.driftSinceMark().lasting(DriftState::kSpeed, DriftState::kSpeed), 12.0, 1e-6)
+      << "a mark in the tunnel does not know the speed either";
+}
+
 TEST(Twist, RecoversAConstantTwistAndRefusesBadIntervals) {
   Vector6d twist;
   twist << 20.0, 0.3, -0.1, 0.02, -0.01, 0.5;

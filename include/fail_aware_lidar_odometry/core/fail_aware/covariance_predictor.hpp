@@ -64,8 +64,9 @@ struct CovarianceGrowth {
 };
 
 struct CovariancePrediction {
-  TimeToFailure time_to_failure;
-  double radius_m = -1.0;  ///< the confidence radius now; -1: unknown
+  TimeToFailure time_to_failure;  ///< with `confidence`
+  TimeToFailure time_to_alarm;    ///< with `alarm_confidence`: later, or the same
+  double radius_m = -1.0;         ///< the radius now with `confidence`; -1: unknown
 };
 
 /// The circle that holds a horizontal error with a given probability.
@@ -84,7 +85,8 @@ class CovariancePredictor {
  public:
   struct Params {
     double alert_limit_m = 0.6;
-    double confidence = 0.95;
+    double confidence = 0.9;        ///< of the published time: the failure comes sooner with a probability of 1 - confidence
+    double alarm_confidence = 0.75;  ///< of the time that the state acts on: a lower one gives fewer false alarms
     double horizon_s = 60.0;
     double step_s = 0.25;
     double rate_scale = 1.0;  ///< on the growth of the covariance
@@ -93,6 +95,7 @@ class CovariancePredictor {
     static void visit(Self& self, Visitor&& v) {
       v("alert_limit_m", self.alert_limit_m);
       v("confidence", self.confidence);
+      v("alarm_confidence", self.alarm_confidence);
       v("horizon_s", self.horizon_s);
       v("step_s", self.step_s);
       v("rate_scale", self.rate_scale);
@@ -107,7 +110,7 @@ class CovariancePredictor {
 
  private:
   Params params_;
-  ConfidenceRadius radius_;
+  ConfidenceRadius radius_, alarm_radius_;
 };
 
 }  // namespace fail_aware

@@ -1,9 +1,12 @@
 // From a time to failure and reasons to the state that the planner acts on. Pure functions, and the hysteresis.
 //
+// There are two times: the published time to failure, before which a failure is improbable, and the time to the alarm,
+// by which it has become probable (covariance_predictor.hpp's confidence and alarm_confidence).
+//
 // state        condition (the first that holds)
-// FAILED       reason STALE, or time to failure reached
-// FAILING      reason FROZEN_CLOUD, or time to failure <= failing_s
-// UNKNOWN      time to failure unknown
+// FAILED       reason STALE, or the time to the alarm reached
+// FAILING      reason FROZEN_CLOUD, or time to the alarm <= failing_s
+// UNKNOWN      time to the alarm unknown
 // DEGRADED     any of kDegradedReasons, or time to failure <= degraded_s
 // OK           otherwise
 // A time beyond the horizon counts as the horizon, so keep the horizon > degraded_s.
@@ -63,8 +66,8 @@ struct FailureThresholds {
   void validate() const;
 };
 
-FailAwareState stateFor(const TimeToFailure& time_to_failure, const FailureThresholds& thresholds,
-                        std::uint32_t reasons);
+FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,
+                        const FailureThresholds& thresholds, std::uint32_t reasons);
 
 /// Gets worse at once (OK < UNKNOWN < DEGRADED < FAILING < FAILED), better only after `sweeps_to_recover` better sweeps
 /// in a row, and then to the worst of those. UNKNOWN is left at once, whichever way.

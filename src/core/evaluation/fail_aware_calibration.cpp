@@ -1,0 +1,78 @@
+#include "fail_aware_lidar_odometry/core/evaluation/fail_aware_calibration.hpp"
+
+#include "fail_aware_lidar_odometry/core/evaluation/alarm_statistics.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/kaplan_meier.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kConfidenceStep = 0.005;
+
+double lateShare(const std::vector<FailAwareEpisode>& episodes) {
+  std::vector<JudgedPrediction> judged;
+  for (const FailAwareEpisode& episode : episodes) {
+    for (const std::size_t i : judgedSweeps(episode)) {
+      const FailAwareSweep& sweep = episode.sweeps[i];
+      judged.push_back(
+          {sweep.since_start_s, sweep.remaining_s, episode.failed, sweep.output.time_to_failure_covariance});
+    }
+  }
+  return lateStatistics(judged).lateShareOfFailing();
+}
+
+}  // namespace
+
+std::optional<double> etaThreshold(const std::vector<FailAwareEpisode>& episodes, double failed_by) {
+  std::vector<CensoredValue> values;
+  for (const FailAwareEpisode& episode : episodes) {
+    if (episode.sweeps.empty()) continue;
+    const std::size_t end = episode.failed ? episode.sweepsBeforeFailure() : episode.sweeps.size() - 1;
+    values.push_back({episode.sweeps[end].output.eta, episode.failed});
+  }
+  return kaplanMeierQuantile(values, failed_by);
+}
+
+std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& episodes, double passed_by) {
+  std::vector<double> values;
+  for (const FailAwareEpisode& episode : episodes) {
+    if (!episode.failed && !episode.sweeps.empty()) values.push_back(episode.sweeps.back().output.eta);
+  }
+  if (values.empty()) return std::nullopt;
+  return quantile(values, 1.0 - passed_by);
+}
+
+std::optional<double> confidenceForLateShare(
+    const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with, double late_share, double smallest,
+    double largest) {
+  if (lateShare(episodes_with(smallest)) <= late_share) return smallest;
+  if (lateShare(episodes_with(largest)) > late_share) return std::nullopt;
+  while (largest - smallest > kConfidenceStep) {
+    const double middle = 0.5 * (smallest + largest);
+    (lateShare(episodes_with(middle)) <= late_share ? largest : smallest) = middle;
+  }
+  return largest;
+}
+
+std::optional<double> confidenceForAlarmShare(
+    const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with, double alarm_share, double smallest,
+    double largest) {
+  const auto quiet = [&](double confidence) {
+    std::vector<FailAwareEpisode> sound;
+    for (const FailAwareEpisode& episode : episodes_with(confidence)) {
+      if (!episode.failed) sound.push_back(episode);
+    }
+    return alarmStatistics(sound).alarmShare() <= alarm_share;
+  };
+  if (quiet(largest)) return largest;
+  if (!quiet(smallest)) return std::nullopt;
+  while (largest - smallest > kConfidenceStep) {
+    const double middle = 0.5 * (smallest + largest);
+    (quiet(middle) ? smallest : largest) = middle;
+  }
+  return smallest;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,124 @@
+// Fits eta's threshold and the predictor's confidences to recorded runs with ground truth: yaml on stdout or in a file.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/evaluation/fail_aware_calibration.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "fail_aware_run.hpp"
+#include "result_files.hpp"
+#include "tool_support.hpp"
+
+namespace {
+
+using namespace fail_aware;
+
+constexpr const char* kName = "calibrate_fail_aware";
+constexpr double kSmallestAlarmConfidence = 0.3;
+
+struct Options {
+  FailAwareRunOptions runs;
+  std::string output;
+  FailureEpisode::Params episodes;
+  std::optional<double> eta_failed_by;
+  double eta_passed_by = 0.05;
+  double late_share = 0.1;
+  double alarm_share = 0.05;
+};
+
+template <class Change>
+std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, const FailureEpisode::Params& params,
+                                         Change&& change) {
+  std::vector<FailAwareEpisode> all;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    MonitorParameters monitor = runs[r].params.profile.monitor;
+    change(monitor);
+    std::vector<FailAwareEpisode> episodes = failAwareEpisodes(runs[r].truth, runs[r].log, monitor, params);
+    for (FailAwareEpisode& episode : episodes) episode.run = r;
+    std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
+  }
+  return all;
+}
+
+int run(const Options& options) {
+  if (options.eta_failed_by) requireWithin("--eta-failed-by", *options.eta_failed_by, 0.0, 1.0);
+  requireWithin("--eta-passed-by", options.eta_passed_by, 0.0, 1.0);
+  requireWithin("--late", options.late_share, 0.0, 1.0);
+  requireWithin("--alarm", options.alarm_share, 0.0, 1.0);
+  const std::vector<FailAwareRun> runs = loadRuns(options.runs);
+  ParameterList list;
+  const auto add = [&](const char* key, const std::optional<double>& value, const char* why_not) {
+    if (value) list.emplace_back(key, *value);
+    if (!value) std::cerr << kName << ": " << key << " left as it is: " << why_not << '\n';
+    return value;
+  };
+  const std::vector<FailAwareEpisode> as_is = episodesOf(runs, options.episodes, [](MonitorParameters&) {});
+  const std::optional<double> threshold =
+      add("monitor.indicator.threshold",
+          options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
+                                : quietEtaThreshold(as_is, options.eta_passed_by),
+          options.eta_failed_by ? "too few failures" : "every episode failed");
+  const std::optional<double> confidence =
+      add("monitor.predictor.confidence",
+          confidenceForLateShare(
+              [&](double tried) {
+                return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
+                  m.predictor.confidence = tried;
+                  m.predictor.alarm_confidence = std::min(m.predictor.alarm_confidence, tried);
+                });
+              },
+              options.late_share),
+          "predictions are late whatever it is; calibrate_noise first");
+  add("monitor.predictor.alarm_confidence",
+      confidenceForAlarmShare(
+          [&](double tried) {
+            return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
+              if (threshold) m.indicator.threshold = *threshold;
+              m.predictor.confidence = std::max(m.predictor.confidence, tried);
+              m.predictor.alarm_confidence = tried;
+            });
+          },
+          options.alarm_share, kSmallestAlarmConfidence, confidence.value_or(runs.front().params.profile.monitor.predictor.confidence)),
+      "the alarm is up too long whatever it is");
+  if (list.empty()) return kExitFailed;
+  const std::string yaml = formatYaml(list);
+  std::cout << yaml << std::flush;
+  if (!options.output.empty()) {
+    std::ofstream file = createFile(options.output);
+    file << yaml;
+    finishFile(file, options.output);
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runTool(kName, [&] {
+    CLI::App app(
+        "Fits monitor.indicator.threshold (eta), monitor.predictor.confidence and alarm_confidence to recorded runs with ground truth. Judge "
+        "the result on other runs: evaluate_fail_aware --parameters FILE.\n"
+        "Exit codes: 0 done, 1 the work failed (too few failures), 2 bad usage or input.",
+        kName);
+    Options options;
+    addRunOptions(app, options.runs);
+    app.add_option("--output", options.output, "yaml file with the fitted parameters, for --parameters");
+    app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that is a failure, m")
+        ->capture_default_str();
+    app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")->capture_default_str();
+    app.add_option("--eta-passed-by", options.eta_passed_by,
+                   "share of the episodes without a failure that may pass eta's threshold")
+        ->capture_default_str();
+    app.add_option("--eta-failed-by", options.eta_failed_by,
+                   "instead: share of the episodes that failed by eta's threshold (0.5: the article's meaning)");
+    app.add_option("--late", options.late_share, "share of late predictions that is borne")->capture_default_str();
+    app.add_option("--alarm", options.alarm_share, "share of the time without a failure that the alarm may be up")
+        ->capture_default_str();
+    if (!parseArguments(app, argc, argv)) return kExitDone;
+    return run(options);
+  });
+}

@@ -1,0 +1,82 @@
+#include "fail_aware_lidar_odometry/core/fusion/drift_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+Matrix6d diagonal(double position, double rotation) {
+  Vector6d d;
+  d << position, position, position, rotation, rotation, rotation;
+  return d.asDiagonal();
+}
+
+TEST(DriftModel, IndependentErrorsStayAsAWhole) {
+  const DriftModel model(DriftModel::Params::independent());
+  const Matrix6d C = diagonal(1e-4, 1e-7), U = diagonal(3e-5, 2e-8);
+  EXPECT_TRUE(model.lasting(C, U, 12.0).isApprox(C, 1e-12));
+  EXPECT_TRUE(model.passing(C, U).isZero());
+  EXPECT_TRUE(model.biasVariances().isZero());
+  EXPECT_EQ(model.speedWander(), 0.0);
+}
+
+TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
+  DriftModel::Params params;
+  params.measured_share = 0.25;
+  params.position_per_root_metre_m = 0.01;
+  params.tilt_per_root_metre_deg = 0.03;
+  params.heading_per_root_metre_deg = 0.02;
+  const DriftModel model(params);
+  const Matrix6d C = diagonal(5e-4, 5e-6), U = diagonal(1e-4, 1e-6);
+  const Matrix6d lasting = model.lasting(C, U, 4.0);
+  EXPECT_NEAR(lasting(0, 0), 1e-4 + 0.25 * 4e-4 + 4.0 * 1e-4, 1e-15);
+  EXPECT_NEAR(lasting(3, 3), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.03 * kDegree, 2), 1e-15);
+  EXPECT_NEAR(lasting(5, 5), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.02 * kDegree, 2), 1e-15);
+  EXPECT_NEAR(model.passing(C, U)(1, 1), 0.5 * 0.75 * 4e-4, 1e-15);
+  EXPECT_NEAR(model.lasting(C, Matrix6d::Zero(), 0.0)(5, 5), 0.25 * 5e-6, 1e-15) << "standing still there is no drift";
+}
+
+TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {
+  DriftModel::Params params;
+  params.heading_bias_deg_per_m = 0.001;
+  params.scale_bias = 0.002;
+  params.speed_per_root_second_mps = 3.0;
+  const DriftModel model(params);
+  EXPECT_NEAR(model.biasVariances()[0], std::pow(0.001 * kDegree, 2), 1e-20);
+  EXPECT_NEAR(model.biasVariances()[1], 4e-6, 1e-18);
+  EXPECT_EQ(model.speedWander(), 9.0);
+}
+
+TEST(DriftModel, HowLittleOfTheSpeedIsObserved) {
+  const DriftModel model{DriftModel::Params()};
+  EXPECT_DOUBLE_EQ(model.unobservedAlong(diagonal(4.0, 1.0), diagonal(1.0, 1.0)), 0.25);
+  EXPECT_EQ(model.unobservedAlong(diagonal(4.0, 1.0), diagonal(5.0, 1.0)), 1.0);
+  EXPECT_EQ(model.unobservedAlong(Matrix6d::Zero(), Matrix6d::Zero()), 0.0);
+}
+
+TEST(DriftModel, ParametersAreChecked) {
+  const auto refused = [](const std::function<void(DriftModel::Params&)>& change) {
+    DriftModel::Params params;
+    change(params);
+    EXPECT_THROW(DriftModel{params}, ParameterError);
+  };
+  EXPECT_NO_THROW(DriftModel{DriftModel::Params()});
+  refused([](DriftModel::Params& p) { p.measured_share = 1.1; });
+  refused([](DriftModel::Params& p) { p.position_per_root_metre_m = -1.0; });
+  refused([](DriftModel::Params& p) { p.tilt_per_root_metre_deg = -1.0; });
+  refused([](DriftModel::Params& p) { p.heading_per_root_metre_deg = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](DriftModel::Params& p) { p.heading_bias_deg_per_m = -1.0; });
+  refused([](DriftModel::Params& p) { p.scale_bias = -1.0; });
+  refused([](DriftModel::Params& p) { p.speed_per_root_second_mps = -1.0; });
+}
+
+}  // namespace
+}  // namespace fail_aware
