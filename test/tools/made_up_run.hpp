@@ -19,7 +19,9 @@ struct MadeUpRun {
   double speed_mps = 10.0;
   double drift_m = 0.0;       ///< sideways, a sweep: the estimate is to the left
   double sigma_m = 0.0;       ///< true standard deviations of an increment's errors
+  double sigma_up_m = 0.0;
   double sigma_yaw_rad = 0.0;
+  double sigma_tilt_rad = 0.0;
   double said_sigma_m = 0.01;  ///< what the filter says of them
   double said_sigma_yaw_rad = 2e-4;
   unsigned seed = 1;
@@ -49,7 +51,8 @@ struct MadeUpRun {
         s.dt_s = 0.1;
         Vector6d step = Vector6d::Zero(), error = Vector6d::Zero();
         step[0] = speed_mps * s.dt_s;
-        error << sigma_m * normal(random), sigma_m * normal(random) + drift_m, sigma_m * normal(random), 0.0, 0.0,
+        error << sigma_m * normal(random), sigma_m * normal(random) + drift_m, sigma_up_m * normal(random),
+            sigma_tilt_rad * normal(random), sigma_tilt_rad * normal(random),
             sigma_yaw_rad * normal(random);
         s.T_previous_now = poseFromVector(step + error);
         T_true = T_true * poseFromVector(step);

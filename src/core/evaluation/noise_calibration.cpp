@@ -15,7 +15,8 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
-constexpr double kSmallestShare = 1e-3;  // of its start, below which a parameter does not fall: its effect is gone
+constexpr double kSmallestFactor = 1e-3;  // on a parameter's start: its effect is gone
+constexpr double kStampTolerance_s = 1e-6;
 constexpr std::size_t kFewest = 10;
 
 // Minus the log likelihood of an error, without constants. Infinite where C is no covariance.
@@ -36,25 +37,57 @@ Vector6d floors(const PoseFilter::Params& params, double distance_m) {
   return variances;
 }
 
-// Positive parameters by their logarithms.
-template <class Params>
-Params fitPositive(const Params& start, const std::vector<double Params::*>& fields,
-                   const std::function<double(const Params&)>& cost) {
-  const auto with = [&](const std::vector<double>& logs) {
-    Params params = start;
-    for (std::size_t i = 0; i < fields.size(); ++i) {
-      params.*fields[i] = std::max(std::exp(logs[i]), kSmallestShare * start.*fields[i]);
-    }
-    return params;
+using Cost = std::function<double(const std::vector<double>&)>;
+
+// The minimum over factors > 0: first one by one over decades, so as to begin in the right valley, then together by their
+// logarithms.
+std::vector<double> fitFactors(std::size_t count, const Cost& cost) {
+  constexpr int kRounds = 3;
+  std::vector<double> logs(count, 0.0);
+  const auto at = [&](const std::vector<double>& x) {
+    std::vector<double> factors;
+    for (const double log : x) factors.push_back(std::max(std::exp(log), kSmallestFactor));
+    return factors;
   };
-  std::vector<double> logs;
-  for (const auto field : fields) logs.push_back(std::log(start.*field));
-  return with(nelderMead([&](const std::vector<double>& x) { return cost(with(x)); }, logs, 0.5, 1e-7, 2000).x);
+  double best = cost(at(logs));
+  for (int round = 0; round < kRounds; ++round) {
+    for (double& log : logs) {
+      const double before = log;
+      for (const double factor : {0.001, 0.03, 0.1, 0.3, 0.6, 1.7, 3.0, 10.0, 30.0}) {
+        const double kept = log;
+        log = std::max(before + std::log(factor), std::log(kSmallestFactor));
+        const double value = cost(at(logs));
+        if (value < best) {
+          best = value;
+        } else {
+          log = kept;
+        }
+      }
+    }
+  }
+  return at(nelderMead([&](const std::vector<double>& x) { return cost(at(x)); }, logs, 0.5).x);
 }
 
+template <class Params>
+using Fields = std::vector<double Params::*>;
+
+template <class Params>
+Params scaled(Params params, const Fields<Params>& fields, const std::vector<double>& factors) {
+  for (std::size_t i = 0; i < fields.size(); ++i) params.*fields[i] *= factors[i];
+  return params;
+}
+
+Fields<DriftModel::Params> driftFields() {
+  using P = DriftModel::Params;
+  return {&P::position_per_root_metre_m, &P::heading_per_root_metre_deg, &P::heading_bias_deg_per_m, &P::scale_bias};
+}
+
+// The fitted parameters' squares enter the covariance linearly: C = fixed + sum (field / start)^2 per_start.
 struct DriftSample {
   std::size_t run, begin, end;
   Eigen::Vector2d error_m;
+  Eigen::Matrix2d fixed;
+  std::vector<Eigen::Matrix2d> per_start;
 };
 
 std::vector<DriftSample> driftSamples(const std::vector<DriftRun>& runs, const DriftFitOptions& options) {
@@ -64,42 +97,59 @@ std::vector<DriftSample> driftSamples(const std::vector<DriftRun>& runs, const D
     double next_begin_s = log.front().state.stamp_s;
     for (std::size_t b = 0; b < log.size(); ++b) {
       const double begin_s = log[b].state.stamp_s;
-      if (begin_s < next_begin_s - 1e-6) continue;
+      if (begin_s < next_begin_s - kStampTolerance_s) continue;
       next_begin_s += options.episode_every_s;
       double next_s = begin_s + options.every_s;
-      for (std::size_t i = b + 1; i < log.size() && log[i].state.stamp_s <= begin_s + options.until_s + 1e-6; ++i) {
-        if (log[i].state.stamp_s < next_s - 1e-6) continue;
+      for (std::size_t i = b + 1; i < log.size(); ++i) {
+        const double stamp_s = log[i].state.stamp_s;
+        if (stamp_s > begin_s + options.until_s + kStampTolerance_s) break;
+        if (stamp_s < next_s - kStampTolerance_s) continue;
         next_s += options.every_s;
         const Eigen::Vector3d truth = runs[r].truth[b].inverse() * runs[r].truth[i].translation();
         const Eigen::Vector3d estimate = log[b].state.T_odom_cog.inverse() * log[i].state.T_odom_cog.translation();
-        samples.push_back({r, b, i, (truth - estimate).head<2>()});
+        samples.push_back({r, b, i, (truth - estimate).head<2>(), Eigen::Matrix2d::Zero(), {}});
       }
     }
   }
   return samples;
 }
 
-double driftCost(const std::vector<DriftRun>& runs, const std::vector<DriftSample>& samples,
-                 const DriftModel::Params& params) {
-  double cost = 0.0;
+// The (x, y) covariance since the episode's begin at every sample.
+std::vector<Eigen::Matrix2d> covariancesAt(const std::vector<DriftRun>& runs, const std::vector<DriftSample>& samples,
+                                           const DriftModel::Params& params) {
+  std::vector<Eigen::Matrix2d> covariances;
   for (std::size_t k = 0; k < samples.size();) {
-    const DriftSample first = samples[k];
-    const std::vector<MonitorInput>& log = runs[first.run].log;
+    const std::size_t run = samples[k].run, begin = samples[k].begin;
+    const std::vector<MonitorInput>& log = runs[run].log;
     OdometryCovariance covariance(params);
     const auto propagate = [&](std::size_t i) {
       const FilterState& s = log[i].state;
       covariance.propagate(log[i - 1].state.T_odom_cog, s.T_odom_cog,
                            {s.increment_covariance, s.unobserved_covariance, s.dt_s});
     };
-    if (first.begin > 0) propagate(first.begin);  // for the jitter of the mark
-    covariance.mark(log[first.begin].state.T_odom_cog);
-    std::size_t i = first.begin;
-    for (; k < samples.size() && samples[k].run == first.run && samples[k].begin == first.begin; ++k) {
+    if (begin > 0) propagate(begin);  // for the jitter of the mark
+    covariance.mark(log[begin].state.T_odom_cog);
+    std::size_t i = begin;
+    for (; k < samples.size() && samples[k].run == run && samples[k].begin == begin; ++k) {
       while (i < samples[k].end) propagate(++i);
-      cost += surprise<2>(samples[k].error_m, covariance.sinceMark().topLeftCorner<2, 2>());
+      covariances.push_back(covariance.sinceMark().topLeftCorner<2, 2>());
     }
   }
-  return cost / static_cast<double>(samples.size());
+  return covariances;
+}
+
+void addCovariances(const std::vector<DriftRun>& runs, const DriftModel::Params& start,
+                    std::vector<DriftSample>& samples) {
+  const Fields<DriftModel::Params> fields = driftFields();
+  const DriftModel::Params none = scaled(start, fields, std::vector<double>(fields.size(), 0.0));
+  const std::vector<Eigen::Matrix2d> fixed = covariancesAt(runs, samples, none);
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k].fixed = fixed[k];
+  for (const auto field : fields) {
+    DriftModel::Params one = none;
+    one.*field = start.*field;
+    const std::vector<Eigen::Matrix2d> with_one = covariancesAt(runs, samples, one);
+    for (std::size_t k = 0; k < samples.size(); ++k) samples[k].per_start.push_back(with_one[k] - fixed[k]);
+  }
 }
 
 }  // namespace
@@ -123,7 +173,11 @@ std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, co
 
 PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& start) {
   if (samples.size() < kFewest) throw InputError("too few sweeps to calibrate with");
-  const std::function<double(const PoseFilter::Params&)> cost = [&](const PoseFilter::Params& params) {
+  using P = PoseFilter::Params;
+  const Fields<P> fields = {&P::increment_scale, &P::increment_floor_m, &P::increment_per_metre_m,
+                            &P::increment_floor_deg};
+  const auto cost = [&](const std::vector<double>& factors) {
+    const P params = scaled(start, fields, factors);
     double sum = 0.0;
     for (const IncrementSample& sample : samples) {
       Matrix6d C = params.increment_scale * sample.modelled;
@@ -132,23 +186,25 @@ PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples
     }
     return sum / static_cast<double>(samples.size());
   };
-  using P = PoseFilter::Params;
-  return fitPositive<P>(start, {&P::increment_scale, &P::increment_floor_m, &P::increment_per_metre_m, &P::increment_floor_deg},
-                        cost);
+  return scaled(start, fields, fitFactors(fields.size(), cost));
 }
 
 DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& start,
                             const DriftFitOptions& options) {
-  const std::vector<DriftSample> samples = driftSamples(runs, options);
+  std::vector<DriftSample> samples = driftSamples(runs, options);
   if (samples.size() < kFewest) throw InputError("too few sweeps to calibrate with");
-  const std::function<double(const DriftModel::Params&)> cost = [&](const DriftModel::Params& params) {
-    return driftCost(runs, samples, params);
+  addCovariances(runs, start, samples);
+  const auto cost = [&](const std::vector<double>& factors) {
+    double sum = 0.0;
+    for (const DriftSample& sample : samples) {
+      Eigen::Matrix2d C = sample.fixed;
+      for (std::size_t f = 0; f < factors.size(); ++f) C += factors[f] * factors[f] * sample.per_start[f];
+      sum += surprise<2>(sample.error_m, C);
+    }
+    return sum / static_cast<double>(samples.size());
   };
-  using P = DriftModel::Params;
-  return fitPositive<P>(start,
-                        {&P::position_per_root_metre_m, &P::heading_per_root_metre_deg, &P::heading_bias_deg_per_m,
-                         &P::scale_bias},
-                        cost);
+  const Fields<DriftModel::Params> fields = driftFields();
+  return scaled(start, fields, fitFactors(fields.size(), cost));
 }
 
 }  // namespace fail_aware
