@@ -171,13 +171,17 @@ std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, co
   return samples;
 }
 
-PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& start) {
+PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& others) {
   if (samples.size() < kFewest) throw InputError("too few sweeps to calibrate with");
   using P = PoseFilter::Params;
+  P begin = others;
+  begin.increment_scale = 1.0;
+  begin.increment_floor_m = begin.increment_per_metre_m = 0.001;
+  begin.increment_floor_deg = 0.01;
   const Fields<P> fields = {&P::increment_scale, &P::increment_floor_m, &P::increment_per_metre_m,
                             &P::increment_floor_deg};
   const auto cost = [&](const std::vector<double>& factors) {
-    const P params = scaled(start, fields, factors);
+    const P params = scaled(begin, fields, factors);
     double sum = 0.0;
     for (const IncrementSample& sample : samples) {
       Matrix6d C = params.increment_scale * sample.modelled;
@@ -186,14 +190,18 @@ PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples
     }
     return sum / static_cast<double>(samples.size());
   };
-  return scaled(start, fields, fitFactors(fields.size(), cost));
+  return scaled(begin, fields, fitFactors(fields.size(), cost));
 }
 
-DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& start,
+DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
                             const DriftFitOptions& options) {
   std::vector<DriftSample> samples = driftSamples(runs, options);
   if (samples.size() < kFewest) throw InputError("too few sweeps to calibrate with");
-  addCovariances(runs, start, samples);
+  DriftModel::Params begin = others;
+  begin.position_per_root_metre_m = begin.heading_per_root_metre_deg = 0.005;
+  begin.heading_bias_deg_per_m = 0.0002;
+  begin.scale_bias = 0.0005;
+  addCovariances(runs, begin, samples);
   const auto cost = [&](const std::vector<double>& factors) {
     double sum = 0.0;
     for (const DriftSample& sample : samples) {
@@ -204,7 +212,7 @@ DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel:
     return sum / static_cast<double>(samples.size());
   };
   const Fields<DriftModel::Params> fields = driftFields();
-  return scaled(start, fields, fitFactors(fields.size(), cost));
+  return scaled(begin, fields, fitFactors(fields.size(), cost));
 }
 
 }  // namespace fail_aware

@@ -26,8 +26,8 @@ struct IncrementSample {
 std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
                                               const PoseFilter::Params& params);
 
-/// Of `start` the four increment_* parameters are fitted. Throws InputError for fewer than 10 samples.
-PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& start);
+/// `others` with the four increment_* parameters fitted. Throws InputError for fewer than 10 samples.
+PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& others);
 
 struct DriftRun {
   std::vector<Pose> truth;  ///< cog, one for each entry of log
@@ -38,8 +38,8 @@ struct DriftFitOptions {
   double episode_every_s = 5.0, every_s = 5.0, until_s = 60.0;
 };
 
-/// Of `start` position_ and heading_per_root_metre, heading_bias and scale_bias are fitted. Throws InputError without data.
-DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& start,
+/// `others` with position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws InputError without data.
+DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
                             const DriftFitOptions& options = {});
 
 }  // namespace fail_aware

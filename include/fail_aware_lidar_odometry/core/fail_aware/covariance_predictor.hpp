@@ -85,8 +85,8 @@ class CovariancePredictor {
  public:
   struct Params {
     double alert_limit_m = 0.6;
-    double confidence = 0.9;        ///< of the published time: the failure comes sooner with a probability of 1 - confidence
-    double alarm_confidence = 0.75;  ///< of the time that the state acts on: a lower one gives fewer false alarms
+    double confidence = 0.89;        ///< of the published time: the failure comes sooner with a probability of 1 - confidence
+    double alarm_confidence = 0.7;  ///< of the time that the state acts on: a lower one gives fewer false alarms
     double horizon_s = 60.0;
     double step_s = 0.25;
     double rate_scale = 1.0;  ///< on the growth of the covariance

@@ -38,7 +38,7 @@ const char* toString(IndicatorStatus status);
 class FailAwareIndicator {
  public:
   struct Params {
-    double threshold = 0.001;         ///< rad, on the scale above
+    double threshold = 0.022;         ///< rad, on the scale above
     int rate_window_sweeps = 20;
     double horizon_s = 60.0;
     double reference_period_s = 0.1;  ///< T above: the sweep period that the threshold belongs to

@@ -59,10 +59,10 @@ class PoseFilter {
     double max_unobserved_sigma_m = 0.3;      ///< R along the road beyond this: the speed is not observed (see below)
     double max_speed_mps = 80.0;              ///< derivatives are cut to these
     double max_yaw_rate_rps = 3.0;
-    double increment_scale = 1.0;             ///< on the covariance that one sweep adds to the odometry
-    double increment_floor_m = 0.001;         ///< standard deviation a sweep, at least, and per metre driven:
-    double increment_per_metre_m = 0.001;
-    double increment_floor_deg = 0.003;
+    double increment_scale = 0.7;             ///< on the covariance that one sweep adds to the odometry
+    double increment_floor_m = 0.0005;         ///< standard deviation a sweep, at least, and per metre driven:
+    double increment_per_metre_m = 0.0;
+    double increment_floor_deg = 0.02;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

@@ -21,11 +21,11 @@ class DriftModel {
  public:
   struct Params {
     double measured_share = 0.0;              ///< of the observed part's variance, that adds up too
-    double position_per_root_metre_m = 0.005;
+    double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.02;
-    double heading_per_root_metre_deg = 0.005;
-    double heading_bias_deg_per_m = 0.0002;   ///< standard deviation of the constant
-    double scale_bias = 0.0005;               ///< likewise: metres per metre
+    double heading_per_root_metre_deg = 0.0027;
+    double heading_bias_deg_per_m = 0.0001;   ///< standard deviation of the constant
+    double scale_bias = 0.0002;               ///< likewise: metres per metre
     double speed_per_root_second_mps = 0.5;   ///< wander of a speed that is not observed
 
     template <class Self, class Visitor>
