@@ -41,6 +41,7 @@ struct FailAwareMonitorTuning {
   static void visit(Self& self, Visitor&& v) {
     v("alert_limit_m", self.monitor.predictor.alert_limit_m);
     v("confidence", self.monitor.predictor.confidence);
+    v("alarm_confidence", self.monitor.predictor.alarm_confidence);
     v("failing_s", self.monitor.thresholds.failing_s);
     v("degraded_s", self.monitor.thresholds.degraded_s);
     v("disagreement_m", self.monitor.disagreement_m);

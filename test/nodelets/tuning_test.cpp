@@ -55,7 +55,7 @@ void expectUsableBounds(const std::vector<std::string>& tied) {
 
 TEST(Tuning, BoundsAreWithinTheRules) {
   expectUsableBounds<config::FusionUkfConfig, FusionUkfTuning>({});
-  expectUsableBounds<config::FailAwareMonitorConfig, FailAwareMonitorTuning>({"failing_s", "degraded_s"});
+  expectUsableBounds<config::FailAwareMonitorConfig, FailAwareMonitorTuning>({"confidence", "alarm_confidence", "failing_s", "degraded_s"});
   expectUsableBounds<config::IcpPointToPointConfig, IcpPointToPointTuning>({});
   expectUsableBounds<config::IcpPointToPlaneConfig, IcpPointToPlaneTuning>({});
   expectUsableBounds<config::CornerSvdConfig, CornerSvdTuning>({});

@@ -53,6 +53,7 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   made_up.said_sigma_m = 0.04;
   made_up.said_sigma_yaw_rad = 2e-3;
   PipelineParameters params;
+  params.profile.filter.increment_scale = 1.0;
   params.profile.filter.increment_floor_m = 1e-6;
   params.profile.filter.increment_per_metre_m = 1e-6;
   params.profile.filter.increment_floor_deg = 1e-6;

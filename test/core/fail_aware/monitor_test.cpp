@@ -400,7 +400,7 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
 }
 
 TEST(FailAwareMonitor, APoseThatIsSetIsANewT1OnceItServes) {
-  FailAwareMonitor monitor{MonitorParameters()}, idle{MonitorParameters()};
+  FailAwareMonitor monitor{independentSweeps()}, idle{independentSweeps()};
   Road road, idle_road;
   drive(idle, idle_road, 50);
   FilterState state = idle_road.next();
