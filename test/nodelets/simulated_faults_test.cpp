@@ -1,0 +1,246 @@
+// Every kind of fault that the simulator makes, and some together, through the live graph: each accepted cloud has exactly
+// one filter state, odometry and time to failure, every number in them is finite, the fault is told, and the odometry
+// corrects again when it is over. Clouds as the driver's, each sent when the one before is answered.
+#include <gtest/gtest.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "../support/graph_driver.hpp"
+#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/drive_simulation.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/fault_injector.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/sweep_stamping.hpp"
+
+namespace fail_aware {
+namespace {
+
+using Reason = messages::TimeToFailure;
+
+constexpr int kSeed = 2;
+constexpr double kDuration_s = 2.2, kFaultBegin_s = 1.0;
+constexpr double kMaxReorder_s = 0.5;  ///< fusion_ukf's default: farther back is a new drive
+constexpr double kAlertLimit_m = 0.6;
+
+struct Case {
+  std::string name;
+  std::vector<std::string> faults;
+  std::uint32_t reasons;  ///< that some sweep must be told with
+  bool recovers = true;   ///< the fault ends, and the last sweep is corrected and without these reasons
+};
+
+const std::vector<Case>& cases() {
+  constexpr std::uint32_t kNothingSeen =
+      Reason::REASON_SWEEP_EMPTY | Reason::REASON_NO_MEASUREMENT | Reason::REASON_PREDICTION_ONLY;
+  static const std::vector<Case> cases = {
+      {"blanked_sector", {"blanked_sector:1:0.5"}, Reason::REASON_SWEEP_INCOMPLETE},
+      {"lost_rings", {"lost_rings:1:0.5"}, 0},
+      {"all_rings_lost", {"lost_rings:1:0.5:1"}, kNothingSeen},
+      {"range_cap", {"range_cap:1:0.5"}, Reason::REASON_LOW_VISIBILITY},
+      {"thick_fog", {"range_cap:1:0.5:3"}, Reason::REASON_LOW_VISIBILITY | Reason::REASON_PREDICTION_ONLY},
+      {"noise", {"noise:1:0.5"}, 0},
+      {"ghost_points", {"ghost_points:1:0.5"}, 0},
+      {"frozen_cloud", {"frozen_cloud:1:0.5"}, Reason::REASON_FROZEN_CLOUD},
+      {"half_sweep", {"half_sweep:1:0.5"}, Reason::REASON_SWEEP_INCOMPLETE},
+      {"dropped", {"dropped:1:0.7"}, Reason::REASON_TIME_JUMP},
+      {"duplicated", {"duplicated:1:0.5"}, Reason::REASON_DROPPED_SWEEPS},
+      {"reordered", {"reordered:1:0.4"}, Reason::REASON_DROPPED_SWEEPS},
+      {"stamp_jump_forward", {"stamp_jump:1:inf:5"}, Reason::REASON_TIME_JUMP, false},
+      {"stamp_jump_back", {"stamp_jump:1:inf:-5"}, 0, false},
+      {"stamp_jump_for_a_while", {"stamp_jump:1:0.5:0.3"}, 0},
+      {"time_sign", {"time_sign:1"}, 0, false},
+      {"tilted_mount", {"tilted_mount:1"}, 0, false},
+      {"dense_traffic", {"dense_traffic:1:0.5"}, 0},
+      {"empty_cloud", {"empty_cloud:1:0.5"}, kNothingSeen},
+      {"nan", {"nan:1:0.5"}, kNothingSeen},
+      {"half_of_it_nan", {"nan:1:0.5:0.5"}, 0},
+      {"fog_noise_and_drops", {"range_cap:1:0.5", "noise:1:0.5", "dropped:1.2:0.1", "duplicated:1.3:0.2"},
+       Reason::REASON_LOW_VISIBILITY | Reason::REASON_DROPPED_SWEEPS},
+      {"half_tilted_ghosts_reordered", {"half_sweep:1:0.5", "tilted_mount:1:0.5", "ghost_points:1:0.5", "reordered:1:0.4"},
+       Reason::REASON_SWEEP_INCOMPLETE | Reason::REASON_DROPPED_SWEEPS},
+      {"everything_from_the_start", {"blanked_sector:0", "noise:0", "lost_rings:0", "nan:0:5:0.5", "time_sign:0"},
+       Reason::REASON_SWEEP_INCOMPLETE, false},
+  };
+  return cases;
+}
+
+/// The drive without faults, by the number of vehicles around; each is simulated once.
+const std::vector<SimulatedSweep>& cleanDrive(const std::vector<Fault>& faults) {
+  static std::map<int, std::vector<SimulatedSweep>> drives;
+  const int most = vehiclesAround(faults, kFaultBegin_s);
+  std::vector<SimulatedSweep>& drive = drives[most];
+  if (!drive.empty()) return drive;
+  DriveSimulation::Params params;
+  params.seed = kSeed;
+  params.duration_s = kDuration_s;
+  params.drive.start_speed_mps = 8.0;
+  params.lidar.columns = 1042;
+  DriveSimulation simulation(params, 1);
+  for (SimulatedSweep sweep; simulation.next(sweep, vehiclesAround(faults, simulation.time_s()));) drive.push_back(sweep);
+  return drive;
+}
+
+std::vector<SimulatedSweep> arrivals(const Case& test) {
+  std::vector<Fault> faults;
+  for (const std::string& text : test.faults) faults.push_back(Fault::parse(text));
+  FaultInjector injector(kSeed, faults);
+  std::vector<SimulatedSweep> all;
+  for (const SimulatedSweep& sweep : cleanDrive(faults)) {
+    for (SimulatedSweep& arriving : injector.apply(sweep)) all.push_back(std::move(arriving));
+  }
+  for (SimulatedSweep& arriving : injector.flush()) all.push_back(std::move(arriving));
+  return all;
+}
+
+// ---- every number that is published ------------------------------------------------------------------------------------
+
+bool finite(double value) { return std::isfinite(value); }
+template <class Array>
+bool allFinite(const Array& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+bool allFinite(const geometry_msgs::Point& p) { return finite(p.x) && finite(p.y) && finite(p.z); }
+bool allFinite(const geometry_msgs::Vector3& p) { return finite(p.x) && finite(p.y) && finite(p.z); }
+bool allFinite(const geometry_msgs::Pose& pose) {
+  const auto& q = pose.orientation;
+  return allFinite(pose.position) && std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) < 1e-6;
+}
+bool allFinite(const nav_msgs::Odometry& m) {
+  return allFinite(m.pose.pose) && allFinite(m.pose.covariance) && allFinite(m.twist.twist.linear) &&
+         allFinite(m.twist.twist.angular) && allFinite(m.twist.covariance);
+}
+bool allFinite(const messages::FilterState& m) {
+  return finite(m.dt) && allFinite(m.pose) && allFinite(m.covariance) && finite(m.sigma_yaw) && allFinite(m.increment) &&
+         allFinite(m.increment_covariance) && allFinite(m.unobserved_covariance) && allFinite(m.measurement_weights) &&
+         allFinite(m.measurement_nis) && allFinite(m.min_information_share) && allFinite(m.fused_state) &&
+         allFinite(m.fused_covariance) && finite(m.fused_nis) && finite(m.disagreement) && finite(m.disagreement_yaw);
+}
+bool allFinite(const messages::TimeToFailure& m) {
+  return finite(m.horizon) && finite(m.time_to_failure) && finite(m.time_to_failure_indicator) &&
+         finite(m.time_to_failure_covariance) && finite(m.eta) && finite(m.eta_rate) && finite(m.sigma_yaw) &&
+         finite(m.sigma_x) && finite(m.sigma_y);
+}
+bool allFinite(const messages::PoseMeasurement& m) {
+  return (m.status != messages::PoseMeasurement::OK || allFinite(m.pose)) && allFinite(m.covariance) &&
+         finite(m.rms_residual) && finite(m.inlier_share) && finite(m.seed_spread) && finite(m.min_information_share);
+}
+
+class SimulatedFaults : public testing::TestWithParam<Case> {
+ protected:
+  static void SetUpTestSuite() {
+    graph_ = new GraphDriver;
+    using OnMeasurement = boost::function<void(const messages::PoseMeasurementConstPtr&)>;
+    using OnTransforms = boost::function<void(const tf2_msgs::TFMessageConstPtr&)>;
+    for (const char* name : {"icp_point_to_point", "icp_point_to_plane", "corner_svd"}) {
+      measurements_.push_back(graph_->node().subscribe<messages::PoseMeasurement>(
+          std::string("measurement/") + name, 100, OnMeasurement([](const messages::PoseMeasurementConstPtr& message) {
+            EXPECT_TRUE(allFinite(*message)) << message->source << " at " << message->header.stamp;
+          })));
+    }
+    transforms_ = graph_->node().subscribe<tf2_msgs::TFMessage>(
+        "/tf", 100, OnTransforms([](const tf2_msgs::TFMessageConstPtr& message) {
+          for (const auto& transform : message->transforms) EXPECT_TRUE(allFinite(transform.transform.translation));
+        }));
+    graph_->sendTransform(poseFromVector(Eigen::Map<const Vector6d>(DriveSimulation::Params().lidar_in_base.data())));
+    ASSERT_TRUE(graph_->waitUntilLinked());
+    ASSERT_TRUE(graph_->start(cloudOf(cleanDrive({})[0])));
+  }
+  static void TearDownTestSuite() {
+    measurements_.clear();
+    transforms_.shutdown();
+    delete graph_;
+  }
+
+  void SetUp() override {
+    std_srvs::Trigger trigger;
+    ASSERT_TRUE(ros::service::call(graph_->topic("fusion_ukf/reset"), trigger));
+  }
+
+  static sensor_msgs::PointCloud2Ptr cloudOf(const SimulatedSweep& simulated) {
+    const Sweep sweep = driverSweep(simulated);
+    const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
+    writeVelodyneCloud(sweep, *cloud);
+    cloud->header.frame_id = "velodyne";
+    cloud->header.stamp = timeAt(epoch_, sweep.stamp_s);
+    return cloud;
+  }
+
+  static ros::Time epoch_;  ///< of the drive; the next one begins where it ended, so that stamps go on as usual
+  static GraphDriver* graph_;
+  static std::vector<ros::Subscriber> measurements_;
+  static ros::Subscriber transforms_;
+};
+
+GraphDriver* SimulatedFaults::graph_ = nullptr;
+std::vector<ros::Subscriber> SimulatedFaults::measurements_;
+ros::Subscriber SimulatedFaults::transforms_;
+ros::Time SimulatedFaults::epoch_(1577836800, 0);
+
+TEST_P(SimulatedFaults, EverySweepHasAPoseOrAnHonestState) {
+  const Case& test = GetParam();
+  ros::Time newest;
+  Pose T_world_first = Pose::Identity();
+  std::uint32_t told = 0;
+  std::size_t answered = 0;
+  for (const SimulatedSweep& simulated : arrivals(test)) {
+    const sensor_msgs::PointCloud2Ptr cloud = cloudOf(simulated);
+    const ros::Time stamp = cloud->header.stamp;
+    if (stamp <= newest && (newest - stamp).toSec() <= kMaxReorder_s) {
+      graph_->publish(cloud);  // refused; the next sweep tells
+      continue;
+    }
+    newest = stamp;
+    ASSERT_TRUE(graph_->drive(cloud)) << simulated.begin_s << " s";
+    ++answered;
+    const messages::FilterState& state = graph_->states.at(stamp);
+    const messages::TimeToFailure& time = graph_->times.at(stamp);
+    const nav_msgs::Odometry& odometry = graph_->odometry.at(stamp);
+    EXPECT_TRUE(allFinite(state)) << simulated.begin_s << " s";
+    EXPECT_TRUE(allFinite(odometry)) << simulated.begin_s << " s";
+    EXPECT_TRUE(allFinite(time)) << simulated.begin_s << " s";
+    EXPECT_EQ(graph_->states.count(stamp), 1u);
+    EXPECT_EQ(graph_->odometry.count(stamp), 1u);
+    EXPECT_FALSE(state.deadline_missed);
+    EXPECT_LE(time.state, messages::TimeToFailure::FAILED);
+    EXPECT_TRUE(time.time_to_failure == -1.0 || (time.time_to_failure >= 0.0 && time.time_to_failure <= time.horizon));
+    if (state.dt == 0.0) T_world_first = simulated.T_world_base_end;
+    told |= time.reasons;
+    const Pose truth = T_world_first.inverse() * simulated.T_world_base_end;
+    const double error_m = (graph_->T_odom_base(stamp).translation() - truth.translation()).head<2>().norm();
+    if (error_m > kAlertLimit_m) {
+      EXPECT_NE(time.state, messages::TimeToFailure::OK) << simulated.begin_s << " s: off by " << error_m << " m";
+    }
+  }
+  epoch_ = newest;
+  EXPECT_GE(answered, 10u);
+  EXPECT_TRUE(has(told, test.reasons)) << "told: " << told << ", must have: " << test.reasons;
+  if (!test.recovers) return;
+  EXPECT_TRUE(graph_->states.at(newest).corrected);
+  EXPECT_EQ(graph_->times.at(newest).reasons & test.reasons, 0u) << graph_->times.at(newest).reasons_text;
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, SimulatedFaults, testing::ValuesIn(cases()),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(SimulatedFaultCases, NameEveryKind) {
+  for (const FaultTraits& traits : faultTraits()) {
+    EXPECT_TRUE(std::any_of(cases().begin(), cases().end(), [&](const Case& test) {
+      return test.faults.size() == 1 && Fault::parse(test.faults[0]).kind == traits.kind;
+    })) << traits.name;
+  }
+}
+
+}  // namespace
+}  // namespace fail_aware
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "simulated_faults_test");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
