@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
@@ -8,6 +9,9 @@
 namespace fail_aware {
 
 namespace {
+
+/// What somebody else's message says and this package's pass on.
+double finiteOr0(double value) { return std::isfinite(value) ? value : 0.0; }
 
 constexpr std::uint8_t kNotArrived = messages::FilterState::NOT_ARRIVED;
 
@@ -81,13 +85,13 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
   measurement.T_odom_cog = pose.value_or(Pose::Identity());
   if (!pose) measurement.T_odom_cog.translation().setConstant(std::numeric_limits<double>::quiet_NaN());
   measurement.covariance = fromMessage(message.covariance);
-  measurement.rms_residual_m = message.rms_residual;
-  measurement.inlier_share = message.inlier_share;
+  measurement.rms_residual_m = finiteOr0(message.rms_residual);
+  measurement.inlier_share = finiteOr0(message.inlier_share);
   measurement.inliers = message.inliers;
   measurement.iterations = static_cast<int>(message.iterations);
-  measurement.seed_spread_m = message.seed_spread;
+  measurement.seed_spread_m = finiteOr0(message.seed_spread);
   measurement.weak_directions = message.weak_directions;
-  measurement.min_information_share = message.min_information_share;
+  measurement.min_information_share = finiteOr0(message.min_information_share);
   return measurement;
 }
 

@@ -15,33 +15,15 @@
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_monitor_params.hpp"
 #include "health.hpp"
+#include "load_or_say_why.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
+#include "stamps.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
-
-struct FailAwareMonitorNodeletParams {
-  bool start_redundant = true;  ///< t1 is the first sweep; false: the service says when
-  double stale_sweeps = 3.0;    ///< sweep periods without a filter state that mean failure
-  double min_period_s = 0.05;   ///< the measured sweep period is taken to be within these
-  double max_period_s = 0.15;
-
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("start_redundant", self.start_redundant);
-    v("stale_sweeps", self.stale_sweeps);
-    v("min_period_s", self.min_period_s);
-    v("max_period_s", self.max_period_s);
-  }
-  void validate() const {
-    requirePositive("stale_sweeps", stale_sweeps);
-    requirePositive("min_period_s", min_period_s);
-    requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
-  }
-};
 
 class FailAwareMonitorNodelet : public nodelet::Nodelet {
  private:
@@ -52,6 +34,10 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   static constexpr double kStalePeriod_s = 0.1;
 
   void onInit() override {
+    loadOrSayWhy(getName(), [this] { load(); });
+  }
+
+  void load() {
     ros::NodeHandle& node = getNodeHandle();
     ros::NodeHandle& private_node = getPrivateNodeHandle();
     readParameters(private_node, "", params_, MissingKeys::kKeep, foreignKeys(FailAwareMonitorTuning(), params_));
@@ -91,12 +77,19 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     if (state->dt_s > 0.0) {
       period_s_ = state->dt_s;
     } else {
-      monitor_->reset();
+      beginDrive();
     }
+    asked_ = false;
     output_ = monitor_->update(*state, conditionOf(*message));
     header_ = message->header;
     base_position_odom_ = (state->T_odom_cog * pipeline_.vehicle.T_base_cog().inverse()).translation();
     publish(header_);
+  }
+
+  /// odom begins anew: what it served as is lost, and whoever relied on it must ask again (start_redundant: always serves).
+  void beginDrive() {
+    monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
+    if (params_.start_redundant || asked_) monitor_->start();
   }
 
   void checkStale() {
@@ -110,7 +103,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     output_.reasons |= kReasonStale;
     output_.time_to_failure = heard ? TimeToFailure::reached() : TimeToFailure::unknown();
     std_msgs::Header header = header_;
-    if (heard) header.stamp += ros::Duration(silence_s);
+    if (heard) header.stamp = later(header.stamp, silence_s);
     publish(header);
   }
 
@@ -131,6 +124,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
 
   bool onStartRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     monitor_->start();
+    asked_ = true;
     response.success = true;
     response.message = "serves as the localisation from the next sweep on";
     return true;
@@ -155,18 +149,20 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   FailAwareMonitorNodeletParams params_;
   PipelineParameters pipeline_;
   std::unique_ptr<FailAwareMonitor> monitor_;
-  std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;
   ros::Publisher publisher_, marker_publisher_;
-  ros::Subscriber subscriber_;
-  ros::ServiceServer service_;
-  ros::SteadyTimer timer_;
   MonitorOutput output_;
+  bool asked_ = false;  ///< ~start_redundant was called since the last filter state
   Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
   std_msgs::Header header_;  ///< of the last filter state
   RateMeter rate_;
   double period_s_ = 0.1;
   double heard_s_ = 0.0;
   double published_s_ = 0.0;
+  // What calls back is destroyed first, and waits for a call that is under way.
+  std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;
+  ros::Subscriber subscriber_;
+  ros::ServiceServer service_;
+  ros::SteadyTimer timer_;
   std::unique_ptr<Health> health_;
 };
 

@@ -15,6 +15,7 @@
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include <deque>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -31,10 +32,12 @@
 #include "fusion_ukf_params.hpp"
 #include "health.hpp"
 #include "lidar_place.hpp"
+#include "load_or_say_why.hpp"
 #include "measurement_sources.hpp"
 #include "pose_setting.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
+#include "stamps.hpp"
 #include "sweep_intake.hpp"
 #include "trajectory_record.hpp"
 #include "tuning.hpp"
@@ -47,6 +50,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   static constexpr std::uint32_t kQueue = 8;
   static constexpr double kDeadlineCheck_s = 0.01;
+  static constexpr std::size_t kHeld = 3;  ///< fewer than the correction keeps clouds
 
   struct Counts {
     std::size_t sweeps = 0, predicted_only = 0, no_transform = 0, resets = 0, time_jumps = 0, poses_set = 0,
@@ -54,6 +58,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   };
 
   void onInit() override {
+    loadOrSayWhy(getName(), [this] { load(); });
+  }
+
+  void load() {
     ros::NodeHandle& node = getNodeHandle();
     ros::NodeHandle& private_node = getPrivateNodeHandle();
     std::vector<std::string> others = foreignKeys(FusionUkfTuning(), params_);
@@ -92,7 +100,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     reset_service_ = private_node.advertiseService("reset", &FusionUkfNodelet::onReset, this);
     save_service_ = private_node.advertiseService("save_trajectory", &FusionUkfNodelet::onSaveTrajectory, this);
     deadline_timer_ = node.createSteadyTimer(ros::WallDuration(kDeadlineCheck_s),
-                                             [this](const ros::SteadyTimerEvent&) { checkDeadline(); });
+                                             [this](const ros::SteadyTimerEvent&) { onTick(); });
     set_pose_subscriber_ = node.subscribe("set_pose", 1, &FusionUkfNodelet::onSetPose, this);
     cloud_subscriber_ = node.subscribe("points", kQueue, &FusionUkfNodelet::onCloud, this);
     health_ = std::make_unique<Health>(node, private_node, getName(), "odometry",
@@ -115,9 +123,35 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     const std_msgs::Header& header = cloud->header;
     switch (lidar_.find(header.frame_id)) {
       case LidarPlace::Answer::kKnown: break;
-      case LidarPlace::Answer::kNoTransform: ++counts_.no_transform; return;
+      case LidarPlace::Answer::kNoTransform: hold(header); return;
       case LidarPlace::Answer::kOtherFrame: intake_.refuseFrame(); return;
     }
+    releaseHeld();
+    accept(header);
+  }
+
+  /// The transform may be on its way: a bag has it at the stamp of the first cloud. The last few clouds wait for it.
+  void hold(const std_msgs::Header& header) {
+    missing_transform_ = true;
+    held_.push_back(header);
+    if (held_.size() <= kHeld) return;
+    held_.pop_front();
+    ++counts_.no_transform;
+  }
+
+  void releaseHeld() {
+    std::deque<std_msgs::Header> held;
+    held.swap(held_);
+    for (const std_msgs::Header& header : held) {
+      if (lidar_.find(header.frame_id) == LidarPlace::Answer::kKnown) {
+        accept(header);
+      } else {
+        intake_.refuseFrame();
+      }
+    }
+  }
+
+  void accept(const std_msgs::Header& header) {
     if (intake_.offer(header) == SweepIntake::Verdict::kJumpedBack) {
       NODELET_WARN("stamps jumped back by %.3f s: starting anew", intake_.behind_s(header.stamp));
       ++counts_.time_jumps;
@@ -158,6 +192,11 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     if (!open_ || !sources_->allAnswered()) return;
     close();
     openNext();
+  }
+
+  void onTick() {
+    if (!held_.empty() && lidar_.find(held_.back().frame_id) == LidarPlace::Answer::kKnown) releaseHeld();
+    checkDeadline();
   }
 
   void checkDeadline() {
@@ -236,10 +275,11 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void reset() {
     filter_->reset(T_base_cog_);  // odom begins at base_link
     odometry_covariance_.reset(start_sigmas_.cwiseAbs2().asDiagonal());
+    intake_.clear(open_.has_value());
     open_.reset();
+    held_.clear();
     pose_setting_.clear();
     sources_->reset();
-    intake_.clear();
     path_->clear();
     trajectory_->clear();
     last_stamp_ = ros::Time();
@@ -277,7 +317,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using Level = diagnostic_msgs::DiagnosticStatus;
     const std::string absent = sources_->absent();
-    if (!lidar_.known() && counts_.no_transform > 0) {
+    if (!lidar_.known() && missing_transform_) {
       status.summary(Level::ERROR,
                      "no transform " + params_.base_frame + " -> " + lidar_.lidarFrame() + ": " + lidar_.error());
     } else if (counts_.sweeps == 0) {
@@ -291,7 +331,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
     status.addf("from cloud to estimate (ms)", "%.1f", 1e3 * latency_s_);
-    if (!last_stamp_.isZero()) status.addf("age of the last estimate (s)", "%.3f", (ros::Time::now() - last_stamp_).toSec());
+    if (!last_stamp_.isZero()) status.addf("age of the last estimate (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
     status.add("sweeps", counts_.sweeps);
     status.add("sweeps without a usable measurement", counts_.predicted_only);
     const SweepIntake::Counts& dropped = intake_.counts();
@@ -301,6 +341,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     status.add("dropped: stamp not usable", dropped.unusable_stamp);
     status.add("dropped: frame is not " + lidar_.lidarFrame(), dropped.wrong_frame);
     status.add("dropped: no transform", counts_.no_transform);
+    status.add("dropped: by a reset", dropped.reset);
     status.add("resets", counts_.resets);
     status.add("resets because stamps jumped back", counts_.time_jumps);
     status.add("poses set", counts_.poses_set);
@@ -314,13 +355,13 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   Vector6d start_sigmas_ = Vector6d::Zero();  ///< m, rad
   std::unique_ptr<PoseFilter> filter_;
   OdometryCovariance odometry_covariance_;
-  std::unique_ptr<MeasurementSources> sources_;
-  std::unique_ptr<Reconfiguration<Config, FusionUkfTuning>> reconfiguration_;
 
   LidarPlace lidar_;
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_broadcaster_;
 
   SweepIntake intake_;
+  std::deque<std_msgs::Header> held_;     ///< clouds that wait for the lidar's place
+  bool missing_transform_ = false;        ///< some cloud did
   std::optional<std_msgs::Header> open_;  ///< frame: odom
   SweepPrediction prediction_;            ///< of the open sweep
   PoseSetting pose_setting_;
@@ -334,6 +375,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   Counts counts_;
 
   ros::Publisher prediction_publisher_, state_publisher_, odometry_publisher_, path_publisher_;
+  // What calls back is destroyed first, and waits for a call that is under way.
+  std::unique_ptr<MeasurementSources> sources_;
+  std::unique_ptr<Reconfiguration<Config, FusionUkfTuning>> reconfiguration_;
   ros::Subscriber cloud_subscriber_, set_pose_subscriber_;
   ros::ServiceServer reset_service_, save_service_;
   ros::SteadyTimer deadline_timer_;

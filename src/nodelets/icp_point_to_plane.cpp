@@ -6,6 +6,7 @@
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "icp_front.hpp"
 #include "measurement_nodelet.hpp"
+#include "stamps.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
@@ -38,7 +39,7 @@ class IcpPointToPlaneAlgorithm {
   void place(const FilterState& state) { front_.place(state); }
   void reset() { front_.reset(); }
   void show(const std_msgs::Header& header) {
-    const double since_s = (header.stamp - shown_stamp_).toSec();
+    const double since_s = secondsFrom(shown_stamp_, header.stamp);
     if (local_map_.getNumSubscribers() == 0 || (since_s >= 0.0 && since_s < kLocalMapPeriod_s)) return;
     shown_stamp_ = header.stamp;
     const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();

@@ -22,8 +22,10 @@
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "health.hpp"
+#include "load_or_say_why.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
+#include "stamps.hpp"
 #include "sweep_matcher.hpp"
 
 namespace fail_aware {
@@ -34,6 +36,10 @@ class MeasurementNodelet : public nodelet::Nodelet {
   static constexpr std::uint32_t kQueue = 8;
 
   void onInit() override {
+    loadOrSayWhy(getName(), [this] { load(); });
+  }
+
+  void load() {
     ros::NodeHandle& node = getNodeHandle();
     algorithm_ = std::make_unique<Algorithm>(node, readPipelineParameters(node));
     publisher_ = node.advertise<messages::PoseMeasurement>(std::string("measurement/") + Algorithm::name(), kQueue);
@@ -64,6 +70,7 @@ class MeasurementNodelet : public nodelet::Nodelet {
     }
     const std::optional<SweepMatcher::Job> job = matcher_.next();
     if (!job) return;
+    if (job->begins) algorithm_->reset();
     measure(*job->prediction, *job->cloud);
     work_->request();  // its filter state may be here already
   }
@@ -75,7 +82,6 @@ class MeasurementNodelet : public nodelet::Nodelet {
       ++unusable_;
       return;
     }
-    if (task->first()) algorithm_->reset();
     if (!readCorrectedCloud(cloud, sweep_).ok()) sweep_.points_lidar.clear();
     const Measurement measurement = algorithm_->measure(sweep_, *task);
     ++sweeps_;
@@ -95,7 +101,7 @@ class MeasurementNodelet : public nodelet::Nodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(diagnostic_msgs::DiagnosticStatus::OK, sweeps_ == 0 ? "no sweep yet" : toString(last_status_));
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
-    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", (ros::Time::now() - last_stamp_).toSec());
+    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
     status.add("sweeps", sweeps_);
     status.add("sweeps with a pose", usable_);
     status.addf("ms", "%.1f", 1e3 * last_.duration);
@@ -111,16 +117,17 @@ class MeasurementNodelet : public nodelet::Nodelet {
 
   std::unique_ptr<Algorithm> algorithm_;
   ros::Publisher publisher_;
-  ros::Subscriber cloud_subscriber_, prediction_subscriber_, state_subscriber_;
-  std::unique_ptr<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>> reconfiguration_;
   SweepMatcher matcher_;
-  std::unique_ptr<DeferredCall> work_;
   CorrectedSweep sweep_;
   MeasurementStatus last_status_ = MeasurementStatus::kNoReference;
   messages::PoseMeasurement last_;
   ros::Time last_stamp_;
   RateMeter rate_;
   std::size_t sweeps_ = 0, usable_ = 0, unusable_ = 0;
+  // What calls back is destroyed first, and waits for a call that is under way.
+  std::unique_ptr<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>> reconfiguration_;
+  std::unique_ptr<DeferredCall> work_;
+  ros::Subscriber cloud_subscriber_, prediction_subscriber_, state_subscriber_;
   std::unique_ptr<Health> health_;
 };
 

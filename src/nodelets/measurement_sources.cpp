@@ -79,6 +79,12 @@ MeasurementSources::MeasurementSources(ros::NodeHandle node, const std::map<std:
   }
 }
 
+// Each waits for a call that is under way, which needs all the members.
+MeasurementSources::~MeasurementSources() {
+  check_subscriber_.shutdown();
+  for (Source& source : sources_) source.subscriber.shutdown();
+}
+
 MeasurementSources::Source& MeasurementSources::add(const std::string& name) {
   sources_.emplace_back();
   sources_.back().name = name;

@@ -49,6 +49,9 @@ class MeasurementSources {
   /// `answered` is called whenever something came for the open sweep.
   MeasurementSources(ros::NodeHandle node, const std::map<std::string, ExtraSourceParams>& extra,
                      const std::string& odom_frame, std::function<void()> answered);
+  ~MeasurementSources();
+  MeasurementSources(const MeasurementSources&) = delete;
+  MeasurementSources& operator=(const MeasurementSources&) = delete;
 
   void setAbsentAfter(int sweeps) { absent_after_sweeps_ = sweeps; }
   /// One of the three measurements: false: neither waited for nor fused.

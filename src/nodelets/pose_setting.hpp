@@ -15,6 +15,7 @@
 #include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "frame_name.hpp"
+#include "stamps.hpp"
 
 namespace fail_aware {
 
@@ -41,7 +42,7 @@ class PoseSetting {
       if (!reason.empty()) return reason;
     }
     const bool stamped = !message.header.stamp.isZero() && !last_stamp.isZero();
-    if (stamped && std::abs((last_stamp - message.header.stamp).toSec()) > kMaxAge_s) {
+    if (stamped && std::abs(secondsFrom(message.header.stamp, last_stamp)) > kMaxAge_s) {
       return "its stamp is more than a second away from the last sweep's";
     }
     pending_ = pose;

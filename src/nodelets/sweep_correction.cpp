@@ -16,7 +16,9 @@
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 #include "health.hpp"
+#include "load_or_say_why.hpp"
 #include "rate_meter.hpp"
+#include "stamps.hpp"
 
 namespace fail_aware {
 
@@ -25,6 +27,10 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   static constexpr std::uint32_t kQueue = 8;
 
   void onInit() override {
+    loadOrSayWhy(getName(), [this] { load(); });
+  }
+
+  void load() {
     ros::NodeHandle& node = getNodeHandle();
     const PipelineParameters params = readPipelineParameters(node);
     corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.timing,
@@ -44,6 +50,7 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   }
 
   void onPrediction(const messages::SweepPredictionConstPtr& prediction) {
+    if (prediction->dt <= 0.0) corrector_->reset();  // a drive begins, whether this sweep's cloud comes or not
     predictions_.push(prediction->header.stamp, prediction);
     advance(prediction->header.stamp);
   }
@@ -58,7 +65,6 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   }
 
   void correct(const sensor_msgs::PointCloud2& cloud, const SweepTask& task) {
-    if (task.first()) corrector_->reset();
     const CloudReadResult read = readCloud(cloud, sweep_);
     if (!read.ok()) {
       ++refused_;
@@ -90,7 +96,7 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     }
     refused_reported_ = refused_;
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
-    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", (ros::Time::now() - last_stamp_).toSec());
+    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
     status.add("sweeps", sweeps_);
     status.add("points of the last sweep", sweep_.size());
     status.addf("azimuth coverage", "%.2f", findings_.azimuth_coverage);
@@ -106,7 +112,6 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
 
   std::unique_ptr<SweepCorrector> corrector_;
   ros::Publisher publisher_, check_publisher_;
-  ros::Subscriber cloud_subscriber_, prediction_subscriber_;
   ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{kQueue};
   ExactStampBuffer<messages::SweepPredictionConstPtr> predictions_{kQueue};
   Sweep sweep_;
@@ -118,6 +123,8 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   ros::Time last_stamp_;
   std::string last_reason_;
   std::size_t sweeps_ = 0, refused_ = 0, refused_reported_ = 0, unmatched_ = 0;
+  // What calls back is destroyed first, and waits for a call that is under way.
+  ros::Subscriber cloud_subscriber_, prediction_subscriber_;
   std::unique_ptr<Health> health_;
 };
 

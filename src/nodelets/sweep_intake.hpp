@@ -9,6 +9,8 @@
 #include <deque>
 #include <optional>
 
+#include "stamps.hpp"
+
 namespace fail_aware {
 
 class SweepIntake {
@@ -19,7 +21,7 @@ class SweepIntake {
     kJumpedBack  ///< further back than max_reorder_s: start anew, then offer it again
   };
   struct Counts {
-    std::size_t overload = 0, duplicate = 0, reordered = 0, unusable_stamp = 0, wrong_frame = 0;
+    std::size_t overload = 0, duplicate = 0, reordered = 0, unusable_stamp = 0, wrong_frame = 0, reset = 0;
   };
 
   void setLimits(std::size_t queue_size, double max_reorder_s) {
@@ -49,7 +51,7 @@ class SweepIntake {
   void refuseStamp() { lose(counts_.unusable_stamp); }
   void refuseFrame() { lose(counts_.wrong_frame); }
 
-  double behind_s(const ros::Time& stamp) const { return (newest_ - stamp).toSec(); }
+  double behind_s(const ros::Time& stamp) const { return secondsFrom(stamp, newest_); }
 
   std::optional<std_msgs::Header> next() {
     if (waiting_.empty()) return std::nullopt;
@@ -65,8 +67,9 @@ class SweepIntake {
     return dropped;
   }
 
-  /// The counts stay.
-  void clear() {
+  /// A new start: what waits, and the sweep in work if there is one, are lost by it. The counts stay.
+  void clear(bool in_work = false) {
+    counts_.reset += waiting_.size() + (in_work ? 1 : 0);
     waiting_.clear();
     newest_ = ros::Time();
     dropped_ = 0;

@@ -23,6 +23,7 @@ class SweepMatcher {
   struct Job {
     Prediction prediction;
     sensor_msgs::PointCloud2ConstPtr cloud;
+    bool begins = false;  ///< a drive began with this sweep, or with one that was skipped before it
   };
 
   void add(const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds_.push(cloud->header.stamp, cloud); }
@@ -31,6 +32,7 @@ class SweepMatcher {
     if (prediction->dt <= 0.0) {  // a drive begins; it may repeat the last one's stamps
       states_.clear();
       measured_ = ros::Time();
+      begins_ = true;
     }
     if (newest_) ++skipped_;
     newest_ = prediction;
@@ -57,7 +59,8 @@ class SweepMatcher {
     const sensor_msgs::PointCloud2ConstPtr* cloud = clouds_.find(stamp);
     if (cloud == nullptr) return std::nullopt;
     if (!measured_.isZero() && measured_ == newest_->previous_stamp) return std::nullopt;
-    const Job job{newest_, *cloud};
+    const Job job{newest_, *cloud, begins_};
+    begins_ = false;
     clouds_.popThrough(stamp);
     newest_ = nullptr;
     measured_ = stamp;
@@ -72,6 +75,7 @@ class SweepMatcher {
   ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{kKept};
   ExactStampBuffer<State> states_{kKept};
   Prediction newest_;
+  bool begins_ = false;
   ros::Time measured_;  ///< of the sweep that waits for its filter state; zero: none
   std::size_t skipped_ = 0;
 };

@@ -111,6 +111,17 @@ TEST(GraphMessages, measurementThatIsNoPoseIsNotFinite) {
   EXPECT_FALSE(fromMessage(message).ok());
 }
 
+TEST(GraphMessages, whatAMeasurementSaysOfItselfIsFinite) {
+  messages::PoseMeasurement message;
+  message.rms_residual = message.inlier_share = std::numeric_limits<double>::quiet_NaN();
+  message.seed_spread = message.min_information_share = std::numeric_limits<double>::infinity();
+  const Measurement measurement = fromMessage(message);
+  for (const double value : {measurement.rms_residual_m, measurement.inlier_share, measurement.seed_spread_m,
+                             measurement.min_information_share}) {
+    EXPECT_EQ(value, 0.0);
+  }
+}
+
 FilterState someState() {
   FilterState state;
   state.dt_s = 0.1;

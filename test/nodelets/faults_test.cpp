@@ -1,6 +1,8 @@
 // What the graph says when a nodelet is absent from the start, is unloaded in flight, and comes back: each in turn, in
 // one manager. Order of events, not time: the very next sweep tells.
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
+#include <std_srvs/Trigger.h>
 
 #include "../support/graph_driver.hpp"
 
@@ -34,6 +36,11 @@ class Faults : public testing::Test {
     EXPECT_TRUE(graph_.drive(streetCloud(next_))) << "sweep " << next_;
     ++next_;
     return graph_.times.count(stamp) > 0 ? graph_.times.at(stamp).reasons : 0u;
+  }
+  /// For the FusionUkf that is loaded next.
+  void setDeadline(double seconds) {
+    graph_.node().setParam("fusion_ukf/deadline_s", seconds);
+    graph_.node().setParam("fusion_ukf/first_deadline_s", seconds);
   }
   void waitForLinks(const std::vector<std::string>& names) {
     std::vector<std::string> topics;
@@ -141,12 +148,88 @@ TEST_F(Faults, WithoutTheFilterTheMonitorSaysFailedAndStaleUntilItIsBack) {
   EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
 }
 
+TEST_F(Faults, AResetEndsTheServiceThatWasAskedForUntilItIsAskedForAgain) {
+  graph_.node().setParam("fail_aware_monitor/start_redundant", false);
+  loadAllBut("");
+  graph_.node().deleteParam("fail_aware_monitor/start_redundant");
+  ASSERT_TRUE(graph_.waitUntilLinked());
+  const auto call = [&](const std::string& service) {
+    std_srvs::Trigger trigger;
+    return ros::service::call(graph_.topic(service), trigger) && trigger.response.success;
+  };
+  const auto last = [&] { return graph_.times.at(stampOfSweep(next_ - 1)); };
+  ASSERT_TRUE(call("fail_aware_monitor/start_redundant"));  // before the first sweep: t1 is that one
+  start();
+  if (HasFatalFailure()) return;
+  EXPECT_FALSE(last().t1.isZero());
+  for (int i = 0; i < 2; ++i) drive();
+  ASSERT_TRUE(call("fusion_ukf/reset"));
+  for (int i = 0; i < 3; ++i) {
+    drive();
+    EXPECT_TRUE(last().t1.isZero()) << "odom is another; nobody may go on as if it were not";
+    EXPECT_EQ(last().state, Reason::UNKNOWN);
+  }
+  ASSERT_TRUE(call("fail_aware_monitor/start_redundant"));
+  drive();
+  EXPECT_FALSE(last().t1.isZero());
+  ASSERT_TRUE(call("fusion_ukf/reset"));
+  ASSERT_TRUE(call("fail_aware_monitor/start_redundant"));
+  drive();
+  EXPECT_FALSE(last().t1.isZero()) << "asked for after the reset";
+}
+
+TEST_F(Faults, UnloadedInTheMiddleOfASweepANodeletTakesNothingWithIt) {
+  setDeadline(2.0);
+  loadAllBut("");
+  ASSERT_TRUE(graph_.waitUntilLinked());
+  start();
+  if (HasFatalFailure()) return;
+  for (int i = 0; i < 2; ++i) drive();
+  for (const char* name : {"sweep_correction", "icp_point_to_point", "icp_point_to_plane", "corner_svd",
+                           "fail_aware_monitor", "fusion_ukf"}) {
+    graph_.publish(streetCloud(next_++));
+    unload(name);
+    load(name);
+    ASSERT_TRUE(graph_.waitUntilLinked()) << name;
+  }
+  graph_.sendTransform();
+  ASSERT_TRUE(graph_.start(streetCloud(next_++)));
+  for (int i = 0; i < 3; ++i) drive();
+  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
+  setDeadline(600.0);
+}
+
+TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
+  std::string log;
+  ros::Subscriber listener = graph_.node().subscribe<rosgraph_msgs::Log>(
+      "/rosout", 100, [&](const rosgraph_msgs::LogConstPtr& line) { log += line->msg + '\n'; });
+  ASSERT_TRUE(manager_.load("corner_svd"));  // the manager runs
+  ASSERT_TRUE(manager_.unload("corner_svd"));
+  const auto refused = [&](const std::string& key, const auto& value, const std::string& name) {
+    log.clear();
+    graph_.node().setParam(key, value);
+    EXPECT_TRUE(waitFor([&] {  // again and again until the log's link is up
+      EXPECT_FALSE(manager_.load(name)) << key;
+      return log.find(name + " is not loaded") != std::string::npos;
+    })) << log;
+    graph_.node().deleteParam(key);
+    const std::string last = key.substr(key.rfind('/') + 1);
+    EXPECT_NE(log.find(last), std::string::npos) << log;
+  };
+  refused("fusion_ukf/nonsense", 1, "fusion_ukf");
+  refused("fusion_ukf/deadline_s", "soon", "fusion_ukf");
+  refused("fusion_ukf/queue_size", 0, "fusion_ukf");
+  refused("fail_aware_monitor/stale_sweeps", -1.0, "fail_aware_monitor");
+  refused("profile/nonsense", 1.0, "icp_point_to_plane");
+  refused("sensor/nonsense", 1.0, "sweep_correction");
+  setDeadline(600.0);
+  load("fusion_ukf");
+}
+
 TEST_F(Faults, AStageThatIsConnectedButSilentIsWaitedForToTheDeadlineAndThenNoLonger) {
-  graph_.node().setParam("fusion_ukf/deadline_s", 1.0);
-  graph_.node().setParam("fusion_ukf/first_deadline_s", 1.0);
+  setDeadline(1.0);
   loadAllBut("corner_svd");
-  graph_.node().setParam("fusion_ukf/deadline_s", 600.0);
-  graph_.node().setParam("fusion_ukf/first_deadline_s", 600.0);
+  setDeadline(600.0);
   ros::Publisher silent = graph_.node().advertise<messages::PoseMeasurement>("measurement/corner_svd", 1);
   ASSERT_TRUE(graph_.waitUntilLinked());
   start();

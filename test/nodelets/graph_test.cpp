@@ -67,7 +67,7 @@ TEST(Graph, everyCloudHasItsEstimateAndItIsOfflines) {
   graph.publish(clouds[0]);
   EXPECT_FALSE(waitFor([&] { return graph.answered(clouds[0]->header.stamp); }, 0.5)) << "without a transform";
   graph.sendTransform(T_base_lidar);
-  ASSERT_TRUE(graph.start(clouds[0]));
+  ASSERT_TRUE(waitFor([&] { return graph.answered(clouds[0]->header.stamp); })) << "the cloud has waited for it";
 
   for (std::size_t i = 0; i < clouds.size(); ++i) {
     const ros::Time stamp = clouds[i]->header.stamp;

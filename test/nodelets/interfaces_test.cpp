@@ -223,6 +223,29 @@ TEST_F(Interfaces, WhatIsWrongWithASweepIsToldAtOnce) {
   EXPECT_GE(graph_->times.at(stampOfSweep(10)).state, Reason::FAILING);
 }
 
+TEST_F(Interfaces, ACloudThatCannotBeReadIsASweepWithoutPoints) {
+  drive(0, 2);
+  const std::vector<std::function<void(sensor_msgs::PointCloud2&)>> damages = {
+      [](sensor_msgs::PointCloud2& cloud) { cloud.is_bigendian = true; },
+      [](sensor_msgs::PointCloud2& cloud) { cloud.fields.clear(); },
+      [](sensor_msgs::PointCloud2& cloud) { cloud.fields[2].name = "height"; },
+      [](sensor_msgs::PointCloud2& cloud) { cloud.data.resize(cloud.data.size() / 2); },
+      [](sensor_msgs::PointCloud2& cloud) { cloud.row_step = 1; },
+      [](sensor_msgs::PointCloud2& cloud) { std::fill(cloud.data.begin(), cloud.data.end(), 0xff); },  // NaN
+      [](sensor_msgs::PointCloud2& cloud) { cloud.width = cloud.height = 0; }};
+  int i = 3;
+  for (const auto& damage : damages) {
+    const sensor_msgs::PointCloud2Ptr cloud = streetCloud(i);
+    damage(*cloud);
+    ASSERT_TRUE(graph_->drive(cloud)) << i;
+    EXPECT_TRUE(has(reasonsAt(i), Reason::REASON_SWEEP_EMPTY | Reason::REASON_PREDICTION_ONLY)) << i;
+    EXPECT_TRUE(fromMessage(graph_->odometry.at(stampOfSweep(i)).pose.covariance).allFinite()) << i;
+    ++i;
+  }
+  drive(i, i + 1);
+  EXPECT_TRUE(stateAt(i + 1).corrected);
+}
+
 // ---- time -------------------------------------------------------------------------------------------------------------
 
 TEST_F(Interfaces, ABagThatBeginsAgainIsACleanStart) {
@@ -245,6 +268,21 @@ TEST_F(Interfaces, OverAGapOfASecondItGoesOn) {
   EXPECT_FALSE(has(reasonsAt(19), Reason::REASON_TIME_JUMP));
   EXPECT_TRUE(stateAt(20).corrected);
   expectNear(poseAt(20), truthAt(20), 0.3, "after the gap");
+}
+
+TEST_F(Interfaces, AStampOfTheEndOfTimeHurtsNobody) {
+  drive(0, 2);
+  const ros::Time end(4294967290, 0);
+  ASSERT_TRUE(graph_->drive(cloudOf(streetSweep(3), end)));
+  EXPECT_TRUE(has(graph_->times.at(end).reasons, Reason::REASON_TIME_JUMP));
+  const nav_msgs::Odometry& odometry = graph_->odometry.at(end);
+  EXPECT_TRUE(isFinite(graph_->T_odom_base(end)));
+  EXPECT_TRUE(fromMessage(odometry.pose.covariance).allFinite());
+  EXPECT_TRUE(fromMessage(odometry.twist.covariance).allFinite());
+  drive(3, 6);
+  EXPECT_EQ(stateAt(3).dt, 0.0) << "a new start";
+  EXPECT_TRUE(stateAt(6).corrected);
+  expectNear(poseAt(6), truthAt(6, 3), 0.05, "after it");
 }
 
 // ---- services ---------------------------------------------------------------------------------------------------------

@@ -46,12 +46,23 @@ TEST(SweepIntake, StampsThatDoNotAdvanceAreRefusedByTheirCause) {
   EXPECT_EQ(intake.takeDropped(), 4);
 }
 
+TEST(SweepIntake, AStampOfTheEndOfTimeIsAJumpBackForAllThatFollow) {
+  SweepIntake intake;
+  intake.offer(at(10.0));
+  std_msgs::Header end;
+  end.stamp = ros::TIME_MAX;
+  EXPECT_EQ(intake.offer(end), Verdict::kQueued);
+  EXPECT_EQ(intake.offer(at(10.1)), Verdict::kJumpedBack);
+  EXPECT_GT(intake.behind_s(ros::Time(10.1)), 4e9);
+}
+
 TEST(SweepIntake, AJumpBackIsToldAndTheCloudIsTakenOnceCleared) {
   SweepIntake intake;
   intake.offer(at(10.0));
   EXPECT_EQ(intake.offer(at(9.4)), Verdict::kJumpedBack);
   EXPECT_NEAR(intake.behind_s(ros::Time(9.4)), 0.6, 1e-9);
-  intake.clear();
+  intake.clear(true);
+  EXPECT_EQ(intake.counts().reset, 2u) << "what waited and what was in work";
   EXPECT_EQ(intake.offer(at(9.4)), Verdict::kQueued);
   EXPECT_EQ(intake.next()->stamp, ros::Time(9.4));
   EXPECT_FALSE(intake.next()) << "what waited before the jump is gone";

@@ -109,5 +109,23 @@ TEST(SweepMatcher, ADriveThatBeginsForgetsTheStatesOfTheLast) {
   EXPECT_EQ(measuredNow(matcher), 0);
 }
 
+TEST(SweepMatcher, ADriveBeginsAlsoWhenItsFirstSweepIsSkipped) {
+  SweepMatcher matcher;
+  matcher.add(prediction(3, 2));
+  matcher.add(cloud(3));
+  EXPECT_FALSE(matcher.next()->begins);
+  for (int i = 0; i < 2; ++i) {  // while sweep 3 was measured, another drive began
+    matcher.add(prediction(i, i - 1));
+    matcher.add(cloud(i));
+  }
+  const std::optional<SweepMatcher::Job> job = matcher.next();
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->prediction->header.stamp, stampOf(1));
+  EXPECT_TRUE(job->begins) << "the last drive's references must go";
+  matcher.add(prediction(2, 0));
+  matcher.add(cloud(2));
+  EXPECT_FALSE(matcher.next()->begins) << "told once";
+}
+
 }  // namespace
 }  // namespace fail_aware

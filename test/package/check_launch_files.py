@@ -23,7 +23,10 @@ CASES = {
 }
 DRIVER = """<launch>
   %s
-  <node pkg="nodelet" type="nodelet" name="velodyne_nodelet_manager" args="manager"/>
+  <node pkg="nodelet" type="nodelet" name="$(arg manager)" args="manager"/>
+  <node pkg="nodelet" type="nodelet" name="$(arg manager)_driver" args="load velodyne_driver/DriverNodelet $(arg manager)">
+    <param name="cut_angle" type="double" value="$(arg cut_angle)"/>
+  </node>
 </launch>
 """ % "\n  ".join('<arg name="%s" default="x"/>' % name for name in (
     "calibration", "device_ip", "frame_id", "manager", "max_range", "min_range", "pcap", "port", "read_fast", "read_once",
@@ -38,6 +41,13 @@ def stand_in_for_driver(folder):
                    "<maintainer email='a@b.c'>x</maintainer><license>BSD</license></package>")
     with open(os.path.join(package, "launch", "64e_S3.launch"), "w") as file:
         file.write(DRIVER)
+
+
+TWO_VEHICLES = """<launch>
+  <group ns="car_1"><include file="%(file)s"><arg name="cloud" value="/car_1/points"/><arg name="rviz" value="true"/></include></group>
+  <group ns="car_2"><include file="%(file)s"><arg name="cloud" value="/car_2/points"/><arg name="rviz" value="true"/></include></group>
+</launch>
+"""
 
 
 def load(path, arguments):
@@ -94,6 +104,22 @@ def check(root, name, arguments, config, nodelets):
         expect(fusion.args.split()[2] == manager, fusion.args)
 
 
+def check_two_vehicles(root, folder):
+    """Under one master nothing of one vehicle is the other's."""
+    path = os.path.join(folder, "two_vehicles.launch")
+    with open(path, "w") as file:
+        file.write(TWO_VEHICLES % {"file": os.path.join(root, "launch", "odometry.launch")})
+    config = load(path, {})
+    places = [node.namespace + node.name for node in config.nodes] + list(config.params)
+    outside = [place for place in places if not re.match("/car_[12]/%s/" % PACKAGE, place)]
+    expect(not outside, "not below a vehicle's namespace: %s" % outside)
+    expect(sum("/car_1/" in place for place in places) == sum("/car_2/" in place for place in places), "unlike")
+    for node in config.nodes:
+        for source, target in node.remap_args:
+            expect(not target.startswith("/") or target == "/%s/points" % node.namespace.split("/")[1],
+                   "%s hears another's %s" % (node.name, target))
+
+
 def main(arguments):
     if len(arguments) != 1 or not os.path.isdir(arguments[0]):
         print(__doc__.strip(), file=sys.stderr)
@@ -127,6 +153,12 @@ def main(arguments):
                 except Exception as error:  # a parser's any
                     failures += 1
                     print("FAILED: %s %s: %s" % (name, case, error))
+        try:
+            check_two_vehicles(root, folder)
+            print("ok: two vehicles")
+        except Exception as error:  # a parser's any
+            failures += 1
+            print("FAILED: two vehicles: %s" % error)
     for name in sorted(set(CASES) - set(files)):
         failures += 1
         print("FAILED: launch/%s is missing" % name)

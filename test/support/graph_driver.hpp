@@ -87,13 +87,10 @@ class GraphDriver {
     });
   }
 
-  /// The first cloud again and again, until tf has reached the graph.
+  /// The first cloud; it waits in the graph until tf is there.
   bool start(const sensor_msgs::PointCloud2Ptr& cloud) {
-    const ros::Time stamp = cloud->header.stamp;
-    return waitFor([&] {
-      publisher_.publish(cloud);
-      return waitFor([&] { return answered(stamp); }, 0.5);
-    });
+    publisher_.publish(cloud);
+    return waitFor([&] { return answered(cloud->header.stamp); });
   }
 
   /// False: it has no estimate within patience.

@@ -1,0 +1,24 @@
+// Arithmetic of stamps that cannot throw. ros::Time's own does beyond 68 years, and a sensor's stamp can be anything.
+#pragma once
+
+#include <ros/time.h>
+
+#include <cstdint>
+
+namespace fail_aware {
+
+inline double secondsFrom(const ros::Time& from, const ros::Time& to) {
+  return static_cast<double>(static_cast<std::int64_t>(to.toNSec()) - static_cast<std::int64_t>(from.toNSec())) / 1e9;
+}
+
+/// At the end of ros::Time's range it stays there.
+inline ros::Time later(const ros::Time& stamp, double seconds) {
+  const double left_s = secondsFrom(stamp, ros::TIME_MAX);
+  if (!(seconds > 0.0)) return stamp;
+  if (seconds >= left_s) return ros::TIME_MAX;
+  ros::Time sum;
+  sum.fromNSec(stamp.toNSec() + static_cast<std::uint64_t>(seconds * 1e9));
+  return sum;
+}
+
+}  // namespace fail_aware
