@@ -25,7 +25,7 @@ def draw(run, comparison):
     vertical.plot(x, comparison.error[:, 2], color=style.ESTIMATE)
     vertical.set_ylabel("vertical (m)")
     _bands(heading, x, sigma and sigma[2], signed=True)
-    heading.plot(x, np.degrees(comparison.heading_rad), color=style.ESTIMATE)
+    heading.plot(*_unjoined_wraps(x, np.degrees(comparison.heading_rad)), color=style.ESTIMATE)
     heading.set_ylabel("heading (deg)")
     for axes, values, band in ((vertical, comparison.error[:, 2], sigma and sigma[1]),
                                (heading, np.degrees(comparison.heading_rad), sigma and sigma[2])):
@@ -35,6 +35,12 @@ def draw(run, comparison):
     style.legend(horizontal, columns=6)
     figure.align_ylabels()
     return figure
+
+
+def _unjoined_wraps(x, degrees):
+    """From +180 to -180 deg is no way through 0."""
+    after = np.flatnonzero(np.abs(np.diff(degrees)) > 180.0) + 1
+    return np.insert(x, after, np.nan), np.insert(degrees, after, np.nan)
 
 
 def _sigmas(run, comparison):

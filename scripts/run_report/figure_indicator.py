@@ -30,6 +30,11 @@ def draw(run, comparison):
     return figure
 
 
+def _short(value):
+    """Two digits at least, never with an exponent."""
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
 def _scale_sigma(axes, sigma):
     """The start-up is far above the rest, and would hide it."""
     finite = sigma[np.isfinite(sigma)]
@@ -38,7 +43,7 @@ def _scale_sigma(axes, sigma):
     top = np.percentile(finite, 98) * 1.4
     axes.set_ylim(0, top if top > 0 else 1)
     if finite.max() > top:
-        axes.set_title(f"highest: {finite.max():.3g} mrad, off the scale", loc="right", fontsize=9, color=style.GREY)
+        axes.set_title(f"highest: {_short(finite.max())} mrad, off the scale", loc="right", fontsize=9, color=style.GREY)
 
 
 def _eta(axes, run):
@@ -55,7 +60,7 @@ def _eta(axes, run):
     axes.set_ylim(0, min(max(1.1 * np.nanmax(eta), 1.15 * threshold), 2.0 * threshold))
     passed = np.flatnonzero(eta >= threshold)
     if len(passed):
-        axes.set_title(f"passed at {run.monitor_time_s[passed[0]]:.1f} s; {np.nanmax(eta):.2g} mrad at the end", loc="right",
+        axes.set_title(f"passed at {run.monitor_time_s[passed[0]]:.1f} s; {_short(np.nanmax(eta))} mrad at the end", loc="right",
                        fontsize=9, color=style.GREY)
     style.legend(axes)
 

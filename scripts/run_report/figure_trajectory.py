@@ -8,6 +8,7 @@ from .run import NotAvailable
 
 CHI2_95_2D = 5.991
 MAGNIFICATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+MOST_OF_SPAN = 0.12  # a larger ellipse hides the rest
 
 
 def draw(run, comparison):
@@ -44,7 +45,7 @@ def _height(low, high):
 
 
 def _ellipses(axes, run, estimate, begin, span):
-    """A dozen along the way, magnified where they would not be seen."""
+    """A dozen along the way, magnified where they would not be seen, left out where they would hide all else."""
     if run.covariance is None or run.t1_s is None:
         return []
     along = poses.distance(run.T_odom_base)
@@ -52,19 +53,22 @@ def _ellipses(axes, run, estimate, begin, span):
     at = np.unique(np.searchsorted(along, goals - 1e-9).clip(begin, len(along) - 1))
     blocks = [run.covariance[i, :2, :2] for i in at]
     axes_m = [np.sqrt(CHI2_95_2D * np.clip(np.linalg.eigvalsh(block), 0, None)) for block in blocks]
-    largest = max((pair[1] for pair in axes_m), default=0.0)
+    limit_m = MOST_OF_SPAN * span
+    drawn = [n for n, pair in enumerate(axes_m) if pair[1] <= limit_m]
+    largest = max((axes_m[n][1] for n in drawn), default=0.0)
     if largest <= 0:
         return []
     wanted = 0.035 * span / largest
     factor = max([m for m in MAGNIFICATIONS if m <= max(wanted, 1)])
-    for i, block in zip(at, blocks):
+    for i, block in ((at[n], blocks[n]) for n in drawn):
         values, vectors = np.linalg.eigh(block)
         width, height = 2 * factor * np.sqrt(CHI2_95_2D * np.clip(values[::-1], 0, None))
         angle = np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1]))
         axes.add_patch(Ellipse(estimate[i, :2], width, height, angle=angle, facecolor=style.BAND, alpha=0.35,
                                edgecolor=style.BLUE, linewidth=1.0))
     size = "" if factor == 1 else f", {factor} x larger than true"
-    return [style.patch(style.BAND, f"95 % ellipse since t1{size}", alpha=0.5)]
+    left_out = "" if len(drawn) == len(at) else f" (those beyond {limit_m:.2g} m not shown)"
+    return [style.patch(style.BAND, f"95 % ellipse since t1{size}{left_out}", alpha=0.5)]
 
 
 def _points(axes, run, estimate, begin, comparison):
