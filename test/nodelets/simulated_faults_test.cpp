@@ -1,6 +1,6 @@
-// Every kind of fault that the simulator makes, and some together, through the live graph: each accepted cloud has exactly
-// one filter state, odometry and time to failure, every number in them is finite, the fault is told, and the odometry
-// corrects again when it is over. Clouds as the driver's, each sent when the one before is answered.
+// Every kind of fault that the simulator makes, and some together, through the live graph: each accepted cloud has
+// exactly one filter state, odometry and time to failure, every number in them is finite, the fault is told, and the
+// odometry corrects again when it is over. Clouds as the driver's, each sent when the one before is answered.
 #include <gtest/gtest.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
@@ -61,7 +61,8 @@ const std::vector<Case>& cases() {
       {"half_of_it_nan", {"nan:1:0.5:0.5"}, 0},
       {"fog_noise_and_drops", {"range_cap:1:0.5", "noise:1:0.5", "dropped:1.2:0.1", "duplicated:1.3:0.2"},
        Reason::REASON_LOW_VISIBILITY | Reason::REASON_DROPPED_SWEEPS},
-      {"half_tilted_ghosts_reordered", {"half_sweep:1:0.5", "tilted_mount:1:0.5", "ghost_points:1:0.5", "reordered:1:0.4"},
+      {"half_tilted_ghosts_reordered",
+       {"half_sweep:1:0.5", "tilted_mount:1:0.5", "ghost_points:1:0.5", "reordered:1:0.4"},
        Reason::REASON_SWEEP_INCOMPLETE | Reason::REASON_DROPPED_SWEEPS},
       {"everything_from_the_start", {"blanked_sector:0", "noise:0", "lost_rings:0", "nan:0:5:0.5", "time_sign:0"},
        Reason::REASON_SWEEP_INCOMPLETE, false},
@@ -81,7 +82,8 @@ const std::vector<SimulatedSweep>& cleanDrive(const std::vector<Fault>& faults) 
   params.drive.start_speed_mps = 8.0;
   params.lidar.columns = 1042;
   DriveSimulation simulation(params, 1);
-  for (SimulatedSweep sweep; simulation.next(sweep, vehiclesAround(faults, simulation.time_s()));) drive.push_back(sweep);
+  SimulatedSweep sweep;
+  while (simulation.next(sweep, vehiclesAround(faults, simulation.time_s()))) drive.push_back(sweep);
   return drive;
 }
 
@@ -97,7 +99,7 @@ std::vector<SimulatedSweep> arrivals(const Case& test) {
   return all;
 }
 
-// ---- every number that is published ------------------------------------------------------------------------------------
+// ---- every number that is published ---------------------------------------------------------------------------------
 
 bool finite(double value) { return std::isfinite(value); }
 template <class Array>

@@ -1,7 +1,9 @@
-// simulate_drive, and offline_odometry over what it makes; SIMULATE_DRIVE and FAIL_AWARE_OFFLINE_ODOMETRY are the tools' paths.
+// simulate_drive, offline_odometry over what it makes, and scripts/simulation_benchmark. SIMULATE_DRIVE,
+// FAIL_AWARE_OFFLINE_ODOMETRY and SIMULATION_BENCHMARK are their paths.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <string>
 #include <vector>
@@ -86,7 +88,9 @@ const std::map<std::string, std::string> kTold = {
 
 TEST_F(SimulateDrive, everyFaultLeavesARowForEachScanAndNoNan) {
   std::map<std::string, std::string> drives;
-  for (const FaultTraits& traits : faultTraits()) drives[traits.name] = std::string("--fault ") + traits.name + ":0.5:0.3";
+  for (const FaultTraits& traits : faultTraits()) {
+    drives[traits.name] = std::string("--fault ") + traits.name + ":0.5:0.3";
+  }
   drives["several"] = "--fault half_sweep:0.3 --fault noise:0.4:0.3 --fault reordered:0.5:0.2 --fault tilted_mount:0.6";
   drives["from_the_start"] = "--fault nan:0:0.3 --fault time_sign:0 --fault blanked_sector:0 --fault lost_rings:0";
   for (const auto& [name, faults] : drives) {
@@ -105,6 +109,21 @@ TEST_F(SimulateDrive, everyFaultLeavesARowForEachScanAndNoNan) {
     }
     fs::remove_all(path(name));
   }
+}
+
+TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
+  setenv("PATH", (fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH")).c_str(), 1);
+  const auto benchmark = [this](const std::string& arguments) {
+    return runProgram(SIMULATION_BENCHMARK, "--duration 3 --output '" + path("benchmark") + "' " + arguments, folder_);
+  };
+  const ToolRun run = benchmark("--scenes country --seeds 2");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 4) << run.out;
+  EXPECT_NE(run.out.find("| country, seed 2 | "), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("failed"), std::string::npos) << run.out;
+  EXPECT_FALSE(fs::exists(folder_ / "benchmark/country_2")) << "drives are kept only with --keep";
+  EXPECT_EQ(benchmark("--scenes moon").exit_code, 1);
+  EXPECT_EQ(benchmark("--seeds x").exit_code, 2);
 }
 
 TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {
