@@ -132,6 +132,8 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.increment = toPoseMessage(state.T_previous_now);
   message.increment_covariance = toCovarianceMessage(state.increment_covariance);
   message.unobserved_covariance = toCovarianceMessage(state.unobserved_covariance);
+  message.speed_variance = state.speed_error.variance_m2_s2;
+  message.speed_kept = state.speed_error.kept;
   message.odom_epoch = state.odom_epoch;
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
@@ -179,6 +181,8 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.T_previous_now = *increment;
   state.increment_covariance = fromMessage(message.increment_covariance);
   state.unobserved_covariance = fromMessage(message.unobserved_covariance);
+  state.speed_error.variance_m2_s2 = message.speed_variance;
+  state.speed_error.kept = message.speed_kept;
   state.odom_epoch = message.odom_epoch;
   state.filter_nis = message.fused_nis;
   state.fusion.has_measurement = message.has_measurement != 0;

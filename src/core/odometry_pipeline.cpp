@@ -76,7 +76,7 @@ struct OdometryPipeline::Stages {
         filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
                p.profile.road, p.profile.fusion),
         front(p.profile.registration.cloud, p.profile.registration.reference, p.profile.registration.initialization,
-              p.profile.registration.refine_correction),
+              p.profile.registration.relief, p.profile.registration.refine_correction),
         multiplex(p.profile.registration.point),
         normal_filtered(p.profile.registration.plane),
         corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,

@@ -217,8 +217,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     const Pose T_odom_cog_previous = filter_->state().T_odom_cog;
     const FilterState& state = filter_->correct(inputs);
     if (state.dt_s > 0.0) {
-      odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog,
-                                     {state.increment_covariance, state.unobserved_covariance, state.dt_s});
+      odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state));
     }
     if (pose_setting_.pending() && (state.dt_s <= 0.0 || prediction_.motion_known)) setPose();
     ++counts_.sweeps;

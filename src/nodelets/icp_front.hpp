@@ -7,7 +7,8 @@
 namespace fail_aware {
 
 inline RegistrationFront makeFront(const RegistrationParameters& params) {
-  return RegistrationFront(params.cloud, params.reference, params.initialization, params.refine_correction);
+  return RegistrationFront(params.cloud, params.reference, params.initialization, params.relief,
+                           params.refine_correction);
 }
 
 }  // namespace fail_aware

@@ -132,6 +132,7 @@ FilterState someState() {
   state.T_previous_now = somePose(1.2);
   state.increment_covariance = 0.1 * someCovariance();
   state.unobserved_covariance = 0.01 * someCovariance();
+  state.speed_error = {2.5, 0.75};
   state.filter_nis = 5.5;
   state.fusion.has_measurement = true;
   state.fusion.z = vectorFromPose(somePose(4.1));
@@ -157,6 +158,8 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_TRUE(back->T_previous_now.isApprox(state.T_previous_now, 1e-14));
   EXPECT_EQ(back->increment_covariance, state.increment_covariance);
   EXPECT_EQ(back->unobserved_covariance, state.unobserved_covariance);
+  EXPECT_EQ(back->speed_error.variance_m2_s2, 2.5);
+  EXPECT_EQ(back->speed_error.kept, 0.75);
   EXPECT_EQ(back->filter_nis, state.filter_nis);
   EXPECT_EQ(back->fusion.z, state.fusion.z);
   EXPECT_EQ(back->fusion.R, state.fusion.R);

@@ -14,6 +14,7 @@
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
+#include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
@@ -67,6 +68,7 @@ struct RegistrationParameters {
   RegistrationCloudBuilder::Params cloud;
   ReferenceMap::Params reference;
   MotionInitialization::Params initialization;
+  RoadRelief::Params relief;
   MultiplexIcp::Params point;
   NormalFilteredIcp::Params plane;
   CornerExtractor::Params corner_extraction;
@@ -82,6 +84,7 @@ struct RegistrationParameters {
     v("cloud", self.cloud);
     v("reference", self.reference);
     v("initialization", self.initialization);
+    v("relief", self.relief);
     v("point", self.point);
     v("plane", self.plane);
     v("corner_extraction", self.corner_extraction);

@@ -10,6 +10,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kUpright = 0.8;  // cosine of a post's tilt; a single scan line, thin too, lies flatter
+
 /// False for what is not finite or has no voxel: |v| >= 1e9.
 bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e18; }
 
@@ -122,6 +124,9 @@ void VoxelMap::fitPlane(Voxel& voxel) const {
   voxel.plane.mean = mean;
   voxel.plane.normal = solver.eigenvectors().col(0).cast<float>();
   voxel.plane.variance = static_cast<float>(smallest);
+  voxel.plane.post = !plane && lambda[1] <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
+                     lambda[2] >= params_.min_plane_flatness * lambda[1] &&
+                     std::abs(solver.eigenvectors()(2, 2)) >= kUpright;
 }
 
 void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position_odom) {
@@ -202,6 +207,7 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
         best = d2;
         match.offset_m = offset;
         match.distance2_m2 = d2;
+        match.voxel = it->second;
         found = true;
       }
     }

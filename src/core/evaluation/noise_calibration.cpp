@@ -124,8 +124,7 @@ std::vector<Eigen::Matrix2d> covariancesAt(const std::vector<DriftRun>& runs, co
     OdometryCovariance covariance(params);
     const auto propagate = [&](std::size_t i) {
       const FilterState& s = log[i].state;
-      covariance.propagate(log[i - 1].state.T_odom_cog, s.T_odom_cog,
-                           {s.increment_covariance, s.unobserved_covariance, s.dt_s});
+      covariance.propagate(log[i - 1].state.T_odom_cog, s.T_odom_cog, incrementOf(s));
     };
     if (begin > 0) propagate(begin);  // for the jitter of the mark
     covariance.mark(log[begin].state.T_odom_cog);

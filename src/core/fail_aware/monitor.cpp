@@ -93,7 +93,7 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
   growth.cross << drift.lasting.block<2, 3>(0, DriftState::kHeadingBias),
       drift.lasting.block<1, 3>(5, DriftState::kHeadingBias);
   growth.passing = drift.passing.topLeftCorner<2, 2>();
-  growth.speed_wander = drift_.speedWander();
+  growth.speed_wander = speed_wander_;
   growth.unobserved = drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance);
   growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
   const Eigen::Matrix3d R_mark_cog = T_odom_mark_.linear().transpose() * state.T_odom_cog.linear();
@@ -108,8 +108,9 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   if (has_previous_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
-    covariance_.propagate(T_odom_previous, state.T_odom_cog,
-                          {state.increment_covariance, state.unobserved_covariance, state.dt_s});
+    const double speed_variance = covariance_.speedVariance();
+    covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
+    speed_wander_ = std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s;
     rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance,
                                 state.T_previous_now.translation().norm()),
                  state.dt_s);

@@ -12,6 +12,8 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
+constexpr double kInitialAcross_mps = 1.0;     // standard deviations until a motion is known
+constexpr double kInitialYawRate_rad_s = 0.3;
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -35,13 +37,13 @@ void PoseFilter::Params::validate() const {
   requireNotNegative("initial_speed_sigma_mps", initial_speed_sigma_mps);
   requirePositive("initial_sigma_m", initial_sigma_m);
   requirePositive("initial_sigma_deg", initial_sigma_deg);
-  requirePositive("max_unobserved_sigma_m", max_unobserved_sigma_m);
   requirePositive("max_speed_mps", max_speed_mps);
   requirePositive("max_yaw_rate_rps", max_yaw_rate_rps);
   requirePositive("increment_scale", increment_scale);
   requireNotNegative("increment_floor_m", increment_floor_m);
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
+  coasting.validate();
 }
 
 PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
@@ -52,7 +54,8 @@ PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const Vehic
       ukf_(ukf),
       history_(history),
       road_(model.vehicle(), road),
-      fusion_(fusion) {
+      fusion_(fusion),
+      coasting_(params.coasting) {
   params_.validate();
   reset(Pose::Identity());
 }
@@ -64,8 +67,10 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   ukf_.reset(vectorFromPose(T_odom_cog), sigmas.cwiseAbs2().asDiagonal());
   history_.clear();
   motion_ = MotionDerivatives();
+  coasting_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
   road_.clear();
   started_ = false;
+  last_measured_ = previous_measured_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch;
@@ -121,13 +126,21 @@ bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
     prediction_.dt_s = dt;
     prediction_.motion_known = corrected_sweeps_ >= 2;
     Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
+    double uncertain_yaw = 0.0;
     if (!prediction_.motion_known) {
       // only the speed along the road is that uncertain
       const double sigma = params_.initial_speed_sigma_mps * dt;
       const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
       Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
+    } else if (coasting_.active()) {
+      const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
+      const Eigen::Matrix4d uncertain = coasting_.incrementCovariance(dt);
+      Q.topLeftCorner<3, 3>() += R_odom_body * uncertain.topLeftCorner<3, 3>() * R_odom_body.transpose();
+      uncertain_yaw = uncertain(3, 3);
     }
     process_noise_ = Q;
+    // not for the filter: a heading that it thinks uncertain would shorten the unscented mean of every step
+    process_noise_(5, 5) += uncertain_yaw;
     if (!state_.corrected) {
       // Roll and pitch do not walk away from the road: at most one step's noise. Added up over many sweeps it would
       // shorten the unscented mean of every step by cos(pitch), a tenth of the speed.
@@ -166,6 +179,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const bool measured = next.corrected || begins;
   if (begins) history_.clear();
   started_ = true;
+  previous_measured_ = last_measured_;
+  last_measured_ = measured;
   state_ = next;
   if (measured) history_.push(next.stamp_s, next.T_odom_cog);
   updateMotion();
@@ -173,20 +188,62 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   return state_;
 }
 
+Coasting::Measured PoseFilter::measuredMotion() const {
+  const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
+  const Pose T_previous_measured = prediction_.T_odom_cog_previous.inverse() * poseFromVector(state_.fusion.z);
+  const double yaw_previous_rad = rpyFromRotation(prediction_.T_odom_cog_previous.linear()).z();
+  Coasting::Measured measured;
+  if (previous_measured_) {
+    measured.velocity_mps = logSe3(T_previous_measured).head<3>() / state_.dt_s;
+    measured.yaw_rate_rad_s = wrapAngle(state_.fusion.z[5] - yaw_previous_rad) / state_.dt_s;
+  } else {  // the way from a prediction holds its error; that from the last measured pose does not
+    measured.velocity_mps = history_.derivatives().velocity_body_mps;
+    measured.yaw_rate_rad_s = history_.derivatives().rpy_rates_rad_s.z();
+  }
+  measured.R = R_odom_body.transpose() *
+               toPoseCovariance(state_.fusion.R, state_.fusion.z).topLeftCorner<3, 3>() * R_odom_body;
+  measured.yaw_variance = state_.fusion.R(5, 5);
+  return measured;
+}
+
+void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* measured) {
+  Coasting::Motion before;
+  before.velocity_mps = last.velocity_body_mps;
+  before.yaw_rate_rad_s = last.rpy_rates_rad_s.z();
+  if (measured) {
+    before.acceleration_mps2 = last.acceleration_body_mps2;
+    before.yaw_acceleration_rad_s2 = last.rpy_accelerations_rad_s2.z();
+  }
+  const Coasting::Motion motion =
+      coasting_.coast(before, state_.dt_s, measured);
+  motion_.velocity_body_mps = motion.velocity_mps;
+  motion_.acceleration_body_mps2 = motion.acceleration_mps2;
+  motion_.rpy_rates_rad_s.z() = motion.yaw_rate_rad_s;
+  motion_.rpy_accelerations_rad_s2.z() = motion.yaw_acceleration_rad_s2;
+}
+
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
-  if (state_.corrected) motion_ = history_.derivatives();
-  bool hold_speed = !state_.corrected;
-  if (!state_.corrected) {
+  if (state_.corrected) {
+    motion_ = history_.derivatives();
+  } else {
     motion_.rpy_accelerations_rad_s2.setZero();
     motion_.rpy_rates_rad_s.head<2>().setZero();
-  } else if (last.valid) {
-    const Eigen::Vector3d forward = state_.T_odom_cog.linear().col(0);
-    const double variance = forward.dot(state_.fusion.R.topLeftCorner<3, 3>() * forward);
-    hold_speed = variance > params_.max_unobserved_sigma_m * params_.max_unobserved_sigma_m;
-    if (hold_speed) motion_.velocity_body_mps.x() = last.velocity_body_mps.x();
+    motion_.acceleration_body_mps2.setZero();
   }
-  if (hold_speed) motion_.acceleration_body_mps2.setZero();
+  if (state_.dt_s > 0.0) {
+    if (!state_.corrected) {
+      coast(last, nullptr);
+    } else {
+      const Coasting::Measured measured = measuredMotion();
+      if (coasting_.settles(measured)) {
+        coasting_.observed(measured, state_.dt_s);
+      } else {
+        coast(last, &measured);
+      }
+    }
+    state_.speed_error = coasting_.speedError();
+  }
   const double speed = motion_.velocity_body_mps.norm();
   if (speed > params_.max_speed_mps) motion_.velocity_body_mps *= params_.max_speed_mps / speed;
   double& yaw_rate = motion_.rpy_rates_rad_s.z();

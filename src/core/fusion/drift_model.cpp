@@ -22,7 +22,6 @@ void DriftModel::Params::validate() const {
   requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
   requireNotNegative("heading_bias_deg_per_m", heading_bias_deg_per_m);
   requireNotNegative("scale_bias", scale_bias);
-  requireNotNegative("speed_per_root_second_mps", speed_per_root_second_mps);
 }
 
 DriftModel::Params DriftModel::Params::independent() {
@@ -33,7 +32,6 @@ DriftModel::Params DriftModel::Params::independent() {
   params.heading_per_root_metre_deg = 0.0;
   params.heading_bias_deg_per_m = 0.0;
   params.scale_bias = 0.0;
-  params.speed_per_root_second_mps = 0.0;
   return params;
 }
 
@@ -61,7 +59,5 @@ double DriftModel::unobservedAlong(const Matrix6d& increment, const Matrix6d& un
   if (!(increment(0, 0) > 0.0)) return 0.0;
   return std::clamp(unobserved(0, 0) / increment(0, 0), 0.0, 1.0);
 }
-
-double DriftModel::speedWander() const { return squared(params_.speed_per_root_second_mps); }
 
 }  // namespace fail_aware

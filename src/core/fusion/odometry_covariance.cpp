@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
@@ -31,7 +32,7 @@ bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
 OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }
 
 // Errors e = (dt, dr, b, s, v) of pose, heading bias, scale bias and speed:
-//   dt += dr x R t + s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v *= u,   u: how little of the speed is observed
+//   dt += dr x R t + s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v = kept v + noise,   u: how little of the motion is observed
 void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_previous_now,
                                  const OdometryIncrement& increment, DriftState& state) const {
   const Eigen::Matrix3d& R = T_start_previous.linear();
@@ -43,18 +44,20 @@ void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_pre
   F.block<3, 1>(3, DriftState::kHeadingBias) = distance_m * R.col(2);
   F.block<3, 1>(0, DriftState::kScaleBias) = step;
   F.block<3, 1>(0, DriftState::kSpeed) = u * increment.dt_s * R.col(0);
-  F(DriftState::kSpeed, DriftState::kSpeed) = u;
+  F(DriftState::kSpeed, DriftState::kSpeed) = increment.speed_error.kept;
   state.lasting = symmetric(DriftState::Matrix(F * state.lasting * F.transpose()));
   state.lasting.topLeftCorner<6, 6>() +=
       symmetric(rotateCovariance(drift_.lasting(increment.covariance, increment.unobserved, distance_m), R));
-  state.lasting(DriftState::kSpeed, DriftState::kSpeed) += u * increment.dt_s * drift_.speedWander();
+  double& speed_variance = state.lasting(DriftState::kSpeed, DriftState::kSpeed);
+  speed_variance = std::max(speed_variance, increment.speed_error.variance_m2_s2);
   state.passing = symmetric(rotateCovariance(drift_.passing(increment.covariance, increment.unobserved), R));
 }
 
 bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
                                    const OdometryIncrement& increment) {
   if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !increment.covariance.allFinite() ||
-      !increment.unobserved.allFinite() || !std::isfinite(increment.dt_s) || increment.dt_s < 0.0) {
+      !increment.unobserved.allFinite() || !std::isfinite(increment.dt_s) || increment.dt_s < 0.0 ||
+      !std::isfinite(increment.speed_error.variance_m2_s2) || !std::isfinite(increment.speed_error.kept)) {
     return false;
   }
   const Pose T_previous_now = T_odom_base_previous.inverse() * T_odom_base_now;

@@ -36,6 +36,8 @@ void visitNumbers(Input& input, Visitor&& v) {
   visitMatrix("T_previous_now", s.T_previous_now.affine(), v);
   visitMatrix("increment_covariance", s.increment_covariance, v);
   visitMatrix("unobserved_covariance", s.unobserved_covariance, v);
+  v("speed_variance", s.speed_error.variance_m2_s2);
+  v("speed_kept", s.speed_error.kept);
   v("odom_epoch", s.odom_epoch);
   v("filter_nis", s.filter_nis);
   auto& f = s.fusion;

@@ -36,6 +36,8 @@ void MotionInitialization::Params::validate() const {
   requirePositive("cell_m", cell_m);
   requirePositive("column_m", column_m);
   requireNotNegative("min_height_m", min_height_m);
+  requireNotNegative("standstill_m", standstill_m);
+  requireWithin("standstill_share", standstill_share, 0.0, 1.0);
 }
 
 MotionInitialization::MotionInitialization(const Params& params) : params_(params), first_(denseMap(params)) {

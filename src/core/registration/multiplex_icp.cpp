@@ -25,6 +25,19 @@ void recordEnds(const std::vector<Descent>& descents, std::vector<SeedTrack>* tr
   }
 }
 
+/// False: a pair with this surface informs on no direction.
+template <class Inform>
+bool forEachInformedDirection(const PlanePatch& surface, Inform inform) {
+  if (surface.samples > 0.0f) {
+    inform(surface.normal.cast<double>());
+    return true;
+  }
+  if (!surface.post) return false;
+  inform(Eigen::Vector3d::UnitX());
+  inform(Eigen::Vector3d::UnitY());
+  return true;
+}
+
 bool sameBasin(const Pose& a, const Pose& b, const MultiplexIcp::Params& params) {
   return (a.translation() - b.translation()).norm() < params.merge_translation_m &&
          logSo3(a.linear().transpose() * b.linear()).norm() < params.merge_rotation_deg * kDegree;
@@ -54,6 +67,7 @@ void MultiplexIcp::Params::validate() const {
   requireWithin("min_inlier_share", min_inlier_share, 0.0, 1.0);
   requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
+  support.validate();
   observability.validate();
 }
 
@@ -99,6 +113,8 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
   Eigen::Vector3d w_arm = Eigen::Vector3d::Zero();
   Eigen::Matrix3d w_arm_arm = Eigen::Matrix3d::Zero();
   VoxelMap::PointMatch match;
+  Matrix6d& information = equations.information;
+  equations.has_information = equations.slides = params_.surface_information;
   for (std::size_t i = 0; i < points_cog.size(); i += stride) {
     const Eigen::Vector3d arm = R * points_cog[i].cast<double>();
     if (!map.findNearest(arm + t, params_.max_distance_m, match)) continue;
@@ -113,6 +129,22 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
     equations.b.tail<3>() += w * arm.cross(e);
     equations.squared_error += w * e2;
     ++equations.inliers;
+    if (!params_.surface_information) continue;
+    const PlanePatch& surface = map.surface(match.voxel);
+    const auto inform = [&](const Eigen::Vector3d& n) {
+      Vector6d J;
+      J << n, arm.cross(n);
+      information.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
+      equations.information_b += w * n.dot(e) * J;
+    };
+    if (forEachInformedDirection(surface, inform)) equations.information_weight += w;
+  }
+  information = information.selfadjointView<Eigen::Lower>();
+  if (equations.information_weight > 0.0) {  // pairs whose surface is not known inform as the others do
+    const double all = w_sum / equations.information_weight;
+    information *= all;
+    equations.information_b *= all;
+    equations.information_weight = w_sum;
   }
   w_arm_arm = w_arm_arm.selfadjointView<Eigen::Lower>();
   equations.H.topLeftCorner<3, 3>().diagonal().setConstant(w_sum);
@@ -124,6 +156,43 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
   return equations;
 }
 
+std::optional<MultiplexIcp::WeakHorizontal> MultiplexIcp::weakHorizontal(const std::vector<Eigen::Vector3f>& points_cog,
+                                                                         const VoxelMap& map,
+                                                                         const Pose& T_odom_cog) const {
+  if (!params_.surface_information) return std::nullopt;
+  const NormalEquations equations = linearize(points_cog, thinningStride(points_cog), map, T_odom_cog, params_.initial_kernel_m);
+  const Eigen::Matrix2d horizontal = equations.information.topLeftCorner<2, 2>();
+  if (!(equations.information_weight > 0.0)) return std::nullopt;
+  WeakHorizontal weak;
+  weak.direction = weakestHorizontal(horizontal);
+  if (weak.direction.dot(horizontal * weak.direction) > params_.support.below_share * equations.information_weight) {
+    return std::nullopt;
+  }
+  InformationSupport support(params_.support);
+  VoxelMap::PointMatch match;
+  const double kernel2 = params_.initial_kernel_m * params_.initial_kernel_m;
+  for (const Eigen::Vector3f& point : points_cog) {
+    const Eigen::Vector3d p = T_odom_cog * point.cast<double>();
+    if (!map.findNearest(p, params_.max_distance_m, match)) continue;
+    const double kernel = kernel2 / (kernel2 + static_cast<double>(match.distance2_m2));
+    forEachInformedDirection(map.surface(match.voxel), [&](const Eigen::Vector3d& n) {
+      const double along = weak.direction.dot(n.head<2>());
+      support.add(p, kernel * kernel * along * along);
+    });
+  }
+  weak.counted_share = support.countedShare();
+  return weak;
+}
+
+Solution MultiplexIcp::solve(NormalEquations& equations, const std::optional<WeakHorizontal>& weak) const {
+  if (weak) discount(equations, weak->direction, weak->counted_share);
+  return solveObserved(equations, params_.observability);
+}
+
+std::size_t MultiplexIcp::thinningStride(const std::vector<Eigen::Vector3f>& points_cog) const {
+  return std::max<std::size_t>(1, points_cog.size() / static_cast<std::size_t>(params_.thinned_points));
+}
+
 Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                 const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
                                 std::vector<SeedTrack>* tracks) const {
@@ -132,6 +201,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
   if (tracks != nullptr) tracks->clear();
   if (map.empty()) return result;
 
+  const std::optional<WeakHorizontal> weak = weakHorizontal(points_cog, map, T_odom_cog_predicted);
   std::vector<Descent> descents;
   for (const Pose& seed : seeds(T_odom_cog_predicted, predicted_covariance)) {
     descents.push_back({seed, {descents.size()}, false});
@@ -140,13 +210,14 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
 
   // together, on few points, until settled or merged
   if (descents.size() > 1) {
-    const std::size_t stride = std::max<std::size_t>(1, points_cog.size() / static_cast<std::size_t>(params_.thinned_points));
+    const std::size_t stride = thinningStride(points_cog);
     double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
     for (int iteration = 0; iteration < params_.max_joint_iterations; ++iteration) {
       bool all_settled = true;
       for (Descent& descent : descents) {
         if (descent.settled) continue;
-        const Solution step = solveObserved(linearize(points_cog, stride, map, descent.T, kernel_m), params_.observability);
+        NormalEquations equations = linearize(points_cog, stride, map, descent.T, kernel_m);
+        const Solution step = solve(equations, weak);
         descent.T = applyStep(descent.T, step.dx);
         descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, 5.0);  // refinement follows
         all_settled = all_settled && descent.settled;
@@ -199,7 +270,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     for (; iteration < params_.max_iterations && !converged; ++iteration) {
       equations = linearize(points_cog, 1, map, descent.T, params_.kernel_m);
       if (static_cast<int>(equations.inliers) < params_.min_inliers) break;
-      step = solveObserved(equations, params_.observability);
+      step = solve(equations, weak);
       if (step.weak_directions == 6) break;
       descent.T = applyStep(descent.T, step.dx);
       converged = stepWithin(step.dx, 1.0);
@@ -243,8 +314,9 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
   result.covariance = covarianceObserved(best_equations, params_.correlation_inflation * residual_variance,
                                          params_.observability);
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2 / 3.0;
+  const bool usable = best_converged || stepWithin(best_step, params_.usable_steps) ||
+                      isWithinSigma(best_step, result.covariance);  // wanders where little is observed
   if (!best_converged) result.covariance += best_step * best_step.transpose();
-  const bool usable = best_converged || stepWithin(best_step, params_.usable_steps);
   result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   return result;
 }

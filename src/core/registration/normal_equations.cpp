@@ -1,6 +1,6 @@
 #include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -28,6 +28,14 @@ Spectrum spectrumOf(const Matrix6d& H, const ObservabilityParams& params) {
   return s;
 }
 
+const Matrix6d& informationOf(const NormalEquations& equations) {
+  return equations.has_information ? equations.information : equations.H;
+}
+
+double weightOf(const NormalEquations& equations) {
+  return equations.has_information ? equations.information_weight : equations.weight;
+}
+
 bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params) {
   return !(eigenvalue > params.min_information_share * weight);
 }
@@ -37,25 +45,66 @@ bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params)
 void ObservabilityParams::validate() const {
   requirePositive("lever_m", lever_m);
   requireWithin("min_information_share", min_information_share, 0.0, 0.3);
+  requireWithin("min_sliding_share", min_sliding_share, 0.0, 1.0);
   requirePositive("weak_sigma_m", weak_sigma_m);
   requirePositive("weak_sigma_deg", weak_sigma_deg);
 }
 
+void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_share) {
+  if (!equations.has_information) {
+    equations.has_information = true;
+    equations.information = equations.H;
+    equations.information_b = equations.b;
+    equations.information_weight = equations.weight;
+  }
+  Matrix6d D = Matrix6d::Identity();
+  D.topLeftCorner<2, 2>() -= (1.0 - std::sqrt(counted_share)) * direction * direction.transpose();
+  equations.information = (D * equations.information * D).eval();
+  equations.information_b = (D * equations.information_b).eval();
+}
+
+namespace {
+
+using Directions = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+// What is observed, and which equations tell of it.
+struct Observed {
+  Spectrum spectrum;
+  int weak = 0;                    // the first of the spectrum
+  bool information_alone = false;  // sliding residuals would outweigh what is observed least
+};
+
+Observed observedOf(const NormalEquations& equations, const ObservabilityParams& params) {
+  Observed observed;
+  observed.spectrum = spectrumOf(informationOf(equations), params);
+  const double weight = weightOf(equations);
+  while (observed.weak < 6 && isWeak(observed.spectrum.eigenvalues[observed.weak], weight, params)) ++observed.weak;
+  observed.information_alone =
+      equations.has_information &&
+      (!equations.slides ||
+       (observed.weak < 6 &&
+        observed.spectrum.eigenvalues[observed.weak] <= params.min_sliding_share * weight));
+  return observed;
+}
+
+}  // namespace
+
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params) {
   Solution solution;
-  const Spectrum s = spectrumOf(equations.H, params);
-  const Vector6d g = s.eigenvectors.transpose() * (s.scale.asDiagonal() * equations.b);
-  Vector6d y = Vector6d::Zero();
-  for (int i = 0; i < 6; ++i) {
-    if (isWeak(s.eigenvalues[i], equations.weight, params)) {
-      ++solution.weak_directions;
-    } else {
-      y += s.eigenvectors.col(i) * (g[i] / s.eigenvalues[i]);
-    }
+  const Observed observed = observedOf(equations, params);
+  solution.weak_directions = observed.weak;
+  if (observed.weak < 6) {
+    const Matrix6d& H = observed.information_alone ? equations.information : equations.H;
+    const Vector6d& b = observed.information_alone ? equations.information_b : equations.b;
+    const Directions V =
+        observed.spectrum.scale.asDiagonal() * observed.spectrum.eigenvectors.rightCols(6 - observed.weak);
+    const Square A = V.transpose() * H * V;
+    solution.dx = V * A.ldlt().solve(V.transpose() * b);
   }
-  solution.dx = s.scale.asDiagonal() * y;
-  if (equations.weight > 0.0) {
-    const Eigen::Matrix2d horizontal = equations.H.topLeftCorner<2, 2>() / equations.weight;
+  const double weight = weightOf(equations);
+  if (weight > 0.0) {
+    const Eigen::Matrix2d horizontal = informationOf(equations).topLeftCorner<2, 2>() / weight;
     const double mean = 0.5 * horizontal.trace();
     const double spread = std::hypot(0.5 * (horizontal(0, 0) - horizontal(1, 1)), horizontal(0, 1));
     solution.min_horizontal_share = std::clamp(mean - spread, 0.0, 1.0);
@@ -64,19 +113,29 @@ Solution solveObserved(const NormalEquations& equations, const ObservabilityPara
 }
 
 Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params) {
-  const Spectrum s = spectrumOf(equations.H, params);
-  Vector6d variances;
-  for (int i = 0; i < 6; ++i) {
+  const Observed observed = observedOf(equations, params);
+  const Spectrum& s = observed.spectrum;
+  const double weak_rotation_m = params.weak_sigma_deg * M_PI / 180.0 * params.lever_m;
+  Matrix6d covariance = Matrix6d::Zero();
+  const auto weakVariance = [&](int i) {
     // the direction's own share of rotation decides which weak sigma it gets; both are in metres here
     const double rotation_share = s.eigenvectors.col(i).tail<3>().squaredNorm();
-    const double weak_rotation_m = params.weak_sigma_deg * M_PI / 180.0 * params.lever_m;
-    const double weak = (1.0 - rotation_share) * params.weak_sigma_m * params.weak_sigma_m +
-                        rotation_share * weak_rotation_m * weak_rotation_m;
-    variances[i] =
-        isWeak(s.eigenvalues[i], equations.weight, params) ? weak : std::min(weak, scale / s.eigenvalues[i]);
+    return (1.0 - rotation_share) * params.weak_sigma_m * params.weak_sigma_m +
+           rotation_share * weak_rotation_m * weak_rotation_m;
+  };
+  for (int i = 0; i < observed.weak; ++i) {
+    const Vector6d v = s.scale.cwiseProduct(s.eigenvectors.col(i));
+    covariance += weakVariance(i) * v * v.transpose();
   }
-  const Matrix6d V = s.scale.asDiagonal() * s.eigenvectors;
-  return V * variances.asDiagonal() * V.transpose();
+  for (int i = observed.weak; i < 6; ++i) {
+    const Vector6d v = s.scale.cwiseProduct(s.eigenvectors.col(i));
+    covariance += std::min(weakVariance(i), scale / s.eigenvalues[i]) * v * v.transpose();
+  }
+  return covariance;
+}
+
+bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance) {
+  return dx.dot(covariance.ldlt().solve(dx)) < 1.0;
 }
 
 Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx) {

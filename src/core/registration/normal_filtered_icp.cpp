@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -67,6 +68,7 @@ void NormalFilteredIcp::Params::validate() const {
   requireWithin("usable_steps", usable_steps, 1.0, 1e6);
   requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
+  support.validate();
   observability.validate();
 }
 
@@ -81,7 +83,8 @@ Measurement NormalFilteredIcp::align(const std::vector<Eigen::Vector3f>& points_
   const double point_variance = params_.point_sigma_m * params_.point_sigma_m;
   const auto max_distance = static_cast<float>(params_.max_distance_m);
 
-  const auto linearize = [&](const Pose& T, double kernel_m) {
+  const auto linearize = [&](const Pose& T, double kernel_m, const Eigen::Vector2d* direction,
+                             InformationSupport* support) {
     const double kernel2 = kernel_m * kernel_m;
     NormalEquations equations;
     const Eigen::Matrix3d R = T.linear();
@@ -107,6 +110,10 @@ Measurement NormalFilteredIcp::align(const std::vector<Eigen::Vector3f>& points_
       equations.weight_unscaled += w;
       equations.squared_error += w * r * r;
       ++equations.inliers;
+      if (support) {
+        const double along = direction->dot(n.head<2>());
+        support->add(arm + t, scaled * along * along);
+      }
     }
     equations.H = equations.H.selfadjointView<Eigen::Lower>();
     return equations;
@@ -117,12 +124,25 @@ Measurement NormalFilteredIcp::align(const std::vector<Eigen::Vector3f>& points_
   bool converged = false;
   Vector6d step = Vector6d::Zero();
   double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
+  std::optional<Eigen::Vector2d> weak_direction;
+  double counted_share = 1.0;
   for (result.iterations = 1; result.iterations <= params_.max_iterations; ++result.iterations) {
-    equations = linearize(T, kernel_m);
+    equations = linearize(T, kernel_m, nullptr, nullptr);
     if (static_cast<int>(equations.inliers) < params_.min_inliers) {
       result.status = MeasurementStatus::kTooFewPoints;
       return result;
     }
+    if (result.iterations == 1) {
+      const Eigen::Matrix2d horizontal = equations.H.topLeftCorner<2, 2>();
+      const Eigen::Vector2d weakest = weakestHorizontal(horizontal);
+      if (weakest.dot(horizontal * weakest) < params_.support.below_share * equations.weight) {
+        InformationSupport support(params_.support);
+        linearize(T, kernel_m, &weakest, &support);
+        weak_direction = weakest;
+        counted_share = support.countedShare();
+      }
+    }
+    if (weak_direction) discount(equations, *weak_direction, counted_share);
     const Solution solution = solveObserved(equations, params_.observability);
     result.weak_directions = solution.weak_directions;
     result.min_information_share = solution.min_horizontal_share;
@@ -139,13 +159,14 @@ Measurement NormalFilteredIcp::align(const std::vector<Eigen::Vector3f>& points_
     kernel_m = std::max(0.5 * kernel_m, params_.kernel_m);
   }
   result.iterations = std::min(result.iterations, params_.max_iterations);
-  const bool usable = converged || stepWithin(step, params_, params_.usable_steps);
-  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   result.T_odom_cog = T;
   result.inliers = equations.inliers;
   result.inlier_share = static_cast<double>(equations.inliers) / static_cast<double>(points_cog.size());
   result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
   result.covariance = covarianceObserved(equations, params_.correlation_inflation, params_.observability);
+  const bool usable = converged || stepWithin(step, params_, params_.usable_steps) ||
+                      isWithinSigma(step, result.covariance);  // wanders where little is observed
+  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   if (!converged) result.covariance += step * step.transpose();
   return result;
 }

@@ -1,15 +1,27 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
+namespace {
+
+constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
+
+}  // namespace
+
 RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& cloud,
                                      const ReferenceMap::Params& reference,
-                                     const MotionInitialization::Params& initialization, bool refine_correction)
+                                     const MotionInitialization::Params& initialization,
+                                     const RoadRelief::Params& relief, bool refine_correction)
     : builder_(cloud),
       reference_(reference),
       initialization_(initialization),
+      relief_(relief),
       refine_correction_(refine_correction) {}
 
 bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
@@ -24,6 +36,10 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
     corrected_twist_cog_ =
         logSe3(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog) / prediction.dt_s;
   }
+  T_odom_cog_previous_ = prediction.T_odom_cog_previous;
+  dt_s_ = prediction.dt_s;
+  searched_sigma_m_ = 0.0;
+  updateRelief(sweep, prediction, T_cog_lidar);
   if (!prepared_ || prediction.motion_known) return prepared_;
   if (map().empty()) {
     initialization_.setFirst(sweep, T_cog_lidar);
@@ -41,17 +57,84 @@ Measurement tooFewPoints() {
   return measurement;
 }
 
+// One Kalman step: along `axis` (odom's) the position is off by offset_m, known to sigma_m.
+void addPosition(const Eigen::Vector3d& axis, double offset_m, double sigma_m, Measurement& measurement) {
+  Vector6d along = Vector6d::Zero();
+  along.head<3>() = axis;
+  const Vector6d C_along = measurement.covariance * along;
+  const Vector6d gain = C_along / (along.dot(C_along) + sigma_m * sigma_m);
+  measurement.T_odom_cog = applyStep(measurement.T_odom_cog, gain * offset_m);
+  measurement.covariance -= (gain * C_along.transpose()).eval();
+  measurement.covariance = (0.5 * (measurement.covariance + measurement.covariance.transpose())).eval();
+}
+
 }  // namespace
 
 Measurement RegistrationFront::align(const MultiplexIcp& icp, std::vector<SeedTrack>* tracks) const {
   if (tracks != nullptr) tracks->clear();
   if (!prepared_) return tooFewPoints();
-  return icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_, tracks);
+  Measurement measurement = icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_, tracks);
+  addSearchedMotion(measurement);
+  doubtStandstill(measurement);
+  return measurement;
 }
 
 Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const {
   if (!prepared_) return tooFewPoints();
-  return icp.align(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
+  Measurement measurement = icp.align(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
+  addSearchedMotion(measurement);
+  doubtStandstill(measurement);
+  addReliefSpeed(measurement);
+  return measurement;
+}
+
+// What is seen alike from sweep to sweep - a vehicle ahead, edges drawn by single beams - fits best at standstill. So
+// long as the speed is unknown, little information is no proof of it.
+void RegistrationFront::doubtStandstill(Measurement& measurement) const {
+  const MotionInitialization::Params& params = initialization_.params();
+  if (speed_known_ || !measurement.ok() || !(dt_s_ > 0.0)) return;
+  const Eigen::Vector3d forward = T_odom_cog_previous_.linear().col(0);
+  const double way_m = forward.dot(measurement.T_odom_cog.translation() - T_odom_cog_previous_.translation());
+  if (std::abs(way_m) > params.standstill_m || measurement.min_information_share > params.standstill_share) return;
+  const double sigma_m = params.max_speed_mps * dt_s_;
+  measurement.covariance.topLeftCorner<3, 3>() += sigma_m * sigma_m * forward * forward.transpose();
+  measurement.weak_directions = std::min(measurement.weak_directions + 1, 6);
+  measurement.min_information_share = 0.0;
+}
+
+void RegistrationFront::updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction,
+                                     const Pose& T_cog_lidar) {
+  relief_speed_.reset();
+  if (!relief_.params().enabled) return;
+  if (!prepared_ || speed_observed_) return relief_.clear();
+  relief_.add(sweep, T_cog_lidar, corrected_twist_cog_, rpyFromRotation(prediction.T_odom_cog.linear()).z());
+  const bool known_before = relief_.hasSpeed();
+  const double assumed_mps = corrected_twist_cog_[0];
+  relief_speed_ = speed_known_ ? relief_.findSpeed(assumed_mps, speed_sigma_mps_) : relief_.findSpeed();
+  // at a wrong speed the sweeps were placed beside each other: what they give now is false
+  if (relief_speed_ && !known_before && std::abs(relief_speed_->speed_mps - assumed_mps) > kMaxWrongSpeed_mps) {
+    reference_.clear();
+  }
+}
+
+// The way driven since the last estimate, along the vehicle's heading half-way.
+void RegistrationFront::addReliefSpeed(Measurement& measurement) const {
+  if (!relief_speed_ || !measurement.ok() || !(dt_s_ > 0.0)) return;
+  const Eigen::Vector3d forward =
+      (T_odom_cog_previous_.linear().col(0) + T_odom_cog_start_.linear().col(0)).normalized();
+  const double way_m = (relief_speed_->speed_mps - 0.5 * relief_speed_->acceleration_mps2 * dt_s_) * dt_s_;
+  const double measured_m =
+      forward.dot(measurement.T_odom_cog.translation() - T_odom_cog_previous_.translation());
+  addPosition(forward, way_m - measured_m, relief_speed_->sigma_mps * dt_s_, measurement);
+}
+
+// The first motion was found by what stands out in both sweeps, which may be too little for surfaces.
+void RegistrationFront::addSearchedMotion(Measurement& measurement) const {
+  if (!(searched_sigma_m_ > 0.0) || !measurement.ok()) return;
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()}) {
+    const double offset_m = axis.dot(T_odom_cog_start_.translation() - measurement.T_odom_cog.translation());
+    addPosition(axis, offset_m, searched_sigma_m_, measurement);
+  }
 }
 
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
@@ -62,10 +145,10 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   recorrectFor(*twist);
   // from the first sweep on: the last estimate may be a prediction at standstill
   T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * since_first_s);
-  const double sigma_m = initialization_.params().step_mps * prediction.dt_s;
+  searched_sigma_m_ = initialization_.params().step_mps * since_first_s;
   start_covariance_.topRows<2>().setZero();
   start_covariance_.leftCols<2>().setZero();
-  start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(sigma_m * sigma_m);
+  start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(searched_sigma_m_ * searched_sigma_m_);
   if (!only_first_placed_ || !refine_correction_) return;
   RegistrationCloud first = first_cloud_;
   first.recorrect(*twist);
@@ -82,6 +165,10 @@ void RegistrationFront::place(const FilterState& state) {
   const bool between_measured = last_measured_ && state.corrected;
   last_measured_ = state.corrected || state.dt_s <= 0.0;  // the first sweep defines the start pose
   enterOdom(state.odom_epoch);
+  relief_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
+  speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
+  speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
+  speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
   if (!prepared_) return;
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
@@ -99,11 +186,15 @@ void RegistrationFront::enterOdom(int epoch) {
   if (epoch == odom_epoch_) return;
   odom_epoch_ = epoch;
   reference_.clear();
+  relief_.clear();
 }
 
 void RegistrationFront::reset() {
   reference_.clear();
   initialization_.reset();
+  relief_.clear();
+  relief_speed_.reset();
+  speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;
   prepared_ = false;
   last_measured_ = false;

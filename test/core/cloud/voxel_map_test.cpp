@@ -100,6 +100,31 @@ TEST(VoxelMap, aLineIsNoPlane) {
   EXPECT_FALSE(noisy.findPlane(Eigen::Vector3d(0.5, 0.5, 0.5), match));
 }
 
+TEST(VoxelMap, anUprightLineIsAPost) {
+  std::mt19937 generator(3);
+  std::normal_distribution<float> noise(0.0f, 0.03f);
+  for (const bool upright : {true, false}) {
+    Points line;
+    for (int i = 0; i < 80; ++i) {
+      const float along = 0.1f + 0.01f * static_cast<float>(i);
+      line.emplace_back((upright ? 0.5f : along) + noise(generator), 0.5f + noise(generator),
+                        (upright ? along : 0.5f) + noise(generator));
+    }
+    VoxelMap map(testParams());
+    map.insert(line, Pose::Identity());
+    VoxelMap::PointMatch match;
+    ASSERT_TRUE(map.findNearest(Eigen::Vector3d(0.5, 0.5, 0.5), 0.5, match));
+    EXPECT_EQ(map.surface(match.voxel).samples, 0.0f);
+    EXPECT_EQ(map.surface(match.voxel).post, upright);
+  }
+  VoxelMap plane(testParams());
+  plane.insert(patch({0.5f, 0.5f, 0.5f}, {1.0f, 0.0f, 0.0f}, 100, 0.01f, 6), Pose::Identity());
+  VoxelMap::PointMatch match;
+  ASSERT_TRUE(plane.findNearest(Eigen::Vector3d(0.5, 0.5, 0.5), 0.5, match));
+  EXPECT_GT(plane.surface(match.voxel).samples, 0.0f);
+  EXPECT_FALSE(plane.surface(match.voxel).post);
+}
+
 TEST(VoxelMap, aThickPatchIsNoPlane) {
   VoxelMap::Params params = testParams();
   params.min_plane_flatness = 1.5;  // flat enough, but thick

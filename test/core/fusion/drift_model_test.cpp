@@ -25,7 +25,6 @@ TEST(DriftModel, IndependentErrorsStayAsAWhole) {
   EXPECT_TRUE(model.lasting(C, U, 12.0).isApprox(C, 1e-12));
   EXPECT_TRUE(model.passing(C, U).isZero());
   EXPECT_TRUE(model.biasVariances().isZero());
-  EXPECT_EQ(model.speedWander(), 0.0);
 }
 
 TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
@@ -48,11 +47,9 @@ TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {
   DriftModel::Params params;
   params.heading_bias_deg_per_m = 0.001;
   params.scale_bias = 0.002;
-  params.speed_per_root_second_mps = 3.0;
   const DriftModel model(params);
   EXPECT_NEAR(model.biasVariances()[0], std::pow(0.001 * kDegree, 2), 1e-20);
   EXPECT_NEAR(model.biasVariances()[1], 4e-6, 1e-18);
-  EXPECT_EQ(model.speedWander(), 9.0);
 }
 
 TEST(DriftModel, HowLittleOfTheSpeedIsObserved) {
@@ -75,7 +72,6 @@ TEST(DriftModel, ParametersAreChecked) {
   refused([](DriftModel::Params& p) { p.heading_per_root_metre_deg = std::numeric_limits<double>::quiet_NaN(); });
   refused([](DriftModel::Params& p) { p.heading_bias_deg_per_m = -1.0; });
   refused([](DriftModel::Params& p) { p.scale_bias = -1.0; });
-  refused([](DriftModel::Params& p) { p.speed_per_root_second_mps = -1.0; });
 }
 
 }  // namespace

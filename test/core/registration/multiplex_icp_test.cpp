@@ -45,6 +45,7 @@ VoxelMap mapOf(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_co
   params.voxel_size_m = 0.5;
   params.max_points = VoxelMap::kMaxPoints;
   params.min_point_spacing_m = 0.05;
+  params.min_plane_samples = 4;  // the scenes are sampled that thinly
   VoxelMap map(params);
   map.insert(seenFrom(points, T_odom_cog), Pose::Identity());
   return map;
@@ -209,6 +210,7 @@ TEST(MultiplexIcp, aStepIsThatOfFiniteDifferences) {
   params.max_iterations = 1;
   params.usable_steps = 1e6;
   params.observability.min_information_share = 0.0;
+  params.surface_information = false;
   const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Pose T0 = poseOf(0.1, -0.05, 0.03, 0.3, -0.2, 1.0);
   const Points points = seenFrom(sampleScene(room(), 2.0, kNoise_m, 2), poseOf(0.25, 0.1, 0.0, 0.0, 0.0, 0.0));
@@ -365,6 +367,42 @@ TEST(MultiplexIcp, tooFewPointsKeepThePrediction) {
   }
 }
 
+TEST(MultiplexIcp, alongACorridorNothingIsObserved) {
+  MultiplexIcp::Params params = testParams();
+  const VoxelMap map = mapOf(sampleScene(corridor(), 100.0, kNoise_m, 1), Pose::Identity());
+  const Pose T_true = poseOf(0.3, 0.05, 0.0, 0.0, 0.0, 0.3), T_predicted = poseOf(0.1, 0.0, 0.0, 0.0, 0.0, 0.0);
+  const Points points = seenFrom(sampleScene(corridor(), 4.0, kNoise_m, 2), T_true, 30.0);
+  const Matrix6d P = covarianceOf(0.2, 0.1, 0.05, 0.5);
+  params.seeds = 1;
+  const Measurement m = MultiplexIcp(params).align(points, map, T_predicted, P);
+  ASSERT_TRUE(m.ok()) << toString(m.status);
+  EXPECT_EQ(m.weak_directions, 1);
+  EXPECT_LT(m.min_information_share, 0.01);
+  EXPECT_NEAR(m.T_odom_cog.translation().x(), 0.1, 0.02) << "it stays at the prediction";
+  EXPECT_NEAR(m.T_odom_cog.translation().y(), 0.05, 0.02);
+  EXPECT_NEAR(std::sqrt(m.covariance(0, 0)), params.observability.weak_sigma_m, 0.1);
+  EXPECT_LT(std::sqrt(m.covariance(1, 1)), 0.05);
+
+  params.surface_information = false;  // the article's: sure of a place that it made up
+  const Measurement literal = MultiplexIcp(params).align(points, map, T_predicted, P);
+  EXPECT_EQ(literal.weak_directions, 0);
+  EXPECT_LT(std::sqrt(literal.covariance(0, 0)), 0.05);
+}
+
+TEST(MultiplexIcp, aVehicleAheadIsNoProofOfAPlaceAlongACorridor) {
+  Scene scene = corridor();
+  addPost(scene, 15.0, 0.0, 1.8, 1.5);
+  const VoxelMap map = mapOf(sampleScene(scene, 100.0, kNoise_m, 1), Pose::Identity());
+  const Points points = seenFrom(sampleScene(scene, 4.0, kNoise_m, 2), poseOf(0.1, 0.0, 0.0, 0.0, 0.0, 0.0), 30.0);
+  MultiplexIcp::Params params = testParams();
+  params.seeds = 1;
+  params.observability.min_information_share = 0.001;  // else its share is too small anyway
+  const Matrix6d P = covarianceOf(0.2, 0.1, 0.05, 0.5);
+  EXPECT_EQ(MultiplexIcp(params).align(points, map, Pose::Identity(), P).weak_directions, 1);
+  params.support.max_place_share = 1.0;
+  EXPECT_EQ(MultiplexIcp(params).align(points, map, Pose::Identity(), P).weak_directions, 0);
+}
+
 TEST(MultiplexIcp, theIterationLimitIsReportedOrPaidForInCovariance) {
   const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Points points = seenFrom(sampleScene(room(), 4.0, kNoise_m, 2), poseOf(0.3, 0.0, 0.0, 0.0, 0.0, 0.0));
@@ -372,6 +410,7 @@ TEST(MultiplexIcp, theIterationLimitIsReportedOrPaidForInCovariance) {
   params.seeds = 1;
   params.max_iterations = 1;
   params.usable_steps = 1.0;
+  params.correlation_inflation = 1.0;  // the step is longer than R's standard deviation
   const Matrix6d P = covarianceOf(0.1, 0.1, 0.1, 0.1);
   const Measurement stopped = MultiplexIcp(params).align(points, map, Pose::Identity(), P);
   EXPECT_EQ(stopped.status, MeasurementStatus::kNotConverged);

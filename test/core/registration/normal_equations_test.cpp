@@ -109,6 +109,57 @@ TEST(NormalEquations, theThresholdIsAShareOfTheWeight) {
   }
 }
 
+TEST(NormalEquations, informationTellsWhatHDoesNotObserve) {
+  // H pulls along x, where no pair informs
+  NormalEquations equations = diagonalEquations(vector6(1.0, 1.0, 1.0, 0.5, 0.5, 0.5), 1e4);
+  equations.b.setConstant(50.0);
+  equations.has_information = equations.slides = true;
+  equations.information = diagonalEquations(vector6(0.0, 0.5, 0.5, 0.2, 0.2, 0.2), 1e4).H;
+  equations.information_b.setConstant(20.0);
+  equations.information_weight = 1e4;
+  const Solution solution = solveObserved(equations, testParams());
+  EXPECT_EQ(solution.weak_directions, 1);
+  EXPECT_EQ(solution.dx[0], 0.0);
+  EXPECT_NEAR(solution.dx[1], 50.0 / 1e4, 1e-12) << "H's own step where it is observed";
+  EXPECT_EQ(solution.min_horizontal_share, 0.0);
+  const Matrix6d C = covarianceObserved(equations, 1.0, testParams());
+  EXPECT_NEAR(std::sqrt(C(0, 0)), 3.0, 1e-9);
+  EXPECT_NEAR(C(1, 1), 1.0 / 5000.0, 1e-12);
+}
+
+TEST(NormalEquations, whereLittleIsObservedTheInformationAloneGivesTheStep) {
+  NormalEquations equations = diagonalEquations(vector6(1.0, 1.0, 1.0, 0.5, 0.5, 0.5), 1e4);
+  equations.b.setConstant(50.0);
+  equations.has_information = equations.slides = true;
+  equations.information = diagonalEquations(vector6(0.02, 0.5, 0.5, 0.2, 0.2, 0.2), 1e4).H;
+  equations.information_b.setConstant(20.0);
+  equations.information_weight = 1e4;
+  const Solution solution = solveObserved(equations, testParams());
+  EXPECT_EQ(solution.weak_directions, 0);
+  EXPECT_NEAR(solution.dx[0], 20.0 / 200.0, 1e-12);
+  EXPECT_NEAR(solution.dx[1], 20.0 / 5000.0, 1e-12);
+}
+
+TEST(NormalEquations, aDiscountedDirectionCountsForLess) {
+  NormalEquations equations = diagonalEquations(vector6(0.02, 0.5, 0.3, 0.3, 0.3, 0.3), 1e4);
+  equations.b.setConstant(50.0);
+  NormalEquations half = equations, none = equations;
+  discount(half, Eigen::Vector2d::UnitX(), 0.6);
+  EXPECT_EQ(solveObserved(half, testParams()).weak_directions, 0);
+  EXPECT_NEAR(covarianceObserved(half, 1.0, testParams())(0, 0), 1.0 / (0.6 * 200.0), 1e-12);
+  EXPECT_NEAR(covarianceObserved(half, 1.0, testParams())(1, 1), 1.0 / 5000.0, 1e-12);
+  discount(none, Eigen::Vector2d::UnitX(), 0.4);
+  EXPECT_EQ(solveObserved(none, testParams()).weak_directions, 1);
+  EXPECT_EQ(solveObserved(none, testParams()).dx[0], 0.0);
+}
+
+TEST(NormalEquations, aStepIsComparedWithItsStandardDeviation) {
+  Matrix6d C = Matrix6d::Identity();
+  C(0, 0) = 9.0;
+  EXPECT_TRUE(isWithinSigma(2.9 * Vector6d::Unit(0), C));
+  EXPECT_FALSE(isWithinSigma(1.1 * Vector6d::Unit(1), C));
+}
+
 TEST(NormalEquations, nothingAtAllIsAllWeak) {
   const NormalEquations nothing;
   const Solution solution = solveObserved(nothing, testParams());

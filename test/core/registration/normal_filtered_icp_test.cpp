@@ -101,6 +101,7 @@ TEST(NormalFilteredIcp, worksFarFromTheOrigin) {
 TEST(NormalFilteredIcp, aStepIsThatOfFiniteDifferences) {
   NormalFilteredIcp::Params params = testParams();
   params.filter_normals = false;
+  params.support.below_share = 0.0;
   params.max_iterations = 1;
   params.usable_steps = 1e6;
   params.kernel_m = params.initial_kernel_m = 0.3;

@@ -25,7 +25,7 @@ RegistrationFront makeFront(bool refine_correction, int min_points = 500) {
   reference.sweeps = 0;
   MotionInitialization::Params initialization;
   initialization.max_range_m = 40.0;
-  return RegistrationFront(cloud, reference, initialization, refine_correction);
+  return RegistrationFront(cloud, reference, initialization, RoadRelief::Params(), refine_correction);
 }
 
 SyntheticDrive curve() {

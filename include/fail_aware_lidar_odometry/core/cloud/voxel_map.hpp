@@ -25,6 +25,7 @@ struct PlanePatch {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, odom axes
   float variance = 0.0f;    ///< m^2, of the points along the normal
   float samples = 0.0f;     ///< points fitted; 0: no plane here
+  bool post = false;        ///< no plane but thin and upright: a post, a trunk, an edge of a house
 };
 
 class VoxelMap {
@@ -80,10 +81,14 @@ class VoxelMap {
   struct PointMatch {
     Eigen::Vector3f offset_m;  ///< neighbour - query
     float distance2_m2;
+    std::uint32_t voxel;       ///< that the neighbour is in; index, valid until the map changes
   };
   /// The nearest stored point within max_distance_m; exact for distances up to half a voxel, beyond that among the
   /// eight voxels nearest to the query.
   bool findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match) const;
+
+  /// Of a voxel that a match named: its plane, if samples > 0, or whether it is a post.
+  const PlanePatch& surface(std::uint32_t voxel) const { return voxels_[voxel].plane; }
 
   /// All stored points in odom (for display and for files).
   std::vector<Eigen::Vector3d> points() const;

@@ -124,6 +124,7 @@ class FailAwareMonitor {
   double t1_stamp_s_ = -1.0;
   int odom_epoch_ = 0;
   bool has_previous_ = false;
+  double speed_wander_ = 0.0;  ///< growth of the speed error's variance in the last sweep, m^2/s^3
   bool start_pending_ = false;
 };
 

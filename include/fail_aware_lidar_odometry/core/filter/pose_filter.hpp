@@ -6,7 +6,7 @@
 // Coasting: poses that are predictions tell nothing new of the motion; derivatives taken from them would feed on
 // themselves and run away. So without a measurement the last road plane and derivatives stay, the latter without their
 // accelerations, and roll and pitch gain no more than one step's process noise; and where
-// the measurement does not observe the direction of travel, the last observed forward speed stays.
+// the measurement does not observe the motion on the road, the velocity coasts (coasting.hpp).
 // Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
 #pragma once
@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
@@ -47,8 +48,13 @@ struct FilterState {
   Pose T_previous_now = Pose::Identity();      ///< increment of the centre of gravity
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
   Matrix6d unobserved_covariance = Matrix6d::Zero();  ///< the part of it that no measurement contradicts
+  SpeedError speed_error;  ///< along the vehicle, where it coasts
   int odom_epoch = 0;  ///< counts setPose(): references placed under another number are in another odom
 };
+
+inline OdometryIncrement incrementOf(const FilterState& state) {
+  return {state.increment_covariance, state.unobserved_covariance, state.dt_s, state.speed_error};
+}
 
 class PoseFilter {
  public:
@@ -56,26 +62,26 @@ class PoseFilter {
     double initial_speed_sigma_mps = 15.0;    ///< until a motion is known
     double initial_sigma_m = 1e-3;            ///< of the start pose
     double initial_sigma_deg = 0.01;
-    double max_unobserved_sigma_m = 0.3;      ///< R along the road beyond this: the speed is not observed (see below)
     double max_speed_mps = 80.0;              ///< derivatives are cut to these
     double max_yaw_rate_rps = 3.0;
     double increment_scale = 0.7;             ///< on the covariance that one sweep adds to the odometry
-    double increment_floor_m = 0.0005;         ///< standard deviation a sweep, at least, and per metre driven:
+    double increment_floor_m = 0.0005;        ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.02;
+    Coasting::Params coasting;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("initial_speed_sigma_mps", self.initial_speed_sigma_mps);
       v("initial_sigma_m", self.initial_sigma_m);
       v("initial_sigma_deg", self.initial_sigma_deg);
-      v("max_unobserved_sigma_m", self.max_unobserved_sigma_m);
       v("max_speed_mps", self.max_speed_mps);
       v("max_yaw_rate_rps", self.max_yaw_rate_rps);
       v("increment_scale", self.increment_scale);
       v("increment_floor_m", self.increment_floor_m);
       v("increment_per_metre_m", self.increment_per_metre_m);
       v("increment_floor_deg", self.increment_floor_deg);
+      v("coasting", self.coasting);
     }
     void validate() const;
   };
@@ -105,6 +111,8 @@ class PoseFilter {
 
  private:
   void updateMotion();
+  void coast(const MotionDerivatives& last, const Coasting::Measured* measured);
+  Coasting::Measured measuredMotion() const;
   void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
 
   Params params_;
@@ -114,10 +122,12 @@ class PoseFilter {
   RoadPlaneEstimator road_;
   MeasurementFusion fusion_;
   MotionDerivatives motion_;
+  Coasting coasting_;
   SweepPrediction prediction_;
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
+  bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   int corrected_sweeps_ = 0;
 };
 

@@ -7,8 +7,8 @@
 //     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
 //     Unknown and constant; they make the error grow with distance squared and distance.
-//   - the speed along the vehicle's axis, where no measurement observes it: the model carries on with the last one that was
-//     seen, and the true one wanders away from it, a random walk per square root of a second
+//   - the error of a speed that is not observed: how large and how lasting it is, the filter knows (filter/coasting.hpp);
+//     here, how much of it goes into an increment
 //
 // Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
 #pragma once
@@ -26,7 +26,6 @@ class DriftModel {
     double heading_per_root_metre_deg = 0.0027;
     double heading_bias_deg_per_m = 0.0001;   ///< standard deviation of the constant
     double scale_bias = 0.0002;               ///< likewise: metres per metre
-    double speed_per_root_second_mps = 0.5;   ///< wander of a speed that is not observed
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -36,7 +35,6 @@ class DriftModel {
       v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
       v("heading_bias_deg_per_m", self.heading_bias_deg_per_m);
       v("scale_bias", self.scale_bias);
-      v("speed_per_root_second_mps", self.speed_per_root_second_mps);
     }
     void validate() const;
 
@@ -58,7 +56,6 @@ class DriftModel {
 
   /// How little of the motion along the body's x axis is observed: 0 well, 1 not at all.
   double unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const;
-  double speedWander() const;  ///< m^2/s^3: variance of the unobserved speed, per second
 
  private:
   Params params_;

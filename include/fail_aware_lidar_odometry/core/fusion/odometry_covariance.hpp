@@ -3,8 +3,8 @@
 // that it grows with distance and a heading error turns into a position error over the distance driven after it.
 //
 // Beside the pose's error (6) it carries, with their correlations: heading bias per metre, scale bias (both constant),
-// and the error of the speed along the vehicle's axis, which wanders where the measurements do not observe the motion
-// along it (a tunnel: successive errors are then alike, not independent) and is forgotten where they do.
+// and the error of the speed along the vehicle's axis where the measurements do not observe the motion along it (a tunnel:
+// successive errors are then alike, not independent); it is forgotten where they do.
 //
 // Convention: geometry/pose.hpp's (m, rad; rotation about fixed axes).
 // The position's part may rightly shrink: driving back to the start undoes a heading error's effect there. What never
@@ -19,11 +19,18 @@
 
 namespace fail_aware {
 
+/// Of the speed along the vehicle's axis, where the measurements do not observe it (filter/coasting.hpp); else zero.
+struct SpeedError {
+  double variance_m2_s2 = 0.0;  ///< after this sweep
+  double kept = 0.0;            ///< share of the last sweep's error that is still in it, 0..1
+};
+
 /// One sweep's motion, as far as its uncertainty goes; covariances about the previous body's axes.
 struct OdometryIncrement {
   Matrix6d covariance = Matrix6d::Zero();
   Matrix6d unobserved = Matrix6d::Zero();  ///< the part of `covariance` that no measurement contradicts
   double dt_s = 0.0;
+  SpeedError speed_error;
 };
 
 /// Covariance of the pose's error with what drives it.
@@ -43,11 +50,13 @@ class OdometryCovariance {
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
-    return propagate(T_odom_base_previous, T_odom_base_now, OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0});
+    return propagate(T_odom_base_previous, T_odom_base_now, OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}});
   }
 
   /// Of T_odom_base, about odom's axes.
   const Matrix6d& covariance() const { return covariance_; }
+  /// Of the error of the speed, m^2/s^2; 0 where it is observed.
+  double speedVariance() const { return speed_variance_; }
 
   /// Starts again; the mark is forgotten.
   void reset(const Matrix6d& start_covariance = Matrix6d::Zero());

@@ -7,7 +7,8 @@
 //   that stand `min_height_m` above the lowest of their column are used;
 // - walls and rails along the road, which fit at any speed but, thinned, best at standstill: the sweeps are kept dense;
 // - a car ahead that keeps its distance: one vote a cell, so that scenery outvotes it.
-// Limit: where scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins.
+// Limit: where scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins; the front doubts that
+// (`standstill_share`).
 // Cost: about 150 ms, on the second sweep only.
 #pragma once
 
@@ -36,6 +37,10 @@ class MotionInitialization {
     double cell_m = 3.0;        ///< horizontal cells, one vote each
     double column_m = 0.5;      ///< horizontal size of the columns in which height is measured
     double min_height_m = 0.4;
+    /// While the speed is unknown, a sweep that has moved less than this is taken to stand only if its weakest horizontal
+    /// direction has at least this share of the information: what travels with the vehicle makes it seem to stand.
+    double standstill_m = 0.1;
+    double standstill_share = 0.15;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -51,6 +56,8 @@ class MotionInitialization {
       v("cell_m", self.cell_m);
       v("column_m", self.column_m);
       v("min_height_m", self.min_height_m);
+      v("standstill_m", self.standstill_m);
+      v("standstill_share", self.standstill_share);
     }
     void validate() const;
   };

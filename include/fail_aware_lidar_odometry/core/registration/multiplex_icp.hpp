@@ -6,14 +6,21 @@
 // points, the same cut-off, a minimum inlier share; the smallest mean squared error wins. R comes from the winner's
 // information matrix and residual, and grows with the spread of the refined seeds' results.
 //
+// Information (`surface_information`, not in the article): the nearest of a plane's points slides along it, so a pair
+// informs only across its target's plane, of a post only horizontally; pairs with anything else are taken to inform on
+// all directions as these do together. Directions that no surface stands across (along a tunnel) are left at the
+// prediction, and R says so.
+//
 // Cost: (seeds alive) * points * iterations nearest-point queries.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
 
@@ -50,7 +57,9 @@ class MultiplexIcp {
     double usable_steps = 10.0;
     double min_inlier_share = 0.3;
     int min_inliers = 100;
-    double correlation_inflation = 20.0;  ///< R is that much larger than for independent residuals
+    bool surface_information = true;      ///< false: a pair informs alike in all directions
+    double correlation_inflation = 7.0;   ///< R is that much larger than for independent residuals
+    InformationSupport::Params support;
     ObservabilityParams observability;
 
     template <class Self, class Visitor>
@@ -75,7 +84,9 @@ class MultiplexIcp {
       v("usable_steps", self.usable_steps);
       v("min_inlier_share", self.min_inlier_share);
       v("min_inliers", self.min_inliers);
+      v("surface_information", self.surface_information);
       v("correlation_inflation", self.correlation_inflation);
+      v("support", self.support);
       v("observability", self.observability);
     }
     void validate() const;
@@ -97,6 +108,16 @@ class MultiplexIcp {
  private:
   NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride, const VoxelMap& map,
                             const Pose& T_odom_cog, double kernel_m) const;
+  std::size_t thinningStride(const std::vector<Eigen::Vector3f>& points_cog) const;
+
+  struct WeakHorizontal {
+    Eigen::Vector2d direction;
+    double counted_share = 1.0;
+  };
+  /// Nothing where every horizontal direction is well observed.
+  std::optional<WeakHorizontal> weakHorizontal(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+                                               const Pose& T_odom_cog) const;
+  Solution solve(NormalEquations& equations, const std::optional<WeakHorizontal>& weak) const;
   bool stepWithin(const Vector6d& dx, double factor) const;
 
   Params params_;

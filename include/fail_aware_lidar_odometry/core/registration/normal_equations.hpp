@@ -13,6 +13,9 @@ namespace fail_aware {
 struct ObservabilityParams {
   double lever_m = 10.0;              ///< a rotation dr moves points at this distance by lever_m * dr
   double min_information_share = 0.01;  ///< a direction with a smaller share of the total weight is not observed
+  /// Where an observed direction has less than this, steps, too, are made of the information alone: sliding residuals
+  /// would outweigh it.
+  double min_sliding_share = 0.03;
   double weak_sigma_m = 3.0;          ///< standard deviation put into R along an unobserved direction
   double weak_sigma_deg = 5.0;
 
@@ -20,6 +23,7 @@ struct ObservabilityParams {
   static void visit(Self& self, Visitor&& v) {
     v("lever_m", self.lever_m);
     v("min_information_share", self.min_information_share);
+    v("min_sliding_share", self.min_sliding_share);
     v("weak_sigma_m", self.weak_sigma_m);
     v("weak_sigma_deg", self.weak_sigma_deg);
   }
@@ -31,6 +35,13 @@ struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
   double weight = 0.0;        ///< sum of w / sigma^2
+  /// What the data say of each direction, where H says more: the nearest of a plane's points slides along it, so a
+  /// pair's H has directions that it does not observe. Without `has_information`: H itself.
+  bool has_information = false;
+  bool slides = false;                        ///< H has more than the information (else it is the same, discounted)
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d information_b = Vector6d::Zero();  ///< b of the same residuals
+  double information_weight = 0.0;
   double squared_error = 0.0;  ///< sum of w r^2, m^2
   double weight_unscaled = 0.0;  ///< sum of w
   std::size_t inliers = 0;
@@ -42,11 +53,17 @@ struct Solution {
   double min_horizontal_share = 0.0;
 };
 
+/// Only `counted_share` of the information along a horizontal direction (unit vector) counts (information_support.hpp).
+void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_share);
+
 /// The step along observed directions only.
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params);
 
 /// The covariance of the solution: `scale` * H^-1 along observed directions, the weak sigmas along the others.
 Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params);
+
+/// Whether a step is shorter than the standard deviation along it.
+bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance);
 
 /// Applies dx to a pose: t + dt, Exp(dr) R.
 Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx);

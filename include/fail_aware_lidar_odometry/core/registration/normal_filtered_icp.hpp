@@ -18,6 +18,7 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
 
@@ -43,7 +44,8 @@ class NormalFilteredIcp {
     double usable_steps = 10.0;
     int min_inliers = 100;
     double correlation_inflation = 20.0;     ///< R is that much larger than for independent residuals
-    ObservabilityParams observability;
+    InformationSupport::Params support;
+    ObservabilityParams observability = {10.0, 0.001};
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -64,6 +66,7 @@ class NormalFilteredIcp {
       v("usable_steps", self.usable_steps);
       v("min_inliers", self.min_inliers);
       v("correlation_inflation", self.correlation_inflation);
+      v("support", self.support);
       v("observability", self.observability);
     }
     void validate() const;

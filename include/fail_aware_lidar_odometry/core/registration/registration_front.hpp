@@ -3,6 +3,7 @@
 // Offline one front serves both ICPs; on the vehicle each ICP nodelet holds its own and, since everything here is a
 // function of the corrected sweeps and the filter's states alone, both hold the same.
 // When odom was moved under the vehicle (FilterState::odom_epoch) the reference starts anew from the next placed sweep.
+// Where the filter coasts (filter/coasting.hpp), the front looks for the speed in the road's relief (road_relief.hpp) and adds what it finds to the point-to-plane measurement.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
 #pragma once
@@ -17,13 +18,15 @@
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+#include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
 
 namespace fail_aware {
 
 class RegistrationFront {
  public:
   RegistrationFront(const RegistrationCloudBuilder::Params& cloud, const ReferenceMap::Params& reference,
-                    const MotionInitialization::Params& initialization, bool refine_correction);
+                    const MotionInitialization::Params& initialization, const RoadRelief::Params& relief,
+                    bool refine_correction);
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -48,10 +51,15 @@ class RegistrationFront {
   void initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void recorrectFor(const Vector6d& twist_cog);
   void enterOdom(int epoch);
+  void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
+  void doubtStandstill(Measurement& measurement) const;
+  void addReliefSpeed(Measurement& measurement) const;
+  void addSearchedMotion(Measurement& measurement) const;
 
   RegistrationCloudBuilder builder_;
   ReferenceMap reference_;
   MotionInitialization initialization_;
+  RoadRelief relief_;
   bool refine_correction_;
   RegistrationCloud cloud_;
   RegistrationCloud first_cloud_;     ///< the only sweep in the reference so far, at T_odom_cog_first_
@@ -61,6 +69,13 @@ class RegistrationFront {
   Matrix6d start_covariance_ = Matrix6d::Identity();
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
+  std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep
+  double searched_sigma_m_ = 0.0;  ///< of the start pose, if the search gave it; else 0
+  Pose T_odom_cog_previous_ = Pose::Identity();
+  double dt_s_ = 0.0;
+  bool speed_observed_ = false;  ///< the filter does not coast
+  bool speed_known_ = false;     ///< it was so once
+  double speed_sigma_mps_ = 0.0;  ///< of the last estimate's, 0 where it is observed
   bool last_measured_ = false;  ///< the last estimate is no mere prediction
   int odom_epoch_ = 0;          ///< of the reference
 };

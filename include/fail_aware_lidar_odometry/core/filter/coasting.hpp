@@ -1,0 +1,108 @@
+// The vehicle's motion where registration does not observe it (a tunnel, an open field). Not in the article.
+//
+// Poses along an unobserved direction are predictions; derivatives taken from them would feed on themselves. So there
+// velocity v and acceleration a have a Kalman filter of their own (a: first-order Markov, standard deviation
+// `acceleration_mps2`, correlation time `acceleration_time_s`). What a sweep's fused measurement says of the velocity
+// counts by its covariance R, as one of covariance 2 R / dt^2; directions in which it says nothing are left out. The yaw
+// rate is treated alike.
+// A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
+// speedError() tells the accumulated covariance how large the error along the road is and how much of it stays.
+// Vectors: m, m/s, rad/s, axes of the body now (x forward, y left, z up). Cost: about 2 us.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+class Coasting {
+ public:
+  struct Params {
+    double observed_sigma_m = 0.05;           ///< R, along and across the road, up to this: poses give the motion
+    double observed_sigma_deg = 0.15;         ///< likewise of the heading
+    int observed_sweeps = 5;                  ///< so many of them in a row end the coasting
+    double acceleration_mps2 = 0.7;           ///< standard deviation along the road;
+    double lateral_acceleration_mps2 = 0.15;  ///< of the velocity's components across and up
+    double acceleration_time_s = 1.5;
+    double yaw_acceleration_rad_s2 = 0.1;
+    double yaw_acceleration_time_s = 0.5;
+    double max_measured_sigma_m = 1.0;        ///< a measurement less sure than this says nothing of the speed
+    double max_measured_sigma_deg = 3.0;      ///< nor of the yaw rate
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("observed_sigma_m", self.observed_sigma_m);
+      v("observed_sigma_deg", self.observed_sigma_deg);
+      v("observed_sweeps", self.observed_sweeps);
+      v("acceleration_mps2", self.acceleration_mps2);
+      v("lateral_acceleration_mps2", self.lateral_acceleration_mps2);
+      v("acceleration_time_s", self.acceleration_time_s);
+      v("yaw_acceleration_rad_s2", self.yaw_acceleration_rad_s2);
+      v("yaw_acceleration_time_s", self.yaw_acceleration_time_s);
+      v("max_measured_sigma_m", self.max_measured_sigma_m);
+      v("max_measured_sigma_deg", self.max_measured_sigma_deg);
+    }
+    void validate() const;
+  };
+
+  struct Motion {
+    Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+    Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
+    double yaw_rate_rad_s = 0.0;
+    double yaw_acceleration_rad_s2 = 0.0;
+  };
+
+  /// What a sweep's measurement says of the motion since the last estimate.
+  struct Measured {
+    Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+    double yaw_rate_rad_s = 0.0;
+    Eigen::Matrix3d R = Eigen::Matrix3d::Zero();  ///< of its position, m^2
+    double yaw_variance = 0.0;                    ///< of its heading, rad^2
+  };
+
+  explicit Coasting(const Params& params);
+
+  /// The motion is unknown but for its standard deviations.
+  void reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s);
+
+  /// Whether a measurement observes the motion on the road.
+  bool observes(const Measured& measured) const;
+
+  /// Whether this measurement leaves (or ends) the coasting. One sure pose between unsure ones does not: what the poses
+  /// before it would say of velocity and acceleration is noise.
+  bool settles(const Measured& measured) const;
+
+  /// From the first sweep that is not observed until `observed_sweeps` that are.
+  bool active() const { return active_; }
+
+  /// Closes a sweep that settles the motion.
+  void observed(const Measured& measured, double dt_s);
+
+  /// Closes a sweep that does not, or (null) without a measurement. `before` is the motion at the last sweep; returns
+  /// that to go on with.
+  Motion coast(const Motion& before, double dt_s, const Measured* measured);
+
+  /// What the uncertain motion adds to the next increment (x y z, m^2, and yaw, rad^2). Zero unless active.
+  Eigen::Matrix4d incrementCovariance(double dt_s) const;
+
+  /// Of the sweep closed last, along the vehicle. Zero unless active.
+  SpeedError speedError() const { return active_ ? SpeedError{S_(0, 0), kept_} : SpeedError(); }
+
+  Eigen::Matrix3d velocityCovariance() const { return S_.topLeftCorner<3, 3>(); }
+
+ private:
+  Motion begin(const Motion& before, double dt_s);
+  void correctVelocity(const Measured& measured, double dt_s, Motion& motion);
+  void correctYawRate(const Measured& measured, double dt_s, Motion& motion);
+
+  Params params_;
+  Matrix6d S_ = Matrix6d::Zero();  ///< of (velocity, acceleration)
+  Eigen::Matrix2d S_yaw_ = Eigen::Matrix2d::Zero();  ///< of (yaw rate, yaw acceleration)
+  int observed_in_a_row_ = 0;
+  double kept_ = 0.0;  ///< of the last sweep's error along the vehicle
+  bool active_ = false;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,146 @@
+// The vehicle's speed from the relief of the road, where nothing else stands across it (a tunnel). Not in the article.
+//
+// A road is not even: its unevenness, millimetres high and about a metre long, is seen again in the next sweeps, shifted
+// by the way driven. It lies far below a point's noise and the errors of the beams, but
+// - tens of thousands of points see it, at grazing incidence, where range noise hardly enters the height;
+// - what travels with the sensor (errors of beams, a vehicle ahead, the crown of the road) is the same in every sweep in
+//   the same direction from the sensor; its mean over the last sweeps is taken off, direction by direction.
+// What is left is put on a grid, freed of waves longer than `smoothing_m`, and the sweeps of the last two seconds are
+// laid over each other for speeds v and accelerations a: E(v, a) = sum over cells of (S^2 - sum_k S_k^2) / (W + 1/s^2),
+// S_k, W_k: sums of w * height and w of sweep k, s: `relief_sigma_m`; products of different sweeps only. The peak is
+// taken if it stands out. The shape of the path (heading) comes from the odometry's own estimates.
+//
+// Failure: nothing, if there are too few sweeps, too little road, no relief (or a vehicle that stands still: then the
+// relief is part of the mean).
+// Cost: a sweep about 2 ms, a search over all speeds about 30 ms, one near the last speed about 5 ms.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+class RoadRelief {
+ public:
+  struct Params {
+    bool enabled = true;
+    int window_sweeps = 20;
+    int min_sweeps = 10;
+    double min_range_m = 3.0;           ///< of the points used, horizontal, from the lidar
+    double max_range_m = 16.0;
+    double half_width_m = 4.0;          ///< of the strip of road used
+    double direction_elevation_deg = 0.1;   ///< size of the bins in which the mean is taken
+    double direction_azimuth_deg = 0.5;
+    double max_height_m = 0.03;         ///< what stands out more is no road
+    double cell_m = 0.25;
+    double smoothing_m = 1.5;
+    double relief_sigma_m = 0.002;
+    double min_speed_mps = -5.0;
+    double max_speed_mps = 45.0;
+    double max_acceleration_mps2 = 4.0;
+    double min_correlation = 0.1;       ///< of sweeps laid over each other at the peak
+    double max_second_peak = 0.7;       ///< share of the highest, in a search over all speeds
+    double speed_sigma_mps = 0.6;       ///< of a result; errors of consecutive ones are alike, so more than theirs (0.2)
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("enabled", self.enabled);
+      v("window_sweeps", self.window_sweeps);
+      v("min_sweeps", self.min_sweeps);
+      v("min_range_m", self.min_range_m);
+      v("max_range_m", self.max_range_m);
+      v("half_width_m", self.half_width_m);
+      v("direction_elevation_deg", self.direction_elevation_deg);
+      v("direction_azimuth_deg", self.direction_azimuth_deg);
+      v("max_height_m", self.max_height_m);
+      v("cell_m", self.cell_m);
+      v("smoothing_m", self.smoothing_m);
+      v("relief_sigma_m", self.relief_sigma_m);
+      v("min_speed_mps", self.min_speed_mps);
+      v("max_speed_mps", self.max_speed_mps);
+      v("max_acceleration_mps2", self.max_acceleration_mps2);
+      v("min_correlation", self.min_correlation);
+      v("max_second_peak", self.max_second_peak);
+      v("speed_sigma_mps", self.speed_sigma_mps);
+    }
+    void validate() const;
+  };
+
+  struct Speed {
+    double speed_mps = 0.0;           ///< at the newest sweep's stamp
+    double acceleration_mps2 = 0.0;
+    double sigma_mps = 0.0;
+    double correlation = 0.0;
+  };
+
+  explicit RoadRelief(const Params& params);
+
+  /// `twist_cog` is the motion (m/s, rad/s) that the sweep was corrected for, `yaw_rad` the vehicle's heading.
+  void add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, double yaw_rad);
+
+  /// A better heading for the sweep added last.
+  void setYaw(double yaw_rad);
+
+  /// From the sweeps so far; near the last result if there was one. What lies more than 3 sigma from the speed that the
+  /// vehicle should have is none: beams that change (a sweep bent otherwise) can look like a relief, too.
+  std::optional<Speed> findSpeed(double expected_mps = 0.0,
+                                 double expected_sigma_mps = std::numeric_limits<double>::infinity());
+
+  /// Whether the last search found one.
+  bool hasSpeed() const { return last_.has_value(); }
+
+  void clear();
+
+  std::size_t sweeps() const { return sweeps_.size(); }
+  const Params& params() const { return params_; }
+
+ private:
+  struct Sample {
+    std::uint32_t direction;
+    float x, y, time_s, height, weight;
+  };
+  struct Record {
+    double stamp_s;
+    double yaw_rad;
+    double speed_mps;  ///< corrected for
+    std::vector<Sample> samples;
+  };
+  struct Mean {
+    double sum = 0.0;
+    int count = 0;
+  };
+  struct Cell {
+    float x, y, time_s, height, weight;
+  };
+  struct Score {
+    double energy = 0.0, correlation = 0.0;
+  };
+  struct Layer {
+    double age_s, cos_yaw, sin_yaw, tan_half_yaw, speed_mps;
+    std::vector<Cell> cells;
+  };
+
+  void forgetOldest();
+  std::vector<Layer> layers() const;
+  Score score(const std::vector<Layer>& layers, double speed_mps, double acceleration_mps2) const;
+  std::optional<double> searchAllSpeeds(const std::vector<Layer>& layers) const;
+
+  Params params_;
+  std::deque<Record> sweeps_;
+  std::unordered_map<VoxelKey, std::uint32_t, VoxelHash> directions_;
+  std::vector<Mean> means_;
+  std::optional<Speed> last_;
+  double last_stamp_s_ = 0.0;
+  mutable std::vector<float> grid_;
+};
+
+}  // namespace fail_aware

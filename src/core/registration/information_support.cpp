@@ -1,0 +1,48 @@
+#include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+void InformationSupport::Params::validate() const {
+  requirePositive("cell_m", cell_m);
+  requireWithin("max_place_share", max_place_share, 0.01, 1.0);
+  requireWithin("below_share", below_share, 0.0, 1.0);
+}
+
+void InformationSupport::add(const Eigen::Vector3d& position_m, double information) {
+  places_[packVoxel(fastFloor(position_m.x() / params_.cell_m), fastFloor(position_m.y() / params_.cell_m), 0)] +=
+      information;
+}
+
+double InformationSupport::countedShare() const {
+  std::vector<double> sums;
+  double total = 0.0;
+  for (const auto& place : places_) {
+    sums.push_back(place.second);
+    total += place.second;
+  }
+  if (!(total > 0.0)) return 0.0;
+  std::sort(sums.begin(), sums.end(), std::greater<double>());
+  // with the k largest at the limit c and the rest whole: counted = k c + rest, c = max_place_share * counted
+  double rest = total;
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    const double free = 1.0 - static_cast<double>(k) * params_.max_place_share;
+    if (free <= 0.0) return 0.0;  // too few places
+    const double counted = rest / free;
+    if (sums[k] <= params_.max_place_share * counted) return std::min(1.0, counted / total);
+    rest -= sums[k];
+  }
+  return 0.0;
+}
+
+Eigen::Vector2d weakestHorizontal(const Eigen::Matrix2d& information) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(information);
+  return eigen.eigenvectors().col(0);
+}
+
+}  // namespace fail_aware

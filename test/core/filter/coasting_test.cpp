@@ -1,0 +1,184 @@
+#include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kDt_s = 0.1;
+constexpr double kDegree = M_PI / 180.0;
+
+Coasting::Measured measured(double speed_mps, double sigma_along_m, double yaw_rate_rad_s = 0.0,
+                            double sigma_yaw_rad = 1e-3) {
+  Coasting::Measured m;
+  m.velocity_mps.x() = speed_mps;
+  m.yaw_rate_rad_s = yaw_rate_rad_s;
+  m.R = Eigen::Vector3d(sigma_along_m, 0.01, 0.01).cwiseAbs2().asDiagonal();
+  m.yaw_variance = sigma_yaw_rad * sigma_yaw_rad;
+  return m;
+}
+
+Coasting::Motion motionOf(double speed_mps) {
+  Coasting::Motion motion;
+  motion.velocity_mps.x() = speed_mps;
+  return motion;
+}
+
+Coasting lastObserved(double sigma_m = 0.01) {
+  Coasting coasting{Coasting::Params()};
+  coasting.observed(measured(10.0, sigma_m), kDt_s);
+  return coasting;
+}
+
+TEST(Coasting, ObservesWhatIsSureAlongAndAcrossTheRoadAndOfTheHeading) {
+  const Coasting coasting{Coasting::Params()};
+  EXPECT_TRUE(coasting.observes(measured(1.0, 0.049)));
+  EXPECT_FALSE(coasting.observes(measured(1.0, 0.051)));
+  EXPECT_TRUE(coasting.observes(measured(1.0, 0.01, 0.0, 0.14 * kDegree)));
+  EXPECT_FALSE(coasting.observes(measured(1.0, 0.01, 0.0, 0.16 * kDegree)));
+  Coasting::Measured high = measured(1.0, 0.01);
+  high.R(2, 2) = 100.0;
+  EXPECT_TRUE(coasting.observes(high)) << "height does not matter";
+}
+
+TEST(Coasting, KeepsTheSpeedThatNothingObserves) {
+  Coasting coasting = lastObserved();
+  EXPECT_FALSE(coasting.active());
+  EXPECT_TRUE(coasting.incrementCovariance(kDt_s).isZero());
+  Coasting::Motion motion = motionOf(10.0);
+  const Coasting::Measured stands = measured(0.0, 30.0);
+  for (int i = 0; i < 200; ++i) {
+    motion = coasting.coast(motion, kDt_s, i % 2 == 0 ? &stands : nullptr);
+    ASSERT_NEAR(motion.velocity_mps.x(), 10.0, 1e-9) << i;
+  }
+  EXPECT_TRUE(coasting.active());
+  coasting.observed(measured(10.0, 0.01), kDt_s);
+  EXPECT_FALSE(coasting.active());
+  EXPECT_EQ(coasting.speedError().variance_m2_s2, 0.0);
+}
+
+TEST(Coasting, OneSurePoseBetweenUnsureOnesDoesNotEndIt) {
+  Coasting coasting = lastObserved();
+  const Coasting::Measured sure = measured(10.0, 0.01), unsure = measured(10.0, 3.0);
+  EXPECT_TRUE(coasting.settles(sure)) << "it does not coast yet";
+  coasting.coast(motionOf(10.0), kDt_s, &unsure);
+  const int needed = Coasting::Params().observed_sweeps;
+  for (int round = 0; round < 2; ++round) {
+    for (int i = 0; i < needed - 1; ++i) {
+      EXPECT_FALSE(coasting.settles(sure)) << i;
+      coasting.coast(motionOf(10.0), kDt_s, &sure);
+    }
+    if (round == 0) coasting.coast(motionOf(10.0), kDt_s, &unsure);
+  }
+  EXPECT_TRUE(coasting.settles(sure));
+  EXPECT_FALSE(coasting.settles(unsure));
+}
+
+TEST(Coasting, AnAccelerationThatNothingObservesDiesOut) {
+  Coasting coasting = lastObserved();
+  Coasting::Motion motion = motionOf(10.0);
+  motion.acceleration_mps2.x() = 1.0;
+  for (int i = 0; i < 100; ++i) motion = coasting.coast(motion, kDt_s, nullptr);
+  EXPECT_NEAR(motion.velocity_mps.x(), 10.0 + 1.5, 0.1) << "acceleration times its correlation time";
+  EXPECT_NEAR(motion.acceleration_mps2.x(), 0.0, 0.01);
+}
+
+TEST(Coasting, FollowsAnUnsureSpeedThatChanges) {
+  Coasting coasting = lastObserved();
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Coasting::Motion motion = motionOf(10.0);
+  const double sigma_m = 0.08;
+  for (int i = 1; i <= 80; ++i) {
+    const double true_mps = 10.0 + 1.5 * i * kDt_s;
+    const Coasting::Measured m = measured(true_mps + std::sqrt(2.0) * sigma_m / kDt_s * normal(random), sigma_m);
+    motion = coasting.coast(motion, kDt_s, &m);
+    if (i > 30) {
+      ASSERT_NEAR(motion.velocity_mps.x(), true_mps, 1.5) << i;
+    }
+  }
+  EXPECT_LT(std::sqrt(coasting.velocityCovariance()(0, 0)), 0.7);
+  EXPECT_NEAR(motion.acceleration_mps2.x(), 1.5, 0.8);
+}
+
+TEST(Coasting, AnUnknownSpeedTakesTheFirstMeasurement) {
+  Coasting coasting{Coasting::Params()};
+  coasting.reset({15.0, 0.0, 0.0}, 0.0);
+  const Coasting::Measured nothing = measured(0.0, 3.0), found = measured(20.0, 0.05, 0.0, 0.01);
+  Coasting::Motion motion = motionOf(0.0);
+  for (int i = 0; i < 50; ++i) motion = coasting.coast(motion, kDt_s, &nothing);
+  EXPECT_EQ(motion.velocity_mps.x(), 0.0);
+  EXPECT_GT(std::sqrt(coasting.velocityCovariance()(0, 0)), 15.0) << "not a confident standstill";
+  motion = coasting.coast(motion, kDt_s, &found);
+  EXPECT_NEAR(motion.velocity_mps.x(), 20.0, 0.2);
+}
+
+TEST(Coasting, TheAccumulatedVarianceIsThatOfAContinuedError) {
+  // a constant velocity error of sigma: the position's variance is (sigma t)^2
+  Coasting::Params params;
+  params.acceleration_mps2 = 0.0;
+  Coasting coasting(params);
+  coasting.observed(measured(10.0, 0.02), kDt_s);
+  OdometryCovariance accumulated;
+  Matrix6d lost = Matrix6d::Zero();
+  lost(0, 0) = 1e-12;
+  Pose T = Pose::Identity();
+  const int sweeps = 50;
+  for (int i = 0; i < sweeps; ++i) {
+    coasting.coast(motionOf(10.0), kDt_s, nullptr);
+    Pose next = T;
+    next.translation().x() += 1.0;
+    ASSERT_TRUE(accumulated.propagate(T, next, {lost, lost, kDt_s, coasting.speedError()}));
+    T = next;
+  }
+  const double sigma_mps = std::sqrt(2.0) * 0.02 / kDt_s;
+  EXPECT_NEAR(std::sqrt(accumulated.covariance()(0, 0)), sigma_mps * (sweeps - 1) * kDt_s, 1e-4);
+}
+
+TEST(Coasting, AMeasuredSpeedForgetsTheErrorBefore) {
+  Coasting coasting = lastObserved();
+  coasting.coast(motionOf(10.0), kDt_s, nullptr);
+  const Coasting::Measured unsure = measured(10.0, 0.1), useless = measured(10.0, 3.0);
+  coasting.coast(motionOf(10.0), kDt_s, &useless);
+  EXPECT_EQ(coasting.speedError().kept, 1.0);
+  Coasting unmeasured = coasting;
+  unmeasured.coast(motionOf(10.0), kDt_s, nullptr);
+  coasting.coast(motionOf(10.0), kDt_s, &unsure);
+  // a scalar Kalman step: P+ = kept P-
+  EXPECT_LT(coasting.speedError().kept, 1.0);
+  EXPECT_GT(coasting.speedError().kept, 0.5);
+  EXPECT_NEAR(coasting.speedError().variance_m2_s2,
+              coasting.speedError().kept * unmeasured.speedError().variance_m2_s2, 1e-12);
+}
+
+TEST(Coasting, TheYawRateCoastsLikewise) {
+  Coasting coasting = lastObserved();
+  Coasting::Motion motion = motionOf(10.0);
+  motion.yaw_rate_rad_s = 0.2;
+  const Coasting::Measured useless = measured(10.0, 0.01, -3.0, 0.1), unsure = measured(10.0, 0.01, 0.3, 0.005);
+  for (int i = 0; i < 20; ++i) {
+    motion = coasting.coast(motion, kDt_s, &useless);
+    ASSERT_NEAR(motion.yaw_rate_rad_s, 0.2, 1e-12);
+  }
+  for (int i = 0; i < 100; ++i) motion = coasting.coast(motion, kDt_s, &unsure);
+  EXPECT_NEAR(motion.yaw_rate_rad_s, 0.3, 0.02);
+}
+
+TEST(Coasting, ParametersAreChecked) {
+  Coasting::Params params;
+  params.observed_sigma_m = 0.0;
+  EXPECT_THROW(Coasting{params}, ParameterError);
+  params = Coasting::Params();
+  params.acceleration_time_s = -1.0;
+  EXPECT_THROW(Coasting{params}, ParameterError);
+}
+
+}  // namespace
+}  // namespace fail_aware
