@@ -72,9 +72,11 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
   since_start_ = since_start;
   since_mark_ = since_mark;
-  covariance_ = since_start_.pose();
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
   passing_base_ = rotateCovariance(drift_.passing(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
+  largest_passing_base_ += positiveSemidefinite(passing_base_ - largest_passing_base_);
+  covariance_ = since_start_.lasting.topLeftCorner<6, 6>() +
+                symmetric(rotateCovariance(largest_passing_base_, T_odom_base_now.linear()));
   speed_variance_ = since_start_.lasting(DriftState::kSpeed, DriftState::kSpeed);
   return true;
 }
@@ -86,6 +88,7 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   since_start_.lasting.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
   covariance_ = since_start_.pose();
   passing_base_.setZero();
+  largest_passing_base_.setZero();
   speed_variance_ = 0.0;
   T_odom_mark_.reset();
   since_mark_ = DriftState();

@@ -242,6 +242,25 @@ TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
   EXPECT_NEAR(odometry.covariance()(0, 0), 1e-4, 1e-9) << "since the start, which is known exactly";
 }
 
+TEST(OdometryCovariance, JitterThatSubsidesDoesNotMakeThePublishedOneShrink) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.measured_share = 0.0;
+  OdometryCovariance covariance(drift);
+  const Pose step = poseFromVector((Vector6d() << 1.0, 0.0, 0.0, 0.0, 0.0, 0.1).finished());
+  Pose T = Pose::Identity();
+  covariance.mark(T);
+  double yaw = 0.0, position = 0.0;
+  for (const double share : {1.0, 0.1, 0.5, 0.01}) {
+    ASSERT_TRUE(covariance.propagate(T, T * step, share * incrementCovariance()));
+    T = T * step;
+    EXPECT_GE(covariance.covariance()(5, 5), yaw * (1.0 - 1e-12));
+    EXPECT_GE(covariance.covariance().diagonal().head(3).sum(), position * (1.0 - 1e-12));
+    yaw = covariance.covariance()(5, 5);
+    position = covariance.covariance().diagonal().head(3).sum();
+  }
+  EXPECT_LT(covariance.sinceMark()(5, 5), 0.1 * yaw) << "the newest jitter alone";
+}
+
 TEST(OdometryCovariance, AnUnobservedSpeedWandersAndIsForgottenWhenSeen) {
   OdometryCovariance odometry;
   odometry.mark(Pose::Identity());

@@ -53,7 +53,7 @@ class OdometryCovariance {
     return propagate(T_odom_base_previous, T_odom_base_now, OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}});
   }
 
-  /// Of T_odom_base, about odom's axes.
+  /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
   const Matrix6d& covariance() const { return covariance_; }
   /// Of the error of the speed, m^2/s^2; 0 where it is observed.
   double speedVariance() const { return speed_variance_; }
@@ -78,6 +78,7 @@ class OdometryCovariance {
   Matrix6d covariance_ = Matrix6d::Zero();
   Matrix6d since_mark_covariance_ = Matrix6d::Zero();
   Matrix6d passing_base_ = Matrix6d::Zero();  ///< jitter of the newest pose, about its own axes
+  Matrix6d largest_passing_base_ = Matrix6d::Zero();  ///< no less than any so far
   double speed_variance_ = 0.0;               ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
 };
