@@ -106,6 +106,7 @@ messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points
   message.azimuth_coverage = findings.azimuth_coverage;
   message.far_share = findings.far_share;
   message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
+  message.middle = findings.middle_s;
   return message;
 }
 
@@ -118,6 +119,7 @@ SweepFindings fromMessage(const messages::SweepCheck& message) {
   findings.azimuth_coverage = message.azimuth_coverage;
   findings.far_share = message.far_share;
   findings.repetitions = static_cast<int>(message.repetitions);
+  findings.middle_s = message.middle;
   return findings;
 }
 

@@ -161,13 +161,14 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   }
   prediction = exchanged(prediction);
   const SweepFindings findings = check.check(sweep);
-  corrector.correct(sweep, prediction, T_cog_lidar, corrected);
+  const double middle_s = corrector.correct(sweep, prediction, T_cog_lidar, corrected).middle_s;
   result.times.correction_ms = stage.lapMs();
   measure(prediction, result);
   stage.lapMs();
   const bool first = prediction.dt_s <= 0.0;
   result.state = filter.correct(
-      {{"icp_point_to_point", &result.point}, {"icp_point_to_plane", &result.plane}, {"corner_svd", &result.corners}});
+      {{"icp_point_to_point", &result.point}, {"icp_point_to_plane", &result.plane}, {"corner_svd", &result.corners}},
+      middle_s);
   result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
   result.status = first ? SweepStatus::kFirst : result.state.corrected ? SweepStatus::kCorrected : SweepStatus::kPredicted;
   result.times.fusion_ms = stage.lapMs();

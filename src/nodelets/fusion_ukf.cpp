@@ -215,7 +215,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       inputs.push_back({source.name, source.measurement ? &*source.measurement : nullptr, source.external});
     }
     const Pose T_odom_cog_previous = filter_->state().T_odom_cog;
-    const FilterState& state = filter_->correct(inputs);
+    const FilterState& state = filter_->correct(inputs, account.findings ? account.findings->middle_s : 0.0);
     if (state.dt_s > 0.0) {
       odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state));
     }

@@ -71,9 +71,10 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
       last_reason_ = read.reason;
     }
     findings_ = check_->check(sweep_);
+    report_ = corrector_->correct(sweep_, task.prediction, task.T_cog_lidar, corrected_);
+    findings_.middle_s = report_.middle_s;
     check_publisher_.publish(messages::SweepCheckConstPtr(
         boost::make_shared<messages::SweepCheck>(toMessage(findings_, sweep_.size(), cloud.header))));
-    report_ = corrector_->correct(sweep_, task.prediction, task.T_cog_lidar, corrected_);
     const auto message = boost::make_shared<sensor_msgs::PointCloud2>();
     writeCloud(corrected_, sweep_.intensities, *message);
     message->header = cloud.header;

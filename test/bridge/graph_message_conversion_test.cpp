@@ -202,12 +202,14 @@ TEST(GraphMessages, conditionTellsWhatTheSweepsCheckFound) {
   SweepFindings findings;
   findings.incomplete = findings.frozen = true;
   findings.repetitions = 4;
+  findings.middle_s = -0.05;
   findings.far_share = 0.25;
   findings.azimuth_coverage = 0.5;
   const messages::SweepCheck check = toMessage(findings, 77, someHeader());
   EXPECT_EQ(check.points, 77);
   account.findings = fromMessage(check);
   EXPECT_EQ(account.findings->repetitions, 4);
+  EXPECT_EQ(account.findings->middle_s, -0.05);
   EXPECT_EQ(account.findings->far_share, 0.25);
   EXPECT_EQ(account.findings->azimuth_coverage, 0.5);
   account.sources = {{"gps", std::nullopt, false}};

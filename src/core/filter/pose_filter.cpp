@@ -156,7 +156,7 @@ bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
   return true;
 }
 
-const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements) {
+const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements, double middle_s) {
   const Pose T_odom_cog_previous = state_.T_odom_cog;
   FilterState next;
   next.stamp_s = prediction_.stamp_s;
@@ -182,10 +182,32 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   previous_measured_ = last_measured_;
   last_measured_ = measured;
   state_ = next;
-  if (measured) history_.push(next.stamp_s, next.T_odom_cog);
+  if (measured) remember(middle_s);
   updateMotion();
   if (measured) road_.update(next.stamp_s, ukf_.state(), motion_);
   return state_;
+}
+
+// The pose in the sweep's middle, by the motion that the sweep was corrected for.
+void PoseFilter::remember(double middle_s) {
+  newest_middle_s_ = 0.0;
+  Pose T_odom_cog = state_.T_odom_cog;
+  if (state_.corrected && state_.dt_s > 0.0 && std::isfinite(middle_s)) {
+    const Pose T_previous_now =
+        prediction_.motion_known ? prediction_.T_odom_cog_previous.inverse() * prediction_.T_odom_cog
+                                 : state_.T_previous_now;  // the motion that was searched for
+    T_odom_cog = T_odom_cog * expSe3(logSe3(T_previous_now) * (middle_s / state_.dt_s));
+    newest_middle_s_ = middle_s;
+  }
+  history_.push(state_.stamp_s + newest_middle_s_, T_odom_cog);
+}
+
+// Carried from the newest sweep's middle to the stamp; as in the history, z, roll and pitch are not.
+MotionDerivatives PoseFilter::historyDerivatives() const {
+  MotionDerivatives motion = history_.derivatives();
+  motion.velocity_body_mps.head<2>() -= newest_middle_s_ * motion.acceleration_body_mps2.head<2>();
+  motion.rpy_rates_rad_s.z() -= newest_middle_s_ * motion.rpy_accelerations_rad_s2.z();
+  return motion;
 }
 
 Coasting::Measured PoseFilter::measuredMotion() const {
@@ -197,8 +219,8 @@ Coasting::Measured PoseFilter::measuredMotion() const {
     measured.velocity_mps = logSe3(T_previous_measured).head<3>() / state_.dt_s;
     measured.yaw_rate_rad_s = wrapAngle(state_.fusion.z[5] - yaw_previous_rad) / state_.dt_s;
   } else {  // the way from a prediction holds its error; that from the last measured pose does not
-    measured.velocity_mps = history_.derivatives().velocity_body_mps;
-    measured.yaw_rate_rad_s = history_.derivatives().rpy_rates_rad_s.z();
+    measured.velocity_mps = historyDerivatives().velocity_body_mps;
+    measured.yaw_rate_rad_s = historyDerivatives().rpy_rates_rad_s.z();
   }
   measured.R = R_odom_body.transpose() *
                toPoseCovariance(state_.fusion.R, state_.fusion.z).topLeftCorner<3, 3>() * R_odom_body;
@@ -225,7 +247,7 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
   if (state_.corrected) {
-    motion_ = history_.derivatives();
+    motion_ = historyDerivatives();
   } else {
     motion_.rpy_accelerations_rad_s2.setZero();
     motion_.rpy_rates_rad_s.head<2>().setZero();

@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 
+#include <algorithm>
+
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 
@@ -19,12 +21,24 @@ void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>
 
 }  // namespace
 
-void RegistrationCloud::recorrect(const Vector6d& delta_twist_cog) {
+void RegistrationCloud::recorrect(const Vector6d& delta_twist_cog, double middle_s) {
   if (map_times_s.empty()) return;
   const SweepCorrection correction;
-  correction.recorrect(map_points_cog, map_times_s, delta_twist_cog);
-  correction.recorrect(plane_points_cog, plane_times_s, delta_twist_cog);
-  correction.recorrect(point_points_cog, point_times_s, delta_twist_cog);
+  std::vector<float> since_middle_s;
+  const auto move = [&](std::vector<Eigen::Vector3f>& points_cog, const std::vector<float>& times_s) {
+    since_middle_s = times_s;
+    for (float& time_s : since_middle_s) time_s -= static_cast<float>(middle_s);
+    correction.recorrect(points_cog, since_middle_s, delta_twist_cog);
+  };
+  move(map_points_cog, map_times_s);
+  move(plane_points_cog, plane_times_s);
+  move(point_points_cog, point_times_s);
+}
+
+double RegistrationCloud::middle_s() const {
+  if (map_times_s.empty()) return 0.0;
+  const auto [first, last] = std::minmax_element(map_times_s.begin(), map_times_s.end());
+  return 0.5 * (static_cast<double>(*first) + static_cast<double>(*last));
 }
 
 void RegistrationCloudBuilder::Params::validate() const {

@@ -131,7 +131,7 @@ void RegistrationFront::addReliefSpeed(Measurement& measurement) const {
 // The first motion was found by what stands out in both sweeps, which may be too little for surfaces.
 void RegistrationFront::addSearchedMotion(Measurement& measurement) const {
   if (!(searched_sigma_m_ > 0.0) || !measurement.ok()) return;
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()}) {
+  for (const Eigen::Vector3d axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()}) {
     const double offset_m = axis.dot(T_odom_cog_start_.translation() - measurement.T_odom_cog.translation());
     addPosition(axis, offset_m, searched_sigma_m_, measurement);
   }
@@ -156,8 +156,8 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   reference_.add(first.map_points_cog, T_odom_cog_first_);
 }
 
-void RegistrationFront::recorrectFor(const Vector6d& twist_cog) {
-  cloud_.recorrect(twist_cog - corrected_twist_cog_);
+void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s) {
+  cloud_.recorrect(twist_cog - corrected_twist_cog_, middle_s);
   corrected_twist_cog_ = twist_cog;
 }
 
@@ -172,7 +172,9 @@ void RegistrationFront::place(const FilterState& state) {
   if (!prepared_) return;
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
-  if (refine_correction_ && between_measured && state.dt_s > 0.0) recorrectFor(logSe3(state.T_previous_now) / state.dt_s);
+  if (refine_correction_ && between_measured && state.dt_s > 0.0) {
+    recorrectFor(logSe3(state.T_previous_now) / state.dt_s, cloud_.middle_s());
+  }
   only_first_placed_ = map().empty();
   if (only_first_placed_) {
     last_measured_ = true;  // by definition: the first motion is measured from here

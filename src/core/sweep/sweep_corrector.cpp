@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
+#include <algorithm>
+
 namespace fail_aware {
 
 SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const SweepTimingParams& timing,
@@ -16,6 +18,10 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   report.timing = timing_.assign(sweep, times_s_);
   report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
                                           prediction.dt_s, T_cog_lidar, corrected);
+  if (report.correction.corrected() && !times_s_.empty()) {
+    const auto [first, last] = std::minmax_element(times_s_.begin(), times_s_.end());
+    report.middle_s = 0.5 * (static_cast<double>(*first) + static_cast<double>(*last));
+  }
   if (prediction.motion_known) level_keeping_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar);
   return report;
 }

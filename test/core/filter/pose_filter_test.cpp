@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -88,6 +89,33 @@ void expectCovariance(const Matrix6d& C, const std::string& what) {
   EXPECT_LT((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-12 * C.cwiseAbs().maxCoeff()) << what;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(C, Eigen::EigenvaluesOnly);
   EXPECT_GE(eigen.eigenvalues().minCoeff(), 0.0) << what;
+}
+
+/// A vehicle that brakes, seen by a lidar whose stamps are -middle_s from its sweeps' middles: each sweep is measured
+/// where the speed that it was corrected for puts it. Returns the greatest error of a predicted increment.
+double worstPredictionInBraking(double middle_s, double told_middle_s) {
+  const auto way_m = [](double t_s) { return 12.0 * t_s - std::pow(std::max(0.0, t_s - 2.0), 2); };
+  PoseFilter filter = makeFilter();
+  double worst_m = 0.0;
+  for (int i = 0; i <= 60; ++i) {
+    SweepPrediction prediction;
+    EXPECT_TRUE(filter.predict(100.0 + kDt_s * i, prediction));
+    const double t_s = kDt_s * i, driven_m = way_m(t_s) - way_m(t_s - kDt_s);
+    double predicted_m = (prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog).translation().x();
+    if (i > 30) worst_m = std::max(worst_m, std::abs(predicted_m - driven_m));
+    if (!prediction.motion_known) predicted_m = driven_m;  // searched for
+    const double x_m = way_m(t_s + middle_s) - predicted_m * middle_s / kDt_s;
+    const Measurement measurement = measured(pose(x_m, 0, 0, 0, 0, 0));
+    filter.correct({{"m", i > 0 ? &measurement : nullptr}}, told_middle_s);
+  }
+  return worst_m;
+}
+
+TEST(PoseFilter, TheSpeedDoesNotAnswerItsOwnErrorWhateverInstantTheStampsMean) {
+  for (const double middle_s : {-0.05, 0.0, 0.05}) {
+    EXPECT_LT(worstPredictionInBraking(middle_s, middle_s), 1e-3) << middle_s;
+  }
+  EXPECT_GT(worstPredictionInBraking(-0.05, 0.0), 0.01) << "taken from the poses at the stamps it does";
 }
 
 TEST(PoseFilter, TheFirstSweepDefinesThePose) {

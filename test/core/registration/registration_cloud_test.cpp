@@ -145,6 +145,26 @@ TEST(RegistrationCloud, recorrectMovesEveryPointByItsTime) {
   EXPECT_EQ(before.map_times_s, after.map_times_s);
 }
 
+TEST(RegistrationCloud, recorrectLeavesTheMiddleWhereItIs) {
+  CorrectedSweep sweep = numberedSweep();
+  for (std::size_t i = 0; i < sweep.times_s.size(); ++i) {
+    sweep.times_s[i] = -0.1f + 0.1f * static_cast<float>(i) / static_cast<float>(sweep.times_s.size());
+  }
+  RegistrationCloud before;
+  RegistrationCloudBuilder(testParams()).build(sweep, Pose::Identity(), before);
+  EXPECT_NEAR(before.middle_s(), -0.05, 1e-3);
+  RegistrationCloud after = before;
+  Vector6d twist_cog = Vector6d::Zero();
+  twist_cog[0] = 12.0;
+  after.recorrect(twist_cog, -0.05);
+  ASSERT_EQ(before.map_points_cog.size(), after.map_points_cog.size());
+  for (std::size_t i = 0; i < before.map_points_cog.size(); ++i) {
+    const double moved_m = static_cast<double>(after.map_points_cog[i].x() - before.map_points_cog[i].x());
+    EXPECT_NEAR(moved_m, 12.0 * (static_cast<double>(before.map_times_s[i]) + 0.05), 2e-4);
+  }
+  EXPECT_EQ(RegistrationCloud().middle_s(), 0.0);
+}
+
 TEST(RegistrationCloud, withoutTimesRecorrectChangesNothing) {
   CorrectedSweep sweep = numberedSweep();
   sweep.times_s.clear();

@@ -122,6 +122,26 @@ TEST(RegistrationFront, theSecondSweepStartsWhereTheSearchFoundIt) {
   }
 }
 
+TEST(RegistrationFront, refiningTheCorrectionDoesNotShiftTheSweep) {
+  double mean_x_m[2];
+  for (const bool refine : {false, true}) {
+    RegistrationFront front = makeFront(refine);
+    const SyntheticDrive drive = curve();
+    placeFirst(front, drive);
+    CorrectedSweep sweep = drive.sweep(0.1, 2);
+    for (float& time_s : sweep.times_s) time_s -= 0.05f;  // the stamp is at the end
+    const SweepPrediction prediction =
+        predictionOf(0.1, 0.1, Pose::Identity(), poseOf(0.9, 0.0, 0.0, 0.0, 0.0, 0.0), true);
+    ASSERT_TRUE(front.prepare(sweep, prediction, drive.T_cog_lidar));
+    front.place(stateOf(prediction, poseOf(1.2, 0.0, 0.0, 0.0, 0.0, 0.0), true));  // 3 m/s faster
+    mean_x_m[refine] = 0.0;
+    for (const Eigen::Vector3f& p : front.cloud().map_points_cog) mean_x_m[refine] += static_cast<double>(p.x());
+    mean_x_m[refine] /= static_cast<double>(front.cloud().map_points_cog.size());
+  }
+  EXPECT_NE(mean_x_m[0], mean_x_m[1]);
+  EXPECT_NEAR(mean_x_m[0], mean_x_m[1], 0.05);  // about the stamp it would be 3 m/s 0.05 s
+}
+
 TEST(RegistrationFront, aLostSecondSweepDoesNotShiftTheThird) {
   RegistrationFront front = makeFront(true);
   const SyntheticDrive drive = curve();

@@ -90,6 +90,7 @@ TEST(SweepCorrector, MovesEveryPointToTheStamp) {
     ASSERT_EQ(corrected.points_lidar.size(), moving.truth_lidar.size());
     ASSERT_EQ(corrected.times_s.size(), moving.truth_lidar.size());
     EXPECT_NEAR(corrected.times_s.front(), -position * kPeriod_s, 1e-3);
+    EXPECT_NEAR(report.middle_s, (0.5 - position) * kPeriod_s, 1e-3);
     EXPECT_LT(worstError(corrected.points_lidar, moving.truth_lidar), 2e-3) << reference;
     EXPECT_TRUE(report.correction.twist_lidar.isApprox(
         lidarTwist(cogAt(0.0), cogAt(1.0), kT_cog_lidar, 1.0), 1e-6));
@@ -120,6 +121,7 @@ TEST(SweepCorrector, InTheFirstSweepPointsStayAndTimesAreKept) {
   const SweepCorrectorReport report = makeCorrector().correct(moving.sweep, first, kT_cog_lidar, corrected);
   EXPECT_TRUE(report.timing.ok());
   EXPECT_EQ(report.correction.status, CorrectionStatus::kNoMotion);
+  EXPECT_EQ(report.middle_s, 0.0);
   EXPECT_EQ(corrected.points_lidar, moving.sweep.points_lidar);
   ASSERT_EQ(corrected.times_s.size(), moving.sweep.size());
 

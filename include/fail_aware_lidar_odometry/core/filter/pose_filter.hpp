@@ -7,6 +7,9 @@
 // themselves and run away. So without a measurement the last road plane and derivatives stay, the latter without their
 // accelerations, and roll and pitch gain no more than one step's process noise; and where
 // the measurement does not observe the motion on the road, the velocity coasts (coasting.hpp).
+// The motion's feedback: a sweep corrected for a speed that is e too high and whose stamp is middle_s from its middle is
+// measured -e middle_s too far on. Speeds taken from such poses would answer an error by an error, swinging up by
+// themselves. What the correction does not move is the pose in the sweep's middle: the derivatives come from those.
 // Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
 #pragma once
@@ -97,7 +100,8 @@ class PoseFilter {
   bool predict(double stamp_s, SweepPrediction& prediction);
 
   /// Closes the sweep that was predicted last.
-  const FilterState& correct(const std::vector<FusionInput>& measurements);
+  /// `middle_s`: SweepCorrectorReport's.
+  const FilterState& correct(const std::vector<FusionInput>& measurements, double middle_s = 0.0);
 
   /// Says from outside where the vehicle was at the last estimate: odom is moved under the vehicle. Motion, increments
   /// and P (about the vehicle) stay; odom_epoch counts on. A pose that is not finite: false, nothing changes.
@@ -110,6 +114,8 @@ class PoseFilter {
   bool started() const { return started_; }
 
  private:
+  void remember(double middle_s);
+  MotionDerivatives historyDerivatives() const;
   void updateMotion();
   void coast(const MotionDerivatives& last, const Coasting::Measured* measured);
   Coasting::Measured measuredMotion() const;
@@ -129,6 +135,7 @@ class PoseFilter {
   bool started_ = false;
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   int corrected_sweeps_ = 0;
+  double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };
 
 }  // namespace fail_aware

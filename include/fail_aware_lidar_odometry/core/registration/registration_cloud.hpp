@@ -24,7 +24,10 @@ struct RegistrationCloud {
   std::vector<float> point_times_s;
 
   /// Moves all points for a refined motion: delta_twist_cog (m/s, rad/s) is what the correction had missed.
-  void recorrect(const Vector6d& delta_twist_cog);
+  /// What was measured at middle_s (relative to the stamp) stays where it is.
+  void recorrect(const Vector6d& delta_twist_cog, double middle_s = 0.0);
+  /// Of the points' times; 0 if there are none.
+  double middle_s() const;
 };
 
 class RegistrationCloudBuilder {

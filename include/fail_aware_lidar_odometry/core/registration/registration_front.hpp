@@ -49,7 +49,7 @@ class RegistrationFront {
 
  private:
   void initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
-  void recorrectFor(const Vector6d& twist_cog);
+  void recorrectFor(const Vector6d& twist_cog, double middle_s = 0.0);
   void enterOdom(int epoch);
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void doubtStandstill(Measurement& measurement) const;
