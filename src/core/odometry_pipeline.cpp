@@ -162,6 +162,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   prediction = exchanged(prediction);
   const SweepFindings findings = check.check(sweep);
   const double middle_s = corrector.correct(sweep, prediction, T_cog_lidar, corrected).middle_s;
+  if (findings.repeats && prediction.dt_s > 0.0) corrected.clear();
   result.times.correction_ms = stage.lapMs();
   measure(prediction, result);
   stage.lapMs();

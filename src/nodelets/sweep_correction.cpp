@@ -75,6 +75,7 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     findings_.middle_s = report_.middle_s;
     check_publisher_.publish(messages::SweepCheckConstPtr(
         boost::make_shared<messages::SweepCheck>(toMessage(findings_, sweep_.size(), cloud.header))));
+    if (findings_.repeats && !task.first()) corrected_.clear();
     const auto message = boost::make_shared<sensor_msgs::PointCloud2>();
     writeCloud(corrected_, sweep_.intensities, *message);
     message->header = cloud.header;

@@ -61,7 +61,7 @@ int run(const Options& options) {
       add("monitor.indicator.threshold",
           options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
                                 : quietEtaThreshold(as_is, options.eta_passed_by),
-          options.eta_failed_by ? "too few failures" : "every episode failed");
+          options.eta_failed_by ? "too few failures" : "every episode failed, or eta did not grow");
   const std::optional<double> confidence =
       add("monitor.predictor.confidence",
           confidenceForLateShare(

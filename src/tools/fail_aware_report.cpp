@@ -10,6 +10,7 @@
 #include "fail_aware_lidar_odometry/core/evaluation/alarm_statistics.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/concordance.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/consistency.hpp"
+#include "fail_aware_lidar_odometry/core/evaluation/kaplan_meier.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/stanford_diagram.hpp"
@@ -150,6 +151,24 @@ Json alarmJson(const std::vector<FailAwareEpisode>& episodes, double early_s) {
   return json;
 }
 
+/// The median time since t1 at which the truth fails, and at which eta passes its threshold; those that did not within what
+/// was watched count as far as that.
+Json mediansJson(const std::vector<FailAwareEpisode>& episodes) {
+  std::vector<CensoredValue> failures_s, thresholds_s;
+  for (const FailAwareEpisode& episode : episodes) {
+    failures_s.push_back({episode.time_s, episode.failed});
+    CensoredValue threshold{episode.sweeps.empty() ? 0.0 : episode.sweeps.back().since_start_s, false};
+    for (const FailAwareSweep& sweep : episode.sweeps) {
+      if (!(sweep.output.reasons & kReasonEtaThreshold)) continue;
+      threshold = {sweep.since_start_s, true};
+      break;
+    }
+    thresholds_s.push_back(threshold);
+  }
+  return {{"failure_p50_s", orNull(kaplanMeierQuantile(failures_s, 0.5))},
+          {"eta_threshold_p50_s", orNull(kaplanMeierQuantile(thresholds_s, 0.5))}};
+}
+
 Json stanfordJson(const std::vector<FailAwareEpisode>& episodes) {
   std::vector<ErrorAndLevel> pairs;
   double alert_limit_m = 0.0;
@@ -192,6 +211,7 @@ Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const Repor
     json["concordance"][predictor.name] = concordanceJson(episodes, predictor, options);
     if (predictor.seconds) json["times"][predictor.name] = timesJson(episodes, predictor);
   }
+  json.update(mediansJson(episodes));
   json["stanford"] = stanfordJson(episodes);
   return json;
 }
@@ -258,6 +278,8 @@ void printTable(std::ostream& out, const Json& reports) {
   path("episodes", "/episodes", 0);
   path("  failing", "/failing", 0);
   path("  missed, %", "/missed_share", 1, 100.0);
+  path("  true time to failure p50, s", "/failure_p50_s", 1);
+  path("  eta at its threshold p50, s", "/eta_threshold_p50_s", 1);
   path("alarm up before the failure, % of time", "/alarm_share", 1, 100.0);
   path("available, % of time", "/available_share", 1, 100.0);
   path("false alarms per hour", "/false_alarms_per_hour", 1);

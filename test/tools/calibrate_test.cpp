@@ -76,7 +76,9 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
 
 TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
   MadeUpRun good;
-  good.write(folder_ / "good");
+  PipelineParameters article;
+  article.profile.monitor.indicator.average_s = article.profile.monitor.indicator.reference_speed_mps = 0.0;
+  good.write(folder_ / "good", article);
   run(CALIBRATE_FAIL_AWARE, options("good") + " --eta-passed-by 0");
   ASSERT_EQ(exit_code_, 0) << stderr_;
   ProfileParameters fitted;

@@ -77,6 +77,9 @@ TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   EXPECT_TRUE(json["good"]["concordance"]["combination"]["index"].is_null()) << "no failure, no order";
   EXPECT_NEAR(json["bad"]["consistency"]["nis"]["icp_point_to_point"]["mean_per_dof"].get<double>(), 1.0, 1e-9);
   EXPECT_TRUE(json["bad"]["consistency"]["nis"]["corner_svd"].is_null());
+  EXPECT_NEAR(json["bad"]["failure_p50_s"].get<double>(), 6.0, 1e-6);
+  EXPECT_TRUE(json["good"]["failure_p50_s"].is_null());
+  EXPECT_TRUE(json["good"]["eta_threshold_p50_s"].is_null()) << "the heading's sigma is all but steady";
   for (const char* name : {"combination", "eta", "covariance"}) EXPECT_TRUE(json["bad"]["times"].contains(name));
 
   EXPECT_NE(stdout_.find("concordance combination"), std::string::npos);
@@ -106,7 +109,9 @@ TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
 TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   MadeUpRun made_up;
   made_up.drift_m = 0.0101;
-  made_up.write(folder_ / "run");
+  PipelineParameters article;
+  article.profile.monitor.indicator.average_s = article.profile.monitor.indicator.reference_speed_mps = 0.0;
+  made_up.write(folder_ / "run", article);
   const std::string output = " --resamples 1 --output '" + (folder_ / "result").string() + "'";
   run(options("run") + output + " --set monitor.indicator.threshold=1.0e9 --set monitor.predictor.alert_limit_m=1.0e9");
   ASSERT_EQ(exit_code_, 0) << stderr_;

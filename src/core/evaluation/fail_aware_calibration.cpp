@@ -41,7 +41,9 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
     if (!episode.failed && !episode.sweeps.empty()) values.push_back(episode.sweeps.back().output.eta);
   }
   if (values.empty()) return std::nullopt;
-  return quantile(values, 1.0 - passed_by);
+  const double threshold = quantile(values, 1.0 - passed_by);
+  if (!(threshold > 0.0)) return std::nullopt;
+  return threshold;
 }
 
 std::optional<double> confidenceForLateShare(

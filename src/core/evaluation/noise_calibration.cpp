@@ -18,6 +18,7 @@ constexpr double kDegree = M_PI / 180.0;
 constexpr double kSmallestFactor = 1e-3;  // on a parameter's start: its effect is gone
 constexpr double kStampTolerance_s = 1e-6;
 constexpr std::size_t kFewest = 10;
+constexpr double kFirstShare = 0.01;
 
 // Minus the log likelihood of an error, without constants. Infinite where C is no covariance.
 template <int N>
@@ -77,9 +78,19 @@ Params scaled(Params params, const Fields<Params>& fields, const std::vector<dou
   return params;
 }
 
+// measured_share is that of a variance, the others are standard deviations.
+DriftModel::Params scaledDrift(DriftModel::Params params, const Fields<DriftModel::Params>& fields,
+                               std::vector<double> factors) {
+  factors.front() *= factors.front();
+  params = scaled(params, fields, factors);
+  params.measured_share = std::min(params.measured_share, 1.0);
+  return params;
+}
+
 Fields<DriftModel::Params> driftFields() {
   using P = DriftModel::Params;
-  return {&P::position_per_root_metre_m, &P::heading_per_root_metre_deg, &P::heading_bias_deg_per_m, &P::scale_bias};
+  return {&P::measured_share, &P::position_per_root_metre_m, &P::heading_per_root_metre_deg, &P::heading_bias_deg_per_m,
+          &P::scale_bias};
 }
 
 // The fitted parameters' squares enter the covariance linearly: C = fixed + sum (field / start)^2 per_start.
@@ -140,7 +151,7 @@ std::vector<Eigen::Matrix2d> covariancesAt(const std::vector<DriftRun>& runs, co
 void addCovariances(const std::vector<DriftRun>& runs, const DriftModel::Params& start,
                     std::vector<DriftSample>& samples) {
   const Fields<DriftModel::Params> fields = driftFields();
-  const DriftModel::Params none = scaled(start, fields, std::vector<double>(fields.size(), 0.0));
+  const DriftModel::Params none = scaledDrift(start, fields, std::vector<double>(fields.size(), 0.0));
   const std::vector<Eigen::Matrix2d> fixed = covariancesAt(runs, samples, none);
   for (std::size_t k = 0; k < samples.size(); ++k) samples[k].fixed = fixed[k];
   for (const auto field : fields) {
@@ -200,6 +211,7 @@ DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel:
   begin.position_per_root_metre_m = begin.heading_per_root_metre_deg = 0.005;
   begin.heading_bias_deg_per_m = 0.0002;
   begin.scale_bias = 0.0005;
+  begin.measured_share = kFirstShare;
   addCovariances(runs, begin, samples);
   const auto cost = [&](const std::vector<double>& factors) {
     double sum = 0.0;
@@ -211,7 +223,7 @@ DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel:
     return sum / static_cast<double>(samples.size());
   };
   const Fields<DriftModel::Params> fields = driftFields();
-  return scaled(begin, fields, fitFactors(fields.size(), cost));
+  return scaledDrift(begin, fields, fitFactors(fields.size(), cost));
 }
 
 }  // namespace fail_aware

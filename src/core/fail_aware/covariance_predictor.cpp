@@ -35,16 +35,23 @@ Matrix6 grown(const Matrix6& S, const Matrix6& L, const Matrix6& Q, double dt) {
          dt * dt * dt / 3.0 * LQ * L.transpose();
 }
 
-// Probability that an error with sigmas 1 and `ratio` is farther than `radius`. The integrand has period pi.
+// Probability that an error with sigmas 1 and `ratio` is farther than `radius`. The integrand has period pi and is
+// symmetric about pi / 2.
 double exceedance(double ratio, double radius) {
-  constexpr int kSteps = 128;
+  constexpr int kSteps = 64;
   double sum = 0.0;
   for (int i = 0; i < kSteps; ++i) {
-    const double phi = M_PI * (i + 0.5) / kSteps;
-    const double variance = 1.0 - (1.0 - ratio * ratio) * std::sin(phi) * std::sin(phi);
-    sum += std::exp(-0.5 * radius * radius / variance);
+    const double sine = std::sin(0.5 * M_PI * (i + 0.5) / kSteps);
+    sum += std::exp(-0.5 * radius * radius / (1.0 - (1.0 - ratio * ratio) * sine * sine));
   }
   return sum / kSteps;
+}
+
+// Standard deviations along the axes, the larger first.
+Eigen::Vector2d axesOf(const Eigen::Matrix2d& covariance) {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  return Eigen::Vector2d(std::max(mean + half, 0.0), std::max(mean - half, 0.0)).cwiseSqrt();
 }
 
 }  // namespace
@@ -109,14 +116,18 @@ ConfidenceRadius::ConfidenceRadius(double probability) {
 }
 
 double ConfidenceRadius::operator()(const Eigen::Matrix2d& covariance) const {
-  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  const double half = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
-  const double larger = std::max(mean + half, 0.0), smaller = std::max(mean - half, 0.0);
-  if (larger <= 0.0) return 0.0;
-  const double place = std::sqrt(std::min(smaller / larger, 1.0)) * kTable;
+  const Eigen::Vector2d sigmas = axesOf(covariance);
+  if (sigmas[0] <= 0.0) return 0.0;
+  const double place = std::min(sigmas[1] / sigmas[0], 1.0) * kTable;
   const auto below = std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(kTable - 1));
   const double share = place - static_cast<double>(below);
-  return ((1.0 - share) * sigmas_[below] + share * sigmas_[below + 1]) * std::sqrt(larger);
+  return ((1.0 - share) * sigmas_[below] + share * sigmas_[below + 1]) * sigmas[0];
+}
+
+double exceedance(const Eigen::Matrix2d& covariance, double radius) {
+  const Eigen::Vector2d sigmas = axesOf(covariance);
+  if (sigmas[0] <= 0.0) return 0.0;
+  return exceedance(std::min(sigmas[1] / sigmas[0], 1.0), radius / sigmas[0]);
 }
 
 namespace {
@@ -139,7 +150,7 @@ bool isUsable(const CovarianceGrowth& g) {
 }  // namespace
 
 CovariancePredictor::CovariancePredictor(const Params& params)
-    : params_(validated(params)), radius_(params.confidence), alarm_radius_(params.alarm_confidence) {}
+    : params_(validated(params)), radius_(params.confidence) {}
 
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
@@ -148,18 +159,28 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   S << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
   S = (0.5 * (S + S.transpose())).eval();
   const Eigen::Matrix3d rate = 0.5 * params_.rate_scale * (growth.rate + growth.rate.transpose());
-  const auto passes = [&](const ConfidenceRadius& radius, const Matrix6& covariance) {
-    return !(radius(covariance.topLeftCorner<2, 2>() + growth.passing) < params_.alert_limit_m);
+  const auto horizontal = [&](const Matrix6& covariance) {
+    return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.passing);
   };
-  prediction.radius_m = radius_(S.topLeftCorner<2, 2>() + growth.passing);
-  // the alarm's radius is the smaller, so its time comes last
-  const ConfidenceRadius* const radii[] = {&radius_, &alarm_radius_};
-  TimeToFailure* const times[] = {&prediction.time_to_failure, &prediction.time_to_alarm};
-  int found = 0;
-  while (found < 2 && passes(*radii[found], S)) *times[found++] = TimeToFailure::reached();
+  const auto failed = [&](const Matrix6& covariance) { return exceedance(horizontal(covariance), params_.alert_limit_m); };
+  prediction.radius_m = radius_(horizontal(S));
+  prediction.failed_probability = failed(S);
+  struct Sought {
+    TimeToFailure& time;
+    double probability;
+    bool found;
+  };
+  const double p = prediction.failed_probability;
+  Sought all[] = {{prediction.time_to_failure, p + (1.0 - params_.confidence) * (1.0 - p), false},
+                  {prediction.time_to_alarm, 1.0 - params_.alarm_confidence, false}};
+  for (Sought& sought : all) {
+    sought.time = TimeToFailure::fromSeconds(params_.horizon_s, params_.horizon_s);
+    sought.found = p >= sought.probability;
+    if (sought.found) sought.time = TimeToFailure::reached();
+  }
 
   const double v = growth.speed_mps, u = growth.unobserved;
-  for (double t = 0.0; t < params_.horizon_s && found < 2; t += params_.step_s) {
+  for (double t = 0.0; t < params_.horizon_s && !(all[0].found && all[1].found); t += params_.step_s) {
     const double step_s = std::min(params_.step_s, params_.horizon_s - t);
     const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);
     const double c = std::cos(course), s = std::sin(course);
@@ -172,17 +193,20 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     Q.topLeftCorner<3, 3>() = R * rate * R.transpose();
     Q(5, 5) = params_.rate_scale * u * growth.speed_wander;
     const Matrix6 next = grown(S, L, Q, step_s);
-    while (found < 2 && passes(*radii[found], next)) {
+    const double at_end = failed(next);
+    for (Sought& sought : all) {
+      if (sought.found || at_end < sought.probability) continue;
       double before = 0.0, after = step_s;
       for (int i = 0; i < kBisections; ++i) {
         const double middle = 0.5 * (before + after);
-        (passes(*radii[found], grown(S, L, Q, middle)) ? after : before) = middle;
+        (failed(grown(S, L, Q, middle)) < sought.probability ? before : after) = middle;
       }
-      *times[found++] = TimeToFailure::fromSeconds(t + after, params_.horizon_s);
+      sought.time = TimeToFailure::fromSeconds(t + after, params_.horizon_s);
+      sought.found = true;
     }
     S = next;
   }
-  while (found < 2) *times[found++] = TimeToFailure::fromSeconds(params_.horizon_s, params_.horizon_s);
+  prediction.time_to_failure = combine(prediction.time_to_failure, prediction.time_to_alarm);
   return prediction;
 }
 

@@ -9,6 +9,8 @@ namespace fail_aware {
 
 namespace {
 constexpr double kLargestSigma = 1e6;  // rad
+constexpr double kLargestSpeed = 1e6;  // m/s
+constexpr double kStampTolerance_s = 1e-6;
 }
 
 const char* toString(IndicatorStatus status) {
@@ -25,13 +27,14 @@ const char* toString(IndicatorStatus status) {
 
 void FailAwareIndicator::Params::validate() const {
   requirePositive("threshold", threshold);
-  requireParameter(rate_window_sweeps >= 1 && rate_window_sweeps <= 100000, "rate_window_sweeps", rate_window_sweeps,
-                   "in [1, 100000]");
+  requireWithin("rate_window_samples", rate_window_samples, 1, 100000);
   requirePositive("horizon_s", horizon_s);
   requireWithin("reference_period_s", reference_period_s, 1e-6, 1e3);
   requireWithin("min_interval_s", min_interval_s, 1e-6, 1e3);
   requireParameter(std::isfinite(max_gap_s) && max_gap_s > min_interval_s, "max_gap_s", max_gap_s,
                    "finite and > min_interval_s");
+  requireWithin("average_s", average_s, 0.0, 1e3);
+  requireWithin("reference_speed_mps", reference_speed_mps, 0.0, 1e3);
 }
 
 FailAwareIndicator::FailAwareIndicator(const Params& params) : params_(params) { params_.validate(); }
@@ -44,14 +47,18 @@ void FailAwareIndicator::start(double stamp_s) {
 void FailAwareIndicator::stop() {
   start_stamp_s_.reset();
   last_stamp_s_.reset();
+  last_.reset();
   last_slope_.reset();
+  sum_ = {};
+  summed_ = 0;
   eta_ = 0.0;
   window_.clear();
 }
 
-IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad) {
+IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad, double speed_mps) {
   if (!std::isfinite(stamp_s)) return IndicatorStatus::kInvalid;
   if (!(sigma_yaw_rad >= 0.0 && sigma_yaw_rad <= kLargestSigma)) return IndicatorStatus::kInvalid;
+  if (!(std::abs(speed_mps) <= kLargestSpeed)) return IndicatorStatus::kInvalid;
   if (!start_stamp_s_) return IndicatorStatus::kNotStarted;
   if (stamp_s < *start_stamp_s_) return IndicatorStatus::kBeforeStart;
 
@@ -61,21 +68,45 @@ IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad)
     if (dt_s < params_.min_interval_s) return IndicatorStatus::kStampNotAdvancing;
     if (dt_s > params_.max_gap_s) {
       status = IndicatorStatus::kAcceptedAfterGap;
+      last_.reset();
       last_slope_.reset();
       window_.clear();
-    } else {
-      const double slope = (sigma_yaw_rad - last_sigma_rad_) / dt_s;
-      if (last_slope_) {
-        eta_ += params_.reference_period_s * std::abs(slope - *last_slope_);
-      }
-      last_slope_ = slope;
-      window_.push_back({stamp_s, eta_});
-      if (window_.size() > static_cast<std::size_t>(params_.rate_window_sweeps) + 1) window_.pop_front();
+      summed_ = 0;
     }
   }
   last_stamp_s_ = stamp_s;
-  last_sigma_rad_ = sigma_yaw_rad;
+  if (params_.average_s <= 0.0) {
+    add({stamp_s, sigma_yaw_rad, speed_mps});
+    return status;
+  }
+  if (summed_ > 0 && secondsBetween(average_from_s_, stamp_s) >= params_.average_s - kStampTolerance_s) {
+    add({average_from_s_ + sum_.stamp_s / summed_, sum_.sigma_rad / summed_, sum_.speed_mps / summed_});
+    summed_ = 0;
+  }
+  if (summed_ == 0) {
+    sum_ = {};
+    average_from_s_ = stamp_s;
+  }
+  sum_.stamp_s += secondsBetween(average_from_s_, stamp_s);
+  sum_.sigma_rad += sigma_yaw_rad;
+  sum_.speed_mps += speed_mps;
+  ++summed_;
   return status;
+}
+
+void FailAwareIndicator::add(const Sample& sample) {
+  if (last_) {
+    const double slope = (sample.sigma_rad - last_->sigma_rad) / secondsBetween(last_->stamp_s, sample.stamp_s);
+    if (last_slope_) {
+      const double weight =
+          params_.reference_speed_mps > 0.0 ? std::abs(sample.speed_mps) / params_.reference_speed_mps : 1.0;
+      eta_ += weight * params_.reference_period_s * std::abs(slope - *last_slope_);
+    }
+    last_slope_ = slope;
+    window_.push_back({sample.stamp_s, eta_});
+    if (window_.size() > static_cast<std::size_t>(params_.rate_window_samples) + 1) window_.pop_front();
+  }
+  last_ = sample;
 }
 
 std::optional<double> FailAwareIndicator::etaRate() const {

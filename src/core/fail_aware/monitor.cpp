@@ -1,6 +1,8 @@
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -26,6 +28,7 @@ void MonitorParameters::validate() const {
   requireWithin("sweeps_to_recover", sweeps_to_recover, 1, 10000);
   requirePositive("disagreement_m", disagreement_m);
   requireWithin("min_information_share", min_information_share, 0.0, 1.0);
+  requireWithin("gap_ratio", gap_ratio, 1.0, 1e6);
 }
 
 FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
@@ -43,6 +46,7 @@ void FailAwareMonitor::reset() {
   rate_.reset();
   covariance_.reset();
   hysteresis_.reset();
+  intervals_s_.clear();
   has_previous_ = false;
   start_pending_ = serving;
   t1_stamp_s_ = -1.0;
@@ -55,6 +59,19 @@ void FailAwareMonitor::setLimits(const MonitorParameters& params) {
   params_.thresholds = params.thresholds;
   params_.disagreement_m = params.disagreement_m;
   params_.min_information_share = params.min_information_share;
+}
+
+// The usual period is the median of the last intervals.
+bool FailAwareMonitor::isAfterGap(double dt_s) {
+  constexpr std::size_t kIntervals = 11, kFewest = 3;
+  if (!(dt_s > 0.0)) return false;
+  std::vector<double> sorted(intervals_s_.begin(), intervals_s_.end());
+  intervals_s_.push_back(dt_s);
+  if (intervals_s_.size() > kIntervals) intervals_s_.pop_front();
+  if (sorted.size() < kFewest) return false;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return dt_s > params_.gap_ratio * *middle;
 }
 
 std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const SweepCondition& condition) const {
@@ -125,13 +142,15 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     T_odom_mark_ = state.T_odom_cog;
     t1_stamp_s_ = state.stamp_s;
   }
-  indicator_.update(state.stamp_s, state.sigma_yaw_rad);
+  indicator_.update(state.stamp_s, state.sigma_yaw_rad,
+                    state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);
 
   MonitorOutput output;
   output.stamp_s = state.stamp_s;
   output.t1_stamp_s = t1_stamp_s_;
   output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
   output.reasons = reasonsFor(state, condition);
+  if (isAfterGap(state.dt_s)) output.reasons |= kReasonDroppedSweeps;
   output.eta = indicator_.eta();
   output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);
   TimeToFailure time_to_alarm;
@@ -150,7 +169,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
   const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };
   if (reached(output.time_to_failure_indicator)) output.reasons |= kReasonEtaThreshold;
-  if (reached(output.time_to_failure_covariance)) output.reasons |= kReasonCovarianceLimit;
+  if (output.protection_level_m >= params_.predictor.alert_limit_m) output.reasons |= kReasonCovarianceLimit;
   output.state = hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm),
                                              output.time_to_failure, params_.thresholds, output.reasons));
   return output;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -43,6 +44,7 @@ void PoseFilter::Params::validate() const {
   requireNotNegative("increment_floor_m", increment_floor_m);
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
+  requirePositive("lasting_disagreement_m", lasting_disagreement_m);
   coasting.validate();
 }
 
@@ -70,6 +72,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   coasting_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
   road_.clear();
   started_ = false;
+  disagreements_m_.clear();
   last_measured_ = previous_measured_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
@@ -173,6 +176,9 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
     setIncrementCovariance(prediction_, next);
+    const double excess_m = excessDisagreement(next.fusion.disagreement_m);
+    next.increment_covariance.diagonal().head<2>().array() += excess_m * excess_m;
+    next.unobserved_covariance.diagonal().head<2>().array() += excess_m * excess_m;
   }
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
   const bool begins = !started_ || (!prediction_.motion_known && beginReference(measurements));
@@ -270,6 +276,18 @@ void PoseFilter::updateMotion() {
   if (speed > params_.max_speed_mps) motion_.velocity_body_mps *= params_.max_speed_mps / speed;
   double& yaw_rate = motion_.rpy_rates_rad_s.z();
   yaw_rate = std::clamp(yaw_rate, -params_.max_yaw_rate_rps, params_.max_yaw_rate_rps);
+}
+
+// One of two measurements that lie apart is wrong, and the fused one may be as wrong as they are apart. Now and then that
+// is chance or a corner taken for another; where it lasts (the median of some sweeps) the odometry is being led astray.
+double PoseFilter::excessDisagreement(double disagreement_m) {
+  constexpr std::size_t kSweeps = 5;
+  disagreements_m_.push_back(disagreement_m);
+  if (disagreements_m_.size() > kSweeps) disagreements_m_.pop_front();
+  if (disagreements_m_.size() < kSweeps) return 0.0;
+  std::vector<double> sorted(disagreements_m_.begin(), disagreements_m_.end());
+  std::nth_element(sorted.begin(), sorted.begin() + kSweeps / 2, sorted.end());
+  return std::max(0.0, sorted[kSweeps / 2] - params_.lasting_disagreement_m);
 }
 
 void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const {

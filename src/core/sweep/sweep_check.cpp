@@ -86,6 +86,7 @@ SweepFindings SweepCheck::check(const Sweep& sweep) {
   repetitions_ = last_fingerprint_ == print ? repetitions_ + 1 : 0;
   last_fingerprint_ = print;
   findings.repetitions = repetitions_;
+  findings.repeats = params_.frozen_sweeps > 0 && repetitions_ > 0;
   findings.frozen = params_.frozen_sweeps > 0 && repetitions_ >= params_.frozen_sweeps;
   return findings;
 }

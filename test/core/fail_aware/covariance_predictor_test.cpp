@@ -267,12 +267,35 @@ TEST(CovariancePredictor, TheAlarmComesWithItsOwnConfidence) {
   EXPECT_NEAR(p.time_to_alarm.seconds, predictorWith(0.7).predict(growth).time_to_failure.seconds, 1e-9);
   EXPECT_GT(p.time_to_alarm.seconds, p.time_to_failure.seconds);
   growth.covariance(0, 0) = 0.15;  // 0.387 m: past the limit with 0.95, not with 0.7
-  EXPECT_EQ(both.predict(growth).time_to_failure.status, Status::kReached);
+  EXPECT_GE(both.predict(growth).radius_m, params.alert_limit_m);
   EXPECT_EQ(both.predict(growth).time_to_alarm.status, Status::kWithinHorizon);
   growth.covariance(0, 0) = 1.0;
   EXPECT_EQ(both.predict(growth).time_to_alarm.status, Status::kReached);
+  EXPECT_EQ(both.predict(growth).time_to_failure.status, Status::kReached);
   params.alarm_confidence = 0.96;
   EXPECT_THROW(CovariancePredictor{params}, ParameterError);
+}
+
+TEST(CovariancePredictor, TheTimeToFailureIsThatOfWhatHasNotFailedYet) {
+  CovarianceGrowth growth;  // along a line: P(|e| > 0.6) = 2 (1 - Phi(0.6 / sigma))
+  growth.covariance(0, 0) = 0.09;
+  growth.rate(0, 0) = 0.02;
+  CovariancePredictor::Params params;
+  params.confidence = 0.9;
+  params.alarm_confidence = 0.5;
+  const CovariancePrediction p = CovariancePredictor(params).predict(growth);
+  const auto failed = [](double variance) { return std::erfc(0.6 / std::sqrt(2.0 * variance)); };
+  const double now = failed(0.09);
+  EXPECT_NEAR(p.failed_probability, now, 1e-3);
+  const double then = failed(0.09 + 0.02 * p.time_to_failure.seconds);
+  EXPECT_NEAR((then - now) / (1.0 - now), 0.1, 1e-3);
+  EXPECT_NEAR(failed(0.09 + 0.02 * p.time_to_alarm.seconds), 0.5, 2e-3);
+}
+
+TEST(Exceedance, OfACircleALineAndNothing) {
+  EXPECT_NEAR(exceedance(Eigen::Vector2d(4.0, 4.0).asDiagonal(), 3.0), std::exp(-9.0 / 8.0), 1e-12);
+  EXPECT_NEAR(exceedance(Eigen::Vector2d(4.0, 0.0).asDiagonal(), 3.0), std::erfc(1.5 / std::sqrt(2.0)), 1e-3);
+  EXPECT_EQ(exceedance(Eigen::Matrix2d::Zero(), 0.1), 0.0);
 }
 
 TEST(CovariancePredictor, ParametersAreChecked) {

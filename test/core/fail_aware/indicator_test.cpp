@@ -17,7 +17,9 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 FailAwareIndicator::Params paramsWith(double threshold, int window) {
   FailAwareIndicator::Params params;
   params.threshold = threshold;
-  params.rate_window_sweeps = window;
+  params.rate_window_samples = window;
+  params.average_s = 0.0;
+  params.reference_speed_mps = 0.0;
   return params;
 }
 
@@ -116,6 +118,26 @@ TEST(FailAwareIndicator, ASmoothSigmaGivesTheSameAtAnySpacing) {
   }
 }
 
+TEST(FailAwareIndicator, MeansAreWeightedWithTheirSpeed) {
+  FailAwareIndicator::Params params = paramsWith(1.0, 10);
+  params.average_s = 0.4;
+  params.reference_speed_mps = 10.0;
+  params.reference_period_s = 0.1;
+  FailAwareIndicator indicator(params);
+  indicator.start(0.0);
+  const double means[] = {0.01, 0.02, 0.02, 0.05};  // slopes 0.025, 0, 0.075 rad/s
+  const double speeds[] = {0.0, 7.0, 20.0, 5.0};
+  for (int i = 0; i < 17; ++i) {
+    const int mean = std::min(i / 4, 3);
+    const double jitter = i % 2 ? 0.004 : -0.004;
+    EXPECT_EQ(indicator.update(0.1 * i, means[mean] + jitter, speeds[mean]), IndicatorStatus::kAccepted);
+    if (i < 12) {
+      EXPECT_EQ(indicator.eta(), 0.0) << "the third mean is complete when the fourth begins";
+    }
+  }
+  EXPECT_NEAR(indicator.eta(), 0.1 * (2.0 * 0.025 + 0.5 * 0.075), 1e-12);
+}
+
 TEST(FailAwareIndicator, StampsThatDoNotAdvanceAreIgnored) {
   FailAwareIndicator with(paramsWith(1.0, 5)), without(paramsWith(1.0, 5));
   with.start(0.0);
@@ -176,6 +198,7 @@ TEST(FailAwareIndicator, NeverNanAndEtaNeverFalls) {
   const double strange[] = {kNan, kInfinity, -kInfinity, 0.0, std::numeric_limits<double>::max(), -1.0, 1e-300};
   for (int run = 0; run < 50; ++run) {
     FailAwareIndicator::Params params = paramsWith(run % 2 ? 1e-3 : 1e9, 1 + run % 7);
+    if (run % 3) params.average_s = 2.0, params.reference_speed_mps = 10.0;
     FailAwareIndicator indicator(params);
     if (run % 5) indicator.start(0.0);
     double t = 0.0, eta = 0.0;
@@ -183,7 +206,7 @@ TEST(FailAwareIndicator, NeverNanAndEtaNeverFalls) {
       t += uniform(random);
       const double stamp = kind(random) == 0 ? strange[kind(random) % 7] : t;
       const double sigma = kind(random) < 3 ? strange[kind(random) % 7] : std::abs(uniform(random));
-      indicator.update(stamp, sigma);
+      indicator.update(stamp, sigma, run % 3 ? strange[kind(random) % 7] : 0.0);
       const TimeToFailure time = indicator.timeToFailure();
       ASSERT_TRUE(std::isfinite(indicator.eta()) && indicator.eta() >= eta);
       eta = indicator.eta();

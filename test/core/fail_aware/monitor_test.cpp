@@ -55,6 +55,7 @@ MonitorParameters independentSweeps() {
   params.drift = DriftModel::Params::independent();
   params.predictor.confidence = params.predictor.alarm_confidence = 0.95;
   params.indicator.threshold = 0.001;
+  params.indicator.average_s = params.indicator.reference_speed_mps = 0.0;
   return params;
 }
 
@@ -397,6 +398,24 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   EXPECT_NE(refused([](MonitorParameters& p) { p.rate_window_s = kNan; }).find("rate_window_s"), std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"),
             std::string::npos);
+}
+
+TEST(FailAwareMonitor, ASweepThatComesTooLateTellsOfMissingOnes) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  drive(monitor, road, 20);
+  const auto reasonsAfter = [&](double dt_s) {
+    FilterState state = road.next();
+    state.dt_s = dt_s;
+    return monitor.update(state, {}).reasons & kReasonDroppedSweeps;
+  };
+  EXPECT_EQ(reasonsAfter(0.16), 0u);
+  EXPECT_NE(reasonsAfter(0.2), 0u);
+  EXPECT_EQ(reasonsAfter(0.1), 0u) << "only the sweep that follows the gap";
+  for (int i = 0; i < 12; ++i) reasonsAfter(0.2);
+  EXPECT_EQ(reasonsAfter(0.2), 0u) << "by now the usual period";
+  monitor.reset();
+  EXPECT_EQ(reasonsAfter(0.3), 0u) << "nothing is usual yet";
 }
 
 TEST(FailAwareMonitor, APoseThatIsSetIsANewT1OnceItServes) {

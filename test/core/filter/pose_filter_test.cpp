@@ -334,6 +334,29 @@ TEST(PoseFilter, TheIncrementsCovarianceIsOneAndGrowsWhenCoasting) {
   }
 }
 
+TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
+  const Drive drive;
+  const auto variancesWith = [&](int apart_sweeps) {
+    PoseFilter filter = makeFilter();
+    driveMeasured(filter, drive, 20);
+    Step out;
+    for (int i = 21; i <= 27; ++i) {
+      const Pose T = drive.at(i);
+      const double apart_m = i > 27 - apart_sweeps ? 0.25 : 0.0;
+      const Pose T_left = Pose(Eigen::Translation3d(0.0, 0.5 * apart_m, 0.0)) * T;
+      const Pose T_right = Pose(Eigen::Translation3d(0.0, -0.5 * apart_m, 0.0)) * T;
+      const Matrix6d R = diagonal(0.05, 1e-3);
+      out = step(filter, drive.stamp(i), {measured(T_left, R), measured(T_right, R)});
+    }
+    EXPECT_NEAR(out.state.fusion.disagreement_m, apart_sweeps > 0 ? 0.25 : 0.0, 1e-6);
+    return Eigen::Vector2d(out.state.increment_covariance(1, 1), out.state.unobserved_covariance(1, 1));
+  };
+  const Eigen::Vector2d together = variancesWith(0), now_and_then = variancesWith(2), lasting = variancesWith(4);
+  EXPECT_TRUE(now_and_then.isApprox(together, 0.1)) << "two of the last five sweeps";
+  EXPECT_NEAR(lasting[0] - together[0], 0.1 * 0.1, 1e-4) << "beyond 0.15 m";
+  EXPECT_NEAR(lasting[1] - together[1], 0.1 * 0.1, 1e-4) << "it stays";
+}
+
 TEST(PoseFilter, ResetStartsAnew) {
   PoseFilter used = makeFilter(), fresh = makeFilter();
   Drive drive;

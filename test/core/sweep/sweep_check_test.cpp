@@ -75,6 +75,7 @@ TEST(SweepCheck, ASweepThatRepeatsItselfIsFrozenWithinFive) {
     sweep.stamp_s = 0.1 * i;
     const SweepFindings findings = check.check(sweep);
     EXPECT_EQ(findings.repetitions, i - 1);
+    EXPECT_EQ(findings.repeats, i >= 2) << i;
     EXPECT_EQ(findings.frozen, i >= 4) << i;
   }
   EXPECT_FALSE(check.check(streetSweep(6)).frozen) << "the first new sweep ends it";
@@ -87,7 +88,10 @@ TEST(SweepCheck, FrozenCanBeSwitchedOff) {
   SweepCheckParams params;
   params.frozen_sweeps = 0;
   SweepCheck check(params);
-  for (int i = 0; i < 9; ++i) EXPECT_FALSE(check.check(streetSweep(0)).frozen);
+  for (int i = 0; i < 9; ++i) {
+    const SweepFindings findings = check.check(streetSweep(0));
+    EXPECT_FALSE(findings.frozen || findings.repeats);
+  }
 }
 
 TEST(SweepCheck, TimeJumpsBothWays) {

@@ -20,7 +20,7 @@ namespace fail_aware {
 /// Nothing if fewer than that share failed within what was watched.
 std::optional<double> etaThreshold(const std::vector<FailAwareEpisode>& episodes, double failed_by);
 
-/// Nothing without episodes that did not fail.
+/// Nothing without episodes that did not fail, or if eta did not grow in them.
 std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& episodes, double passed_by);
 
 /// `episodes_with(confidence)`: the episodes replayed with that confidence. Found by bisection between the limits, to

@@ -11,6 +11,10 @@
 // driven by white noise: Q on (x, y, yaw), about the body's axes, and on w. Integrated in steps of constant course (exact
 // for straight driving), the crossing found inside its step by bisection.
 //
+// Two times. To the alarm: until a failure has a probability of 1 - alarm_confidence. To the failure: what has not failed by
+// now (probability 1 - p) fails before it with 1 - confidence, so until p has grown to p + (1 - confidence)(1 - p); or the
+// time to the alarm if that is sooner. The second says how soon, the first whether the pose can be used at all.
+//
 // Inputs: m, rad, s. Failure: input not finite or not a covariance -> unknown. Cost: horizon_s / step_s 6x6 products.
 #pragma once
 
@@ -64,9 +68,10 @@ struct CovarianceGrowth {
 };
 
 struct CovariancePrediction {
-  TimeToFailure time_to_failure;  ///< with `confidence`
-  TimeToFailure time_to_alarm;    ///< with `alarm_confidence`: later, or the same
+  TimeToFailure time_to_failure;
+  TimeToFailure time_to_alarm;    ///< later, or the same
   double radius_m = -1.0;         ///< the radius now with `confidence`; -1: unknown
+  double failed_probability = -1.0;  ///< that the error is past the limit now; -1: unknown
 };
 
 /// The circle that holds a horizontal error with a given probability.
@@ -81,12 +86,15 @@ class ConfidenceRadius {
   std::array<double, kTable + 1> sigmas_{};  ///< by the ratio of the smaller sigma to the larger
 };
 
+/// Probability that a horizontal error is farther than `radius`.
+double exceedance(const Eigen::Matrix2d& covariance, double radius);
+
 class CovariancePredictor {
  public:
   struct Params {
     double alert_limit_m = 0.6;
-    double confidence = 0.89;        ///< of the published time: the failure comes sooner with a probability of 1 - confidence
-    double alarm_confidence = 0.7;  ///< of the time that the state acts on: a lower one gives fewer false alarms
+    double confidence = 0.96;        ///< of the published time: what works now fails sooner with a probability of 1 - confidence
+    double alarm_confidence = 0.5;  ///< of the time that the state acts on: a lower one gives fewer false alarms
     double horizon_s = 60.0;
     double step_s = 0.25;
     double rate_scale = 1.0;  ///< on the growth of the covariance
@@ -110,7 +118,7 @@ class CovariancePredictor {
 
  private:
   Params params_;
-  ConfidenceRadius radius_, alarm_radius_;
+  ConfidenceRadius radius_;
 };
 
 }  // namespace fail_aware

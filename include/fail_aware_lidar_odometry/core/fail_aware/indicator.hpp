@@ -10,7 +10,12 @@
 // slope); for noise in sigma, eta's growth per second goes with the sweep rate squared. So a threshold belongs to one
 // sweep rate.
 //
-// eta_rate = (eta_k - eta_k-n) / (t_k - t_k-n), n = rate_window_sweeps (article: 1); time to failure =
+//
+// Sweep by sweep the sum is made of the jitter of s, whatever the road; and a heading error becomes a position error by the
+// distance driven. So, beyond the article, (t_k, s_k) may be means over average_s, and each term is then weighted with
+// v_k / reference_speed_mps, the mean speed of that time. 0 of either: the article's sum (profile paper).
+//
+// eta_rate = (eta_k - eta_k-n) / (t_k - t_k-n), n = rate_window_samples (article: 1); time to failure =
 // (threshold - eta) / eta_rate. Three samples after t1 are needed; before: unknown. eta >= threshold: reached.
 // eta_rate = 0: beyond the horizon.
 // Failure: samples that cannot be used are ignored, with a status; eta never falls and is never NaN. Cost: O(1).
@@ -38,21 +43,25 @@ const char* toString(IndicatorStatus status);
 class FailAwareIndicator {
  public:
   struct Params {
-    double threshold = 0.022;         ///< rad, on the scale above
-    int rate_window_sweeps = 20;
+    double threshold = 0.0004;        ///< rad, on the scale above
+    int rate_window_samples = 10;
     double horizon_s = 60.0;
     double reference_period_s = 0.1;  ///< T above: the sweep period that the threshold belongs to
     double min_interval_s = 0.01;
     double max_gap_s = 1.0;
+    double average_s = 1.0;            ///< 0: a sample is a sweep
+    double reference_speed_mps = 10.0;  ///< 0: not weighted with the speed
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("threshold", self.threshold);
-      v("rate_window_sweeps", self.rate_window_sweeps);
+      v("rate_window_samples", self.rate_window_samples);
       v("horizon_s", self.horizon_s);
       v("reference_period_s", self.reference_period_s);
       v("min_interval_s", self.min_interval_s);
       v("max_gap_s", self.max_gap_s);
+      v("average_s", self.average_s);
+      v("reference_speed_mps", self.reference_speed_mps);
     }
     void validate() const;
   };
@@ -65,7 +74,7 @@ class FailAwareIndicator {
   void stop();
   bool started() const { return start_stamp_s_.has_value(); }
 
-  IndicatorStatus update(double stamp_s, double sigma_yaw_rad);
+  IndicatorStatus update(double stamp_s, double sigma_yaw_rad, double speed_mps = 0.0);
 
   double eta() const { return eta_; }                ///< rad; 0 until three samples came
   std::optional<double> etaRate() const;             ///< rad/s, >= 0; nothing: unknown
@@ -77,13 +86,21 @@ class FailAwareIndicator {
     double eta;
   };
 
+  struct Sample {
+    double stamp_s = 0.0, sigma_rad = 0.0, speed_mps = 0.0;
+  };
+  void add(const Sample& sample);
+
   Params params_;
   std::optional<double> start_stamp_s_;
   std::optional<double> last_stamp_s_;
+  Sample sum_;  ///< of the sweeps since average_from_s_, stamps counted from there
+  int summed_ = 0;
+  double average_from_s_ = 0.0;
+  std::optional<Sample> last_;
   std::optional<double> last_slope_;
-  double last_sigma_rad_ = 0.0;
   double eta_ = 0.0;
-  std::deque<EtaAt> window_;  ///< at most rate_window_sweeps + 1; starts where the first slope is known
+  std::deque<EtaAt> window_;  ///< at most rate_window_samples + 1; starts where the first slope is known
 };
 
 }  // namespace fail_aware

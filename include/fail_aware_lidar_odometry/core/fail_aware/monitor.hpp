@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 
 #include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
@@ -23,6 +24,7 @@ struct MonitorParameters {
   int sweeps_to_recover = 10;
   double disagreement_m = 0.3;    ///< measurements farther apart than this disagree
   double min_information_share = 0.01;  ///< less in the weakest horizontal direction: reason WEAK_DIRECTION
+  double gap_ratio = 1.7;  ///< a sweep that comes after so many times the usual period: sweeps are missing
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -34,6 +36,7 @@ struct MonitorParameters {
     v("sweeps_to_recover", self.sweeps_to_recover);
     v("disagreement_m", self.disagreement_m);
     v("min_information_share", self.min_information_share);
+    v("gap_ratio", self.gap_ratio);
   }
   void validate() const;
 };
@@ -111,6 +114,7 @@ class FailAwareMonitor {
 
  private:
   std::uint32_t reasonsFor(const FilterState& state, const SweepCondition& condition) const;
+  bool isAfterGap(double dt_s);
   CovarianceGrowth growth(const FilterState& state) const;
 
   MonitorParameters params_;
@@ -123,6 +127,7 @@ class FailAwareMonitor {
   Pose T_odom_mark_ = Pose::Identity();
   double t1_stamp_s_ = -1.0;
   int odom_epoch_ = 0;
+  std::deque<double> intervals_s_;  ///< of the last sweeps
   bool has_previous_ = false;
   double speed_wander_ = 0.0;  ///< growth of the speed error's variance in the last sweep, m^2/s^3
   bool start_pending_ = false;

@@ -14,6 +14,7 @@
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
 #pragma once
 
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,7 @@ class PoseFilter {
     double increment_floor_m = 0.0005;        ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.02;
+    double lasting_disagreement_m = 0.15;     ///< measurements that stay farther apart than this: the rest is an error, too
     Coasting::Params coasting;
 
     template <class Self, class Visitor>
@@ -84,6 +86,7 @@ class PoseFilter {
       v("increment_floor_m", self.increment_floor_m);
       v("increment_per_metre_m", self.increment_per_metre_m);
       v("increment_floor_deg", self.increment_floor_deg);
+      v("lasting_disagreement_m", self.lasting_disagreement_m);
       v("coasting", self.coasting);
     }
     void validate() const;
@@ -120,6 +123,7 @@ class PoseFilter {
   void coast(const MotionDerivatives& last, const Coasting::Measured* measured);
   Coasting::Measured measuredMotion() const;
   void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
+  double excessDisagreement(double disagreement_m);
 
   Params params_;
   VehicleModel model_;
@@ -134,6 +138,7 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
+  std::deque<double> disagreements_m_;  ///< of the last sweeps
   int corrected_sweeps_ = 0;
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };

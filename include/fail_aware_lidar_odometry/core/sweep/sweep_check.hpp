@@ -6,6 +6,7 @@
 // low_visibility  fewer than min_far_share of the points lie beyond visible_range_m: fog, spray, a dirty window
 // frozen          the points are, bit for bit, those of each of the last frozen_sweeps sweeps: a driver that repeats
 //                 itself (a simulator without noise looks the same when the vehicle stands: 0 switches this off)
+// repeats         the points are those of the last sweep: there is nothing new to register, the sweep counts as empty
 // time_jump       the stamp is more than max_gap_s after the last one, or before it
 // An empty sweep shows nothing of the first three. Input: points in the lidar's frame, m, as they came.
 // Cost: 0.5 ms for 120 000 points (coverage and range look at every n-th point, some 20 000 in all).
@@ -40,6 +41,7 @@ struct SweepFindings {
   bool incomplete = false;
   bool low_visibility = false;
   bool frozen = false;
+  bool repeats = false;
   bool time_jump = false;
   double azimuth_coverage = 0.0;  ///< share of the sectors that hold points; 0 for an empty sweep
   double far_share = 0.0;         ///< share of the points beyond visible_range_m
