@@ -13,9 +13,8 @@ namespace fail_aware {
 
 class DeferredCall {
  public:
-  DeferredCall(const ros::NodeHandle& node, std::function<void()> call) : queue_(node.getCallbackQueue()) {
-    callback_ = boost::make_shared<Callback>(std::move(call));
-  }
+  DeferredCall(const ros::NodeHandle& node, std::function<void()> call)
+      : queue_(node.getCallbackQueue()), callback_(boost::make_shared<Callback>(std::move(call))) {}
   ~DeferredCall() { queue_->removeByID(reinterpret_cast<std::uint64_t>(this)); }
   DeferredCall(const DeferredCall&) = delete;
   DeferredCall& operator=(const DeferredCall&) = delete;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -14,18 +15,10 @@
 namespace fail_aware {
 namespace {
 
+using synthetic::streetParameters;
+
 constexpr double kPeriod_s = 0.1;
 constexpr int kSweeps = 40;
-
-PipelineParameters streetParameters() {
-  PipelineParameters params;
-  params.sensor.timing.stamp_reference = "mid";
-  params.sensor.lidar_in_base = {-0.595, 0.0, 1.73, 0.0, 0.0, 0.0};  // synthetic::Lidar's
-  params.vehicle.cog_in_base = {0.265, 0.0, 0.543};
-  params.profile.registration.initialization.max_speed_mps = 25.0;  // a smaller search is a quicker test
-  params.profile.registration.initialization.max_yaw_rate_rps = 0.2;
-  return params;
-}
 
 std::vector<Sweep> scanDrive(const synthetic::Drive& drive, int sweeps, const synthetic::Lidar& lidar = {}) {
   const synthetic::Street street;
