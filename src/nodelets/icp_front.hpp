@@ -8,7 +8,7 @@ namespace fail_aware {
 
 inline RegistrationFront makeFront(const RegistrationParameters& params) {
   return RegistrationFront(params.cloud, params.reference, params.initialization, params.relief,
-                           params.refine_correction);
+                           Relocalization(params.relocalization, params.point), params.refine_correction);
 }
 
 }  // namespace fail_aware

@@ -14,6 +14,7 @@
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
+#include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
@@ -69,6 +70,7 @@ struct RegistrationParameters {
   ReferenceMap::Params reference;
   MotionInitialization::Params initialization;
   RoadRelief::Params relief;
+  Relocalization::Params relocalization;
   MultiplexIcp::Params point;
   NormalFilteredIcp::Params plane;
   CornerExtractor::Params corner_extraction;
@@ -85,6 +87,7 @@ struct RegistrationParameters {
     v("reference", self.reference);
     v("initialization", self.initialization);
     v("relief", self.relief);
+    v("relocalization", self.relocalization);
     v("point", self.point);
     v("plane", self.plane);
     v("corner_extraction", self.corner_extraction);

@@ -142,8 +142,10 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     T_odom_mark_ = state.T_odom_cog;
     t1_stamp_s_ = state.stamp_s;
   }
-  indicator_.update(state.stamp_s, state.sigma_yaw_rad,
-                    state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);
+  if (state.corrected || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
+    indicator_.update(state.stamp_s, state.sigma_yaw_rad,
+                      state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);
+  }
 
   MonitorOutput output;
   output.stamp_s = state.stamp_s;

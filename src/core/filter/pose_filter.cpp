@@ -15,10 +15,21 @@ namespace {
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kInitialAcross_mps = 1.0;     // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
+constexpr double kLongInterval_s = 0.25;  // sweeps are missing
+constexpr double kAgreement_m = 0.2;  // of two measurements that confirm each other
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
   return J * state_covariance * J.transpose();
+}
+
+bool isConfirmed(const FilterState& state) {
+  return state.corrected && state.fusion.valid_inputs >= 2 && state.fusion.disagreement_m < kAgreement_m;
+}
+
+// Over a long interval a single measurement is no better than the prediction that it started from.
+bool isAsPredicted(const FilterState& state) {
+  return !state.corrected || (state.dt_s > kLongInterval_s && !isConfirmed(state));
 }
 
 // Nothing was there to register against: the first motion will be measured from this sweep on.
@@ -33,6 +44,13 @@ bool beginReference(const std::vector<FusionInput>& measurements) {
 }
 
 }  // namespace
+
+OdometryIncrement incrementOf(const FilterState& state) {
+  OdometryIncrement increment{state.increment_covariance, state.unobserved_covariance, state.dt_s, state.speed_error,
+                              isAsPredicted(state), {}};
+  if (isConfirmed(state)) increment.confirmed = toPoseCovariance(state.fusion.R, state.fusion.z);
+  return increment;
+}
 
 void PoseFilter::Params::validate() const {
   requireNotNegative("initial_speed_sigma_mps", initial_speed_sigma_mps);
@@ -295,7 +313,7 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
   // directions that R does not observe all of Q, and the measurement's part K R K^T.
   const Matrix6d& Q = process_noise_;
   Matrix6d from_prediction = Q, from_measurement = Matrix6d::Zero();
-  if (state.corrected) {
+  if (!isAsPredicted(state)) {
     const Matrix6d sum = Q + state.fusion.R;
     const Matrix6d K = sum.ldlt().solve(Q).transpose();
     const Matrix6d left = Matrix6d::Identity() - K;

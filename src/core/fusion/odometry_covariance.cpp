@@ -25,6 +25,16 @@ Matrix6d positiveSemidefinite(const Matrix6d& C) {
   return half * half.transpose();
 }
 
+constexpr int kMaxGapSweeps = 100;        // then the map from before it is out of sight
+constexpr double kMaxGapSigma_m = 3.0;    // beyond it a nearest-point search may well settle elsewhere
+
+// From a pose taken as certain; only the speed's error is brought along.
+DriftState beginAt(const DriftState& state) {
+  DriftState begun;
+  begun.lasting(DriftState::kSpeed, DriftState::kSpeed) = state.lasting(DriftState::kSpeed, DriftState::kSpeed);
+  return begun;
+}
+
 bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
 
 }  // namespace
@@ -53,6 +63,20 @@ void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_pre
   state.passing = symmetric(rotateCovariance(drift_.passing(increment.covariance, increment.unobserved), R));
 }
 
+// The motion from before the gap to now as one increment, with what the measurement leaves of the prediction's error.
+OdometryIncrement OdometryCovariance::sinceGap(const Pose& T_gap_now, const OdometryIncrement& increment) const {
+  const Matrix6d P = gap_->since.lasting.topLeftCorner<6, 6>();
+  const Matrix6d R = symmetric(rotateCovariance(*increment.confirmed, gap_->T_odom_base.linear().transpose()));
+  const Matrix6d left = Matrix6d::Identity() - Matrix6d((P + R).ldlt().solve(P).transpose());
+  OdometryIncrement whole = increment;
+  whole.dt_s = 0.0;  // what the speed's error has done is in P
+  whole.unobserved = positiveSemidefinite(left * P * left.transpose());
+  const Eigen::Matrix3d R_gap_previous = T_gap_now.linear();
+  whole.covariance =
+      whole.unobserved + symmetric(rotateCovariance(increment.covariance - increment.unobserved, R_gap_previous));
+  return whole;
+}
+
 bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
                                    const OdometryIncrement& increment) {
   if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !increment.covariance.allFinite() ||
@@ -69,6 +93,22 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   DriftState since_start = since_start_, since_mark = since_mark_;
   advance(T_odom_base_previous, T_previous_now, sane, since_start);
   if (T_odom_mark_) advance(T_odom_mark_->inverse() * T_odom_base_previous, T_previous_now, sane, since_mark);
+  if (sane.predicted && !gap_) gap_ = Gap{T_odom_base_previous, since_start_, since_mark_, beginAt(since_start_), 0};
+  if (gap_) {
+    const Pose T_gap_previous = gap_->T_odom_base.inverse() * T_odom_base_previous;
+    advance(T_gap_previous, T_previous_now, sane, gap_->since);
+    const double sigma_m = std::sqrt(gap_->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
+    if (++gap_->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
+      gap_.reset();
+    } else if (!sane.predicted && sane.confirmed && sane.confirmed->allFinite()) {
+      const Pose T_gap_now = T_gap_previous * T_previous_now;
+      const OdometryIncrement whole = sinceGap(T_gap_now, sane);
+      since_start = gap_->since_start, since_mark = gap_->since_mark;
+      advance(gap_->T_odom_base, T_gap_now, whole, since_start);
+      if (T_odom_mark_) advance(T_odom_mark_->inverse() * gap_->T_odom_base, T_gap_now, whole, since_mark);
+      gap_.reset();
+    }
+  }
   if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
   since_start_ = since_start;
   since_mark_ = since_mark;
@@ -90,6 +130,7 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   passing_base_.setZero();
   largest_passing_base_.setZero();
   speed_variance_ = 0.0;
+  gap_.reset();
   T_odom_mark_.reset();
   since_mark_ = DriftState();
   since_mark_covariance_.setZero();
@@ -99,6 +140,7 @@ void OdometryCovariance::mark(const Pose& T_odom_mark) {
   since_mark_ = DriftState();
   since_mark_covariance_.setZero();
   T_odom_mark_.reset();
+  gap_.reset();  // what was wrong at the mark is not seen from there
   if (!isFinite(T_odom_mark)) return;
   T_odom_mark_ = T_odom_mark;
   // The jitter of the mark itself stays: all that follows is seen from there.

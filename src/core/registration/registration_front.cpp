@@ -11,15 +11,19 @@ namespace fail_aware {
 namespace {
 
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
+constexpr double kLongInterval_s = 0.25;    // sweeps are missing
+constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
 
 }  // namespace
 
 RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& cloud,
                                      const ReferenceMap::Params& reference,
                                      const MotionInitialization::Params& initialization,
-                                     const RoadRelief::Params& relief, bool refine_correction)
+                                     const RoadRelief::Params& relief, const Relocalization& relocalization,
+                                     bool refine_correction)
     : builder_(cloud),
       reference_(reference),
+      relocalization_(relocalization),
       initialization_(initialization),
       relief_(relief),
       refine_correction_(refine_correction) {}
@@ -40,7 +44,11 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   dt_s_ = prediction.dt_s;
   searched_sigma_m_ = 0.0;
   updateRelief(sweep, prediction, T_cog_lidar);
-  if (!prepared_ || prediction.motion_known) return prepared_;
+  if (!prepared_) return false;
+  if (prediction.motion_known) {
+    relocalize();
+    return true;
+  }
   if (map().empty()) {
     initialization_.setFirst(sweep, T_cog_lidar);
   } else {
@@ -51,9 +59,9 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
 
 namespace {
 
-Measurement tooFewPoints() {
+Measurement withoutPose(MeasurementStatus status) {
   Measurement measurement;
-  measurement.status = MeasurementStatus::kTooFewPoints;
+  measurement.status = status;
   return measurement;
 }
 
@@ -72,7 +80,8 @@ void addPosition(const Eigen::Vector3d& axis, double offset_m, double sigma_m, M
 
 Measurement RegistrationFront::align(const MultiplexIcp& icp, std::vector<SeedTrack>* tracks) const {
   if (tracks != nullptr) tracks->clear();
-  if (!prepared_) return tooFewPoints();
+  if (!prepared_) return withoutPose(MeasurementStatus::kTooFewPoints);
+  if (lost_) return withoutPose(MeasurementStatus::kNotConverged);
   Measurement measurement = icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_, tracks);
   addSearchedMotion(measurement);
   doubtStandstill(measurement);
@@ -80,7 +89,8 @@ Measurement RegistrationFront::align(const MultiplexIcp& icp, std::vector<SeedTr
 }
 
 Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const {
-  if (!prepared_) return tooFewPoints();
+  if (!prepared_) return withoutPose(MeasurementStatus::kTooFewPoints);
+  if (lost_) return withoutPose(MeasurementStatus::kNotConverged);
   Measurement measurement = icp.align(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
   addSearchedMotion(measurement);
   doubtStandstill(measurement);
@@ -137,6 +147,17 @@ void RegistrationFront::addSearchedMotion(Measurement& measurement) const {
   }
 }
 
+// Without it the measurements would settle on whatever is near; a few sweeps later it may do.
+void RegistrationFront::relocalize() {
+  lost_ = false;
+  const bool after_gap = !last_measured_ || dt_s_ > kLongInterval_s;
+  if (!after_gap || map().empty() || !relocalization_.isNeeded(start_covariance_)) return;
+  const std::optional<Pose> T_odom_cog =
+      relocalization_.find(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_);
+  if (T_odom_cog) T_odom_cog_start_ = *T_odom_cog;
+  lost_ = !T_odom_cog && unplaced_sweeps_ < kMaxUnplacedSweeps;
+}
+
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                          const Pose& T_cog_lidar) {
   const double since_first_s = secondsBetween(first_cloud_.stamp_s, prediction.stamp_s);
@@ -175,6 +196,9 @@ void RegistrationFront::place(const FilterState& state) {
   if (refine_correction_ && between_measured && state.dt_s > 0.0) {
     recorrectFor(logSe3(state.T_previous_now) / state.dt_s, cloud_.middle_s());
   }
+  // a prediction's error would be in the map for good, and the sweeps after it register to it
+  unplaced_sweeps_ = state.corrected || map().empty() ? 0 : unplaced_sweeps_ + 1;
+  if (unplaced_sweeps_ > 0 && unplaced_sweeps_ <= kMaxUnplacedSweeps) return;
   only_first_placed_ = map().empty();
   if (only_first_placed_) {
     last_measured_ = true;  // by definition: the first motion is measured from here
@@ -200,6 +224,8 @@ void RegistrationFront::reset() {
   only_first_placed_ = false;
   prepared_ = false;
   last_measured_ = false;
+  unplaced_sweeps_ = 0;
+  lost_ = false;
 }
 
 }  // namespace fail_aware

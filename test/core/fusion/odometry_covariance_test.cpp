@@ -282,6 +282,94 @@ TEST(OdometryCovariance, AnUnobservedSpeedWandersAndIsForgottenWhenSeen) {
       << "a mark in the tunnel does not know the speed either";
 }
 
+// 1 m a sweep along x; of a gap's sweeps nothing is measured.
+class Gap : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    odometry.mark(Pose::Identity());
+    drive(10, measured());
+    before = odometry.sinceMark()(0, 0);
+  }
+  static OdometryIncrement measured() {
+    OdometryIncrement increment;
+    increment.covariance = 1e-6 * Matrix6d::Identity();
+    increment.dt_s = 0.1;
+    return increment;
+  }
+  static OdometryIncrement predicted() {
+    OdometryIncrement increment;
+    increment.covariance.diagonal() << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4;
+    increment.unobserved = increment.covariance;
+    increment.dt_s = 0.1;
+    increment.predicted = true;
+    return increment;
+  }
+  static OdometryIncrement confirmed(const Vector6d& sigmas) {
+    OdometryIncrement increment = measured();
+    increment.confirmed = Matrix6d(sigmas.cwiseAbs2().asDiagonal());
+    return increment;
+  }
+  void drive(int sweeps, const OdometryIncrement& increment) {
+    for (int i = 0; i < sweeps; ++i) {
+      const Pose next = T * planarPose(1.0, 0.0, 0.0);
+      ASSERT_TRUE(odometry.propagate(T, next, increment));
+      T = next;
+    }
+  }
+  double x() const { return odometry.sinceMark()(0, 0); }
+  double y() const { return odometry.sinceMark()(1, 1); }
+
+  OdometryCovariance odometry{DriftModel::Params()};
+  Pose T = Pose::Identity();
+  double before = 0.0;
+};
+
+TEST_F(Gap, IsOverWhenTwoMeasurementsAgree) {
+  drive(10, predicted());
+  EXPECT_GT(x(), 0.09);
+  drive(1, measured());
+  EXPECT_GT(x(), 0.09) << "one measurement alone may have settled elsewhere";
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), before + 1e-4);
+  EXPECT_LT(y(), before + 1e-3);
+  EXPECT_LT(odometry.covariance()(0, 0), before + 1e-4) << "the published one as well";
+  const double then = y();
+  drive(10, measured());
+  EXPECT_LT(y(), then + 1e-3) << "the heading's error is gone, too";
+}
+
+TEST_F(Gap, KeepsWhatTheMeasurementDoesNotSee) {
+  drive(10, predicted());
+  const double lost = x();
+  Vector6d corridor = Vector6d::Constant(1e-3);
+  corridor[0] = 30.0;
+  drive(1, confirmed(corridor));
+  EXPECT_NEAR(x(), lost, 0.02 * lost);
+  EXPECT_LT(y(), before + 1e-3);
+}
+
+TEST_F(Gap, IsNotForgivenTooLateOrTooFarOff) {
+  drive(10, predicted());
+  drive(100, measured());
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 0.09);
+
+  SetUp();
+  OdometryIncrement wild = predicted();
+  wild.covariance(0, 0) = wild.unobserved(0, 0) = 4.0;
+  drive(3, wild);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 11.9);
+}
+
+TEST_F(Gap, AConfirmedSweepWithoutOneChangesNothing) {
+  OdometryCovariance other = odometry;
+  const Pose next = T * planarPose(1.0, 0.0, 0.0);
+  ASSERT_TRUE(other.propagate(T, next, measured()));
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_TRUE(other.sinceMark().isApprox(odometry.sinceMark(), 1e-15));
+}
+
 TEST(Twist, RecoversAConstantTwistAndRefusesBadIntervals) {
   Vector6d twist;
   twist << 20.0, 0.3, -0.1, 0.02, -0.01, 0.5;

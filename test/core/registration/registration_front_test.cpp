@@ -25,7 +25,8 @@ RegistrationFront makeFront(bool refine_correction, int min_points = 500) {
   reference.sweeps = 0;
   MotionInitialization::Params initialization;
   initialization.max_range_m = 40.0;
-  return RegistrationFront(cloud, reference, initialization, RoadRelief::Params(), refine_correction);
+  return RegistrationFront(cloud, reference, initialization, RoadRelief::Params(),
+                           Relocalization(Relocalization::Params(), MultiplexIcp::Params()), refine_correction);
 }
 
 SyntheticDrive curve() {
@@ -248,6 +249,22 @@ TEST(RegistrationFront, aJumpBackFromCoastingBendsNoSweep) {
   const Pose measured = poseOf(2.5, 0.0, 0.0, 0.0, 0.0, 0.0);  // half a metre had been missed while coasting
   front.place(stateOf(next, measured, true));
   expectBentBy(Vector6d::Zero(), front.map().points(), measured);
+}
+
+TEST(RegistrationFront, aSweepThatCouldNotBeRegisteredDoesNotJoinTheMapAtOnce) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  const std::size_t points = front.map().points().size();
+  for (int sweep = 1; sweep <= 11; ++sweep) {
+    const double stamp_s = 0.1 * sweep;
+    const SweepPrediction prediction =
+        predictionOf(stamp_s, 0.1, drive.pose(stamp_s - 0.1), drive.pose(stamp_s - 0.1).inverse() * drive.pose(stamp_s), true);
+    ASSERT_TRUE(front.prepare(drive.sweep(stamp_s, 2), prediction, drive.T_cog_lidar));
+    front.place(stateOf(prediction, prediction.T_odom_cog, false));
+    if (sweep <= 10) ASSERT_EQ(front.map().points().size(), points) << sweep;
+  }
+  EXPECT_GT(front.map().points().size(), points) << "the map would be out of sight";
 }
 
 TEST(RegistrationFront, afterAResetTheNextSweepIsTheFirst) {

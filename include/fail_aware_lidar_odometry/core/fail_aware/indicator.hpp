@@ -13,7 +13,8 @@
 //
 // Sweep by sweep the sum is made of the jitter of s, whatever the road; and a heading error becomes a position error by the
 // distance driven. So, beyond the article, (t_k, s_k) may be means over average_s, and each term is then weighted with
-// v_k / reference_speed_mps, the mean speed of that time. 0 of either: the article's sum (profile paper).
+// v_k / reference_speed_mps, the mean speed of that time. 0 of either: the article's sum (profile paper). While the sensor
+// is gone sigma leaps and comes back, which says nothing of the road: such sweeps are left out (measured_only).
 //
 // eta_rate = (eta_k - eta_k-n) / (t_k - t_k-n), n = rate_window_samples (article: 1); time to failure =
 // (threshold - eta) / eta_rate. Three samples after t1 are needed; before: unknown. eta >= threshold: reached.
@@ -51,6 +52,7 @@ class FailAwareIndicator {
     double max_gap_s = 1.0;
     double average_s = 1.0;            ///< 0: a sample is a sweep
     double reference_speed_mps = 10.0;  ///< 0: not weighted with the speed
+    bool measured_only = true;          ///< sweeps whose pose is a prediction count as missing
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -62,6 +64,7 @@ class FailAwareIndicator {
       v("max_gap_s", self.max_gap_s);
       v("average_s", self.average_s);
       v("reference_speed_mps", self.reference_speed_mps);
+      v("measured_only", self.measured_only);
     }
     void validate() const;
   };

@@ -56,9 +56,7 @@ struct FilterState {
   int odom_epoch = 0;  ///< counts setPose(): references placed under another number are in another odom
 };
 
-inline OdometryIncrement incrementOf(const FilterState& state) {
-  return {state.increment_covariance, state.unobserved_covariance, state.dt_s, state.speed_error};
-}
+OdometryIncrement incrementOf(const FilterState& state);
 
 class PoseFilter {
  public:

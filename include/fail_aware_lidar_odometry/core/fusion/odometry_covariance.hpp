@@ -8,7 +8,11 @@
 //
 // Convention: geometry/pose.hpp's (m, rad; rotation about fixed axes).
 // The position's part may rightly shrink: driving back to the start undoes a heading error's effect there. What never
-// shrinks is the covariance referred to a fixed point of odom.
+// shrinks is the covariance referred to a fixed point of odom - but for this:
+// Gaps. A pose that is a prediction (sensor gone for a moment) is uncertain; once the sweep is registered to the map from
+// before the gap, it is not any longer. So from a gap on the error since the last measured pose is kept apart, and a
+// measurement that a second one confirms is a Kalman step on it. What that measurement does not observe stays, and all
+// of it does if the prediction was too uncertain for a nearest-point search, or nothing confirms it in time.
 // Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 9x9 products.
 #pragma once
 
@@ -31,6 +35,9 @@ struct OdometryIncrement {
   Matrix6d unobserved = Matrix6d::Zero();  ///< the part of `covariance` that no measurement contradicts
   double dt_s = 0.0;
   SpeedError speed_error;
+  bool predicted = false;  ///< the pose is no measurement
+  /// Of a measured pose in the map, about odom's axes, where at least two measurements agree on it.
+  std::optional<Matrix6d> confirmed;
 };
 
 /// Covariance of the pose's error with what drives it.
@@ -50,7 +57,7 @@ class OdometryCovariance {
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
-    return propagate(T_odom_base_previous, T_odom_base_now, OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}});
+    return propagate(T_odom_base_previous, T_odom_base_now, OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}});
   }
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
@@ -71,6 +78,15 @@ class OdometryCovariance {
  private:
   void advance(const Pose& T_start_previous, const Pose& T_previous_now, const OdometryIncrement& increment,
                DriftState& state) const;
+  OdometryIncrement sinceGap(const Pose& T_gap_now, const OdometryIncrement& increment) const;
+
+  /// From the last pose before a gap.
+  struct Gap {
+    Pose T_odom_base;
+    DriftState since_start, since_mark;  ///< there
+    DriftState since;                    ///< of the motion from there
+    int sweeps = 0;
+  };
 
   DriftModel drift_;
   DriftState since_start_;
@@ -81,6 +97,7 @@ class OdometryCovariance {
   Matrix6d largest_passing_base_ = Matrix6d::Zero();  ///< no less than any so far
   double speed_variance_ = 0.0;               ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
+  std::optional<Gap> gap_;
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that

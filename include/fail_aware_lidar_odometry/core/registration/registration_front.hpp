@@ -4,6 +4,7 @@
 // function of the corrected sweeps and the filter's states alone, both hold the same.
 // When odom was moved under the vehicle (FilterState::odom_epoch) the reference starts anew from the next placed sweep.
 // Where the filter coasts (filter/coasting.hpp), the front looks for the speed in the road's relief (road_relief.hpp) and adds what it finds to the point-to-plane measurement.
+// After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not join it.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
 #pragma once
@@ -18,6 +19,7 @@
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+#include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
 
 namespace fail_aware {
@@ -26,7 +28,7 @@ class RegistrationFront {
  public:
   RegistrationFront(const RegistrationCloudBuilder::Params& cloud, const ReferenceMap::Params& reference,
                     const MotionInitialization::Params& initialization, const RoadRelief::Params& relief,
-                    bool refine_correction);
+                    const Relocalization& relocalization, bool refine_correction);
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -38,7 +40,8 @@ class RegistrationFront {
   /// Its covariance: the prediction's, but as sure of the position as the search.
   const Matrix6d& startCovariance() const { return start_covariance_; }
 
-  /// The prepared sweep against the reference, from the start pose; kTooFewPoints if prepare() said false.
+  /// The prepared sweep against the reference, from the start pose; kTooFewPoints if prepare() said false,
+  /// kNotConverged as long as the way is lost after a gap.
   Measurement align(const MultiplexIcp& icp, std::vector<SeedTrack>* tracks = nullptr) const;
   Measurement align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const;
 
@@ -51,6 +54,7 @@ class RegistrationFront {
   void initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void recorrectFor(const Vector6d& twist_cog, double middle_s = 0.0);
   void enterOdom(int epoch);
+  void relocalize();
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void doubtStandstill(Measurement& measurement) const;
   void addReliefSpeed(Measurement& measurement) const;
@@ -58,6 +62,7 @@ class RegistrationFront {
 
   RegistrationCloudBuilder builder_;
   ReferenceMap reference_;
+  Relocalization relocalization_;
   MotionInitialization initialization_;
   RoadRelief relief_;
   bool refine_correction_;
@@ -65,6 +70,8 @@ class RegistrationFront {
   RegistrationCloud first_cloud_;     ///< the only sweep in the reference so far, at T_odom_cog_first_
   Pose T_odom_cog_first_ = Pose::Identity();
   bool only_first_placed_ = false;
+  bool lost_ = false;        ///< after a gap, not found again yet
+  int unplaced_sweeps_ = 0;  ///< in a row
   Pose T_odom_cog_start_ = Pose::Identity();
   Matrix6d start_covariance_ = Matrix6d::Identity();
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
