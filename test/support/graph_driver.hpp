@@ -53,29 +53,35 @@ inline sensor_msgs::PointCloud2Ptr streetCloud(int i) { return cloudOf(streetSwe
 
 inline bool has(std::uint32_t reasons, std::uint32_t bits) { return (reasons & bits) == bits; }
 
+struct VehicleNames {
+  std::string cloud_topic = kCloudTopic;
+  std::string frame_prefix;  ///< of base_link and velodyne
+};
+
 class GraphDriver {
  public:
-  explicit GraphDriver(const std::string& graph_namespace = "/fail_aware_lidar_odometry")
-      : node_(graph_namespace),
+  explicit GraphDriver(const std::string& graph_namespace = "/fail_aware_lidar_odometry", const VehicleNames& names = {})
+      : names_(names),
+        node_(graph_namespace),
         states(node_, "filter_state"),
         odometry(node_, "odometry"),
         times(node_, "time_to_failure"),
-        publisher_(node_.advertise<sensor_msgs::PointCloud2>(kCloudTopic, 10)) {}
+        publisher_(node_.advertise<sensor_msgs::PointCloud2>(names.cloud_topic, 10)) {}
 
   ros::NodeHandle& node() { return node_; }
   std::string topic(const std::string& name) const { return node_.resolveName(name); }
 
   void sendTransform(const Pose& T_base_lidar = synthetic::Lidar().T_base_lidar) {
     geometry_msgs::TransformStamped transform;
-    transform.header.frame_id = "base_link";
-    transform.child_frame_id = "velodyne";
+    transform.header.frame_id = names_.frame_prefix + "base_link";
+    transform.child_frame_id = names_.frame_prefix + "velodyne";
     transform.transform = toTransformMessage(T_base_lidar);
     broadcaster_.sendTransform(transform);
   }
 
   /// The whole graph is up, each stage linked with its neighbours.
   bool waitUntilLinked() {
-    std::vector<std::string> topics = {kCloudTopic};
+    std::vector<std::string> topics = {names_.cloud_topic};
     for (const char* name : {"sweep/prediction", "sweep/points", "sweep/check", "filter_state", "odometry",
                              "time_to_failure", "measurement/icp_point_to_point", "measurement/icp_point_to_plane",
                              "measurement/corner_svd"}) {
@@ -117,6 +123,7 @@ class GraphDriver {
   }
 
  private:
+  VehicleNames names_;
   ros::NodeHandle node_;
 
  public:
