@@ -205,23 +205,30 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
       "/rosout", 100, [&](const rosgraph_msgs::LogConstPtr& line) { log += line->msg + '\n'; });
   ASSERT_TRUE(manager_.load("corner_svd"));  // the manager runs
   ASSERT_TRUE(manager_.unload("corner_svd"));
-  const auto refused = [&](const std::string& key, const auto& value, const std::string& name) {
+  const auto expectRefused = [&](const std::string& name, const std::string& said) {
     log.clear();
-    graph_.node().setParam(key, value);
     EXPECT_TRUE(waitFor([&] {  // again and again until the log's link is up
-      EXPECT_FALSE(manager_.load(name)) << key;
+      EXPECT_FALSE(manager_.load(name)) << said;
       return log.find(name + " is not loaded") != std::string::npos;
     })) << log;
-    graph_.node().deleteParam(key);
-    const std::string last = key.substr(key.rfind('/') + 1);
-    EXPECT_NE(log.find(last), std::string::npos) << log;
+    EXPECT_NE(log.find(said), std::string::npos) << log;
   };
-  refused("fusion_ukf/nonsense", 1, "fusion_ukf");
-  refused("fusion_ukf/deadline_s", "soon", "fusion_ukf");
-  refused("fusion_ukf/queue_size", 0, "fusion_ukf");
-  refused("fail_aware_monitor/stale_sweeps", -1.0, "fail_aware_monitor");
-  refused("profile/nonsense", 1.0, "icp_point_to_plane");
-  refused("sensor/nonsense", 1.0, "sweep_correction");
+  const auto refused = [&](const std::string& key, const auto& value, const std::string& name, const std::string& rule) {
+    graph_.node().setParam(key, value);
+    expectRefused(name, key.substr(key.rfind('/') + 1) + rule);
+    graph_.node().deleteParam(key);
+  };
+  refused("fusion_ukf/nonsense", 1, "fusion_ukf", ": unknown");
+  refused("fusion_ukf/deadline_s", "soon", "fusion_ukf", ": must be a number");
+  refused("fusion_ukf/queue_size", 0, "fusion_ukf", " = 0: must be in [1, 100]");
+  refused("fail_aware_monitor/stale_sweeps", -1.0, "fail_aware_monitor", " = -1: must be finite and > 0");
+  refused("profile/nonsense", 1.0, "icp_point_to_plane", ": unknown");
+  refused("sensor/nonsense", 1.0, "sweep_correction", ": unknown");
+  XmlRpc::XmlRpcValue vehicle;
+  ASSERT_TRUE(graph_.node().getParam("vehicle", vehicle));
+  graph_.node().deleteParam("vehicle");
+  expectRefused("fusion_ukf", "vehicle: not on the parameter server");
+  graph_.node().setParam("vehicle", vehicle);
   setDeadline(600.0);
   load("fusion_ukf");
 }

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <random>
 
 #include "../../src/nodelets/reconfiguration.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
@@ -85,6 +87,54 @@ TEST(Tuning, AnInvalidSetIsRefusedWithTheRule) {
   auto blind = configOf<config::FusionUkfConfig>(FusionUkfTuning());
   blind.use_point = blind.use_plane = false;
   EXPECT_THROW(tunedBy(blind, FusionUkfTuning()), ParameterError);
+}
+
+/// Chains of requests with values of any size, NaN among them: refused, or a set that keeps every rule.
+template <class Config, class Tuning>
+void expectEveryRequestRefusedOrValid() {
+  std::mt19937 random(7);
+  const auto draw = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const double odd[] = {0.0, -1.0, 1e-300, 1e300, std::nan(""), HUGE_VAL, -HUGE_VAL};
+  Tuning current;
+  int taken = 0, refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    dynamic_reconfigure::Config message;
+    configOf<Config>(current).__toMessage__(message);
+    for (auto& value : message.bools) {
+      if (draw(0, 1) < 0.1) value.value = value.value == 0;
+    }
+    for (auto& value : message.ints) {
+      if (draw(0, 1) < 0.1) value.value = static_cast<int>(draw(-100.0, 1000.0));
+    }
+    for (auto& value : message.doubles) {
+      if (draw(0, 1) < 0.1) value.value *= draw(0.3, 3.0);
+      if (draw(0, 1) < 0.02) value.value = odd[random() % 7];
+    }
+    Config request = configOf<Config>(current);
+    request.__fromMessage__(message);
+    if (i % 2 == 0) request.__clamp__();  // as the server does
+    try {
+      current = tunedBy(request, current);
+      ++taken;
+    } catch (const ParameterError&) {
+      ++refused;
+    }
+    ASSERT_NO_THROW(current.validate());
+    for (const auto& [name, value] : toMap(current)) {
+      const double* number = std::get_if<double>(&value);
+      ASSERT_TRUE(number == nullptr || std::isfinite(*number)) << name;
+    }
+  }
+  EXPECT_GT(taken, 100);
+  EXPECT_GT(refused, 20);
+}
+
+TEST(Tuning, EveryRequestIsRefusedOrValid) {
+  expectEveryRequestRefusedOrValid<config::FusionUkfConfig, FusionUkfTuning>();
+  expectEveryRequestRefusedOrValid<config::FailAwareMonitorConfig, FailAwareMonitorTuning>();
+  expectEveryRequestRefusedOrValid<config::IcpPointToPointConfig, IcpPointToPointTuning>();
+  expectEveryRequestRefusedOrValid<config::IcpPointToPlaneConfig, IcpPointToPlaneTuning>();
+  expectEveryRequestRefusedOrValid<config::CornerSvdConfig, CornerSvdTuning>();
 }
 
 TEST(Tuning, AValueOfTheYamlBeyondTheBoundsStaysUntilItIsChanged) {
