@@ -126,6 +126,20 @@ TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
   EXPECT_EQ(benchmark("--seeds x").exit_code, 2);
 }
 
+TEST_F(SimulateDrive, faultMatrixJudgesEverySeverity) {
+  setenv("PATH", (fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH")).c_str(), 1);
+  const auto matrix = [this](const std::string& arguments) {
+    return runProgram(FAULT_MATRIX, "-j 1 --output '" + path("matrix") + "' " + arguments, folder_);
+  };
+  const ToolRun run = matrix("--scenes town --faults empty_cloud");
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("3 passed, 0 failed"), std::string::npos) << run.out;
+  EXPECT_NE(contentOf(folder_ / "matrix/matrix.csv").find("SWEEP_EMPTY"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "matrix/town_empty_cloud_8_1")) << "drives are removed";
+  EXPECT_EQ(matrix("--scenes moon --faults nan").exit_code, 1);
+  EXPECT_EQ(matrix("--faults fog").exit_code, 2);
+}
+
 TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {
   ASSERT_EQ(simulate("drive", "--duration 0.2 --no-rolling-shutter").exit_code, 0);
   EXPECT_FALSE(KittiDirectory::open(path("drive")).hasPointTimes());

@@ -1,0 +1,62 @@
+// README's map from the article's equations to files: each named file has its header, source and test, and each folder of
+// the core stands in the map.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string sectionOfReadme(const std::string& title) {
+  std::ifstream file(FAIL_AWARE_SOURCE_DIR "/README.md");
+  std::string text, line;
+  bool inside = false;
+  while (std::getline(file, line)) {
+    if (line.rfind("## ", 0) == 0) inside = line == "## " + title;
+    if (inside) text += line + '\n';
+  }
+  return text;
+}
+
+/// `folder/name`, and `name` after one in the same line: in that folder.
+std::vector<std::string> namedFiles(const std::string& section) {
+  static const std::regex quoted("`([a-z_]+/)?([a-z_]+)`");
+  std::vector<std::string> names;
+  std::istringstream lines(section);
+  for (std::string line; std::getline(lines, line);) {
+    std::string folder;
+    for (std::sregex_iterator it(line.begin(), line.end(), quoted), end; it != end; ++it) {
+      if ((*it)[1].matched) folder = (*it)[1];
+      names.push_back(folder + (*it)[2].str());
+    }
+  }
+  return names;
+}
+
+TEST(ReadmeMap, EveryNamedFileHasItsHeaderSourceAndTest) {
+  const fs::path root = FAIL_AWARE_SOURCE_DIR;
+  const std::vector<std::string> names = namedFiles(sectionOfReadme("From equation to file"));
+  EXPECT_GT(names.size(), 20u);
+  std::set<std::string> folders;
+  for (const std::string& name : names) {
+    folders.insert(name.substr(0, name.find('/')));
+    for (const fs::path& path : {root / "include/fail_aware_lidar_odometry/core" / (name + ".hpp"),
+                                 root / "src/core" / (name + ".cpp"), root / "test/core" / (name + "_test.cpp")}) {
+      EXPECT_TRUE(fs::exists(path)) << path;
+    }
+  }
+  for (const fs::directory_entry& folder : fs::directory_iterator(root / "src/core")) {
+    const std::string name = folder.path().filename();
+    if (!folder.is_directory() || name == "io" || name == "parameters" || name == "simulation") continue;
+    EXPECT_EQ(folders.count(name), 1u) << name << " is not in the map";
+  }
+}
+
+}  // namespace
