@@ -246,10 +246,10 @@ CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, Correc
   layout.forEachPoint([&](const std::uint8_t* point) {
     const Eigen::Vector3f p(static_cast<float>(layout.x.at(point)), static_cast<float>(layout.y.at(point)),
                             static_cast<float>(layout.z.at(point)));
-    if (!p.allFinite()) return;
+    const float time_s = layout.time ? static_cast<float>(layout.time.at(point)) : 0.0f;
+    if (!p.allFinite() || !std::isfinite(time_s)) return;
     sweep.points_lidar.push_back(p);
     if (!layout.time) return;
-    const auto time_s = static_cast<float>(layout.time.at(point));
     timed = timed || time_s != 0.0f;
     sweep.times_s.push_back(time_s);
   });

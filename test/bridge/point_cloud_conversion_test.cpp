@@ -191,6 +191,11 @@ TEST(CorrectedCloud, comesBackAsItWas) {
   Sweep raw;
   ASSERT_TRUE(readCloud(cloud, raw).ok());
   EXPECT_EQ(raw.intensities, (std::vector<float>{1, 2, 3}));
+  sweep.times_s[1] = std::numeric_limits<float>::quiet_NaN();
+  writeCloud(sweep, {}, cloud);
+  ASSERT_TRUE(readCorrectedCloud(cloud, back).ok());
+  EXPECT_EQ(back.points_lidar, (std::vector<Eigen::Vector3f>{kPoints[0], kPoints[2]})) << "a time that is none";
+  EXPECT_EQ(back.times_s, (std::vector<float>{-0.05f, 0.05f}));
   sweep.times_s.clear();
   writeCloud(sweep, {}, cloud);
   ASSERT_TRUE(readCorrectedCloud(cloud, back).ok());

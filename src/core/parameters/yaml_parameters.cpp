@@ -1,5 +1,6 @@
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -93,6 +94,30 @@ void flatten(const YAML::Node& map, const std::string& prefix, YamlParameters& y
   }
 }
 
+class IgnoredEvents : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnAlias(const YAML::Mark& /*mark*/, YAML::anchor_t /*anchor*/) override {}
+  void OnScalar(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                const std::string& /*value*/) override {}
+  void OnSequenceStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                       YAML::EmitterStyle::value /*style*/) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& /*mark*/, const std::string& /*tag*/, YAML::anchor_t /*anchor*/,
+                  YAML::EmitterStyle::value /*style*/) override {}
+  void OnMapEnd() override {}
+};
+
+/// YAML::LoadAll never ends on a stray comma, which to it is one empty document after the other.
+bool isOneDocument(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  IgnoredEvents ignored;
+  return !parser.HandleNextDocument(ignored) || !parser.HandleNextDocument(ignored);
+}
+
 std::vector<std::string> split(const std::string& key) {
   std::vector<std::string> names(1);
   for (const char c : key) {
@@ -129,16 +154,16 @@ struct FormatYaml {
 YamlParameters parseYaml(const std::string& text, const std::string& source) {
   YamlParameters yaml;
   yaml.source = source;
-  std::vector<YAML::Node> documents;
+  YAML::Node document;
   try {
-    documents = YAML::LoadAll(text);
+    if (!isOneDocument(text)) throw ParameterError(source + ": must hold one yaml document");
+    document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw ParameterError(place(source, error.mark) + error.msg);
   }
-  if (documents.size() > 1) throw ParameterError(source + ": must hold one yaml document");
-  if (documents.empty() || documents[0].IsNull()) return yaml;
-  if (!documents[0].IsMap()) throw ParameterError(place(source, documents[0].Mark()) + "must be a map of parameters");
-  flatten(documents[0], "", yaml);
+  if (document.IsNull()) return yaml;
+  if (!document.IsMap()) throw ParameterError(place(source, document.Mark()) + "must be a map of parameters");
+  flatten(document, "", yaml);
   return yaml;
 }
 

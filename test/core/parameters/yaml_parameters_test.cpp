@@ -119,6 +119,8 @@ TEST(ParseYaml, errorsNameFileLineAndKey) {
   EXPECT_EQ(parseError("- 1\n- 2\n"), "a.yaml:1: must be a map of parameters");
   EXPECT_EQ(parseError("a: 1\n---\nb: 2\n"), "a.yaml: must hold one yaml document");
   EXPECT_EQ(parseError("a: 1\nb: [1, 2\n").substr(0, 7), "a.yaml:");
+  EXPECT_EQ(parseError(",").substr(0, 7), "a.yaml:") << "a stray comma ends, too";
+  EXPECT_EQ(parseError("a: 1\n, b: 2\n").substr(0, 7), "a.yaml:");
 }
 
 TEST_F(YamlFile, loadsASubsetOnlyWhenTold) {

@@ -1,0 +1,38 @@
+// A folder in KITTI's layout of any bytes -> sweeps.
+#include <fuzzer/FuzzedDataProvider.h>
+
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "fuzz_support.hpp"
+
+using namespace fail_aware;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  FuzzedDataProvider input(data, size);
+  const std::string folder = freshFolder();
+  std::filesystem::create_directories(folder + "/velodyne");
+  if (input.ConsumeBool()) writeFile(folder + "/times.txt", input.ConsumeRandomLengthString(200));
+  if (input.ConsumeBool()) {
+    std::filesystem::create_directories(folder + "/stamps");
+    writeFile(folder + "/stamps/000000.f32", input.ConsumeRandomLengthString(200));
+  }
+  if (input.ConsumeBool()) {
+    std::filesystem::create_directories(folder + "/rings");
+    writeFile(folder + "/rings/000000.u16", input.ConsumeRandomLengthString(200));
+  }
+  writeFile(folder + "/velodyne/000000.bin", input.ConsumeRemainingBytesAsString());
+  try {
+    const KittiDirectory directory = KittiDirectory::open(folder);
+    for (std::size_t i = 0; i < directory.size(); ++i) {
+      Sweep sweep;
+      const ReadResult result = directory.read(i, sweep);
+      promise(result.hasPoints() == !sweep.points_lidar.empty(), "points if and only if the status says so");
+      promise(std::isfinite(sweep.stamp_s), "a stamp is finite");
+      for (const auto& point : sweep.points_lidar) promise(point.allFinite(), "points are finite");
+    }
+  } catch (const InputError&) {
+  }
+  return 0;
+}

@@ -1,0 +1,37 @@
+// Trajectories, times, calibration and the monitor's log, of any bytes.
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fuzz_support.hpp"
+
+using namespace fail_aware;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 1) return 0;
+  const std::string path = freshFolder() + "/file.txt";
+  writeFile(path, std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
+  try {
+    switch (data[0] % 5) {
+      case 0:
+        for (const Pose& T : readKittiTrajectory(path)) promise(T.matrix().allFinite(), "poses are finite");
+        break;
+      case 1:
+        for (const StampedPose& pose : readTumTrajectory(path)) {
+          promise(std::isfinite(pose.stamp_s) && pose.T.matrix().allFinite(), "poses and stamps are finite");
+        }
+        break;
+      case 2:
+        for (const double stamp_s : readTimes(path)) promise(std::isfinite(stamp_s), "stamps are finite");
+        break;
+      case 3:
+        promise(readLidarToCamera(path).matrix().allFinite(), "the calibration is finite");
+        break;
+      default:
+        readMonitorLog(path);
+    }
+  } catch (const InputError&) {
+  }
+  return 0;
+}
