@@ -69,7 +69,7 @@ std::string chooseTopic(const rosbag::Bag& bag, const std::string& path, const s
 /// Null: the file does not give it back.
 sensor_msgs::PointCloud2ConstPtr cloudAt(const rosbag::View::iterator& at, std::string& reason) {
   try {
-    const sensor_msgs::PointCloud2ConstPtr cloud = (*at).instantiate<sensor_msgs::PointCloud2>();
+    sensor_msgs::PointCloud2ConstPtr cloud = (*at).instantiate<sensor_msgs::PointCloud2>();
     if (!cloud) reason = "its definition is not that of " + kCloudType;
     return cloud;
   } catch (const std::exception& error) {
