@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "fail_aware_lidar_odometry/core/cloud/scattered_order.hpp"
+
 namespace fail_aware {
 
 namespace {
@@ -48,16 +50,13 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
   const auto min2 = static_cast<float>(min_range_m * min_range_m);
   const auto max2 = static_cast<float>(std::min(max_range_m * max_range_m, kLargest));
   const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
-  VoxelKey last = ~VoxelKey{0};
-  for (std::uint32_t i = 0; i < points.size(); ++i) {
+  const auto count = static_cast<std::uint32_t>(points.size());
+  ScatteredOrder order(count);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::uint32_t i = order.next();
     const float range2 = points[i].squaredNorm();
     if (!(range2 >= min2 && range2 <= max2)) continue;  // also refuses NaN
-    if (voxel_size_m > 0.0) {
-      const VoxelKey key = keyOf(points[i], inverse_size);
-      if (key == last) continue;
-      last = key;
-      if (!insert(key)) continue;
-    }
+    if (voxel_size_m > 0.0 && !insert(keyOf(points[i], inverse_size))) continue;
     kept_.push_back(i);
   }
   return kept_;

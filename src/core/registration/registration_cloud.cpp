@@ -55,18 +55,23 @@ RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params) : param
 
 void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud) {
   cloud.stamp_s = sweep.stamp_s;
-  gather(sweep.points_lidar, sweep.times_s,
-         filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m),
-         cloud.map_points_cog, cloud.map_times_s);
+  of_sweep_ = filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m);
+  gather(sweep.points_lidar, sweep.times_s, of_sweep_, cloud.map_points_cog, cloud.map_times_s);
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
   const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
   for (Eigen::Vector3f& p : cloud.map_points_cog) p = (R * p + t).eval();
   all_.resize(cloud.map_points_cog.size());
   for (std::uint32_t i = 0; i < all_.size(); ++i) all_[i] = i;
-  gather(cloud.map_points_cog, cloud.map_times_s, filter_.select(cloud.map_points_cog, all_, params_.plane_voxel_m),
-         cloud.plane_points_cog, cloud.plane_times_s);
-  gather(cloud.map_points_cog, cloud.map_times_s, filter_.select(cloud.map_points_cog, all_, params_.point_voxel_m),
-         cloud.point_points_cog, cloud.point_times_s);
+  const auto thinned = [&](double voxel_m) -> const std::vector<std::uint32_t>& {
+    chosen_ = filter_.select(cloud.map_points_cog, all_, voxel_m);
+    // what is near in the map is met together, as the sweep has it
+    std::sort(chosen_.begin(), chosen_.end(), [&](auto a, auto b) { return of_sweep_[a] < of_sweep_[b]; });
+    return chosen_;
+  };
+  gather(cloud.map_points_cog, cloud.map_times_s, thinned(params_.plane_voxel_m), cloud.plane_points_cog,
+         cloud.plane_times_s);
+  gather(cloud.map_points_cog, cloud.map_times_s, thinned(params_.point_voxel_m), cloud.point_points_cog,
+         cloud.point_times_s);
 }
 
 }  // namespace fail_aware

@@ -35,18 +35,20 @@ CorrectedSweep numberedSweep(unsigned seed = 1) {
 
 std::size_t numberOf(float time_s) { return static_cast<std::size_t>(std::lround(1e6 * static_cast<double>(time_s))); }
 
-/// Every point is the sweep's of that time, moved into the vehicle's frame; in the sweep's order.
+/// Every point is the sweep's of that time, moved into the vehicle's frame.
 void expectFromSweep(const Points& points_cog, const std::vector<float>& times_s, const CorrectedSweep& sweep,
                      const Pose& T_cog_lidar) {
   ASSERT_EQ(points_cog.size(), times_s.size());
-  EXPECT_TRUE(std::is_sorted(times_s.begin(), times_s.end()));
   for (std::size_t i = 0; i < points_cog.size(); ++i) {
     const Eigen::Vector3d expected = T_cog_lidar * sweep.points_lidar[numberOf(times_s[i])].cast<double>();
     ASSERT_LT((points_cog[i].cast<double>() - expected).norm(), 1e-5);
   }
 }
 
-void expectWithin(const std::vector<float>& times_s, const std::vector<float>& all_times_s) {
+/// In the sweep's order.
+void expectWithin(const std::vector<float>& times_s, std::vector<float> all_times_s) {
+  EXPECT_TRUE(std::is_sorted(times_s.begin(), times_s.end()));
+  std::sort(all_times_s.begin(), all_times_s.end());
   EXPECT_TRUE(std::includes(all_times_s.begin(), all_times_s.end(), times_s.begin(), times_s.end()));
 }
 

@@ -1,4 +1,4 @@
-// Downsampling: one point a voxel, the first met, in input order.
+// Downsampling: one point a voxel, the first met - of a sweep in an order that prefers no direction (scattered_order.hpp).
 //
 // Keeping a measured point (no centroid) leaves surfaces unmixed and keeps the point's time. Cost: one probe of a flat
 // table a point, about 10 ns; nothing is allocated once the buffers have grown. Not thread-safe: one filter a thread.
@@ -14,12 +14,12 @@ namespace fail_aware {
 
 class VoxelFilter {
  public:
-  /// Indices of the points kept, ascending. Points nearer than min_range_m or farther than max_range_m from the
+  /// Indices of the points kept, in the order met. Points nearer than min_range_m or farther than max_range_m from the
   /// origin, and points that are not finite, are left out. voxel_size_m <= 0 keeps every point in range.
   const std::vector<std::uint32_t>& select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
                                            double min_range_m, double max_range_m);
 
-  /// The same over a subset: `candidates` are indices into points.
+  /// The same over a subset, in its order: `candidates` are indices into points.
   const std::vector<std::uint32_t>& select(const std::vector<Eigen::Vector3f>& points,
                                            const std::vector<std::uint32_t>& candidates, double voxel_size_m);
 

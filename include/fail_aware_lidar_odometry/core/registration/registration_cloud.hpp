@@ -62,7 +62,7 @@ class RegistrationCloudBuilder {
  private:
   Params params_;
   VoxelFilter filter_;
-  std::vector<std::uint32_t> all_;
+  std::vector<std::uint32_t> of_sweep_, all_, chosen_;  ///< indices into the sweep; into the map's points, twice
 };
 
 }  // namespace fail_aware
