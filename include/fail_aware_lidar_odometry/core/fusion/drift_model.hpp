@@ -23,8 +23,8 @@ class DriftModel {
     double measured_share = 0.0;              ///< of the observed part's variance, that adds up too
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.02;
-    double heading_per_root_metre_deg = 0.0027;
-    double heading_bias_deg_per_m = 0.0001;   ///< standard deviation of the constant
+    double heading_per_root_metre_deg = 0.0014;
+    double heading_bias_deg_per_m = 0.00005;   ///< standard deviation of the constant
     double scale_bias = 0.0002;               ///< likewise: metres per metre
 
     template <class Self, class Visitor>
