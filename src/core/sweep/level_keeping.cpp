@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
@@ -21,6 +22,8 @@ constexpr float kMinLineZ = 0.96f;
 constexpr float kLineShape = 10.0f;          // largest over middle eigenvalue
 constexpr float kSurfaceShape = 5.0f;        // middle over smallest
 constexpr float kMaxLineSigma_m = 0.12f;
+constexpr double kMaxLineError = 4.0 * kDegree;
+constexpr double kLineErrorShare = 0.45;     // of a trunk: its width is no noise, all beams see the same near half
 constexpr double kKernelSigmas = 2.0;
 constexpr double kMinTrust = 0.3;            // mean robust weight below which the tilt is let go
 constexpr double kLetGo = 1.0 * kDegree;
@@ -48,16 +51,20 @@ void LevelKeepingParams::validate() const {
   requireParameter(max_height_m > min_height_m, "max_height_m", max_height_m, "> min_height_m");
   requireWithin("min_points", min_points, 4, 1e6);
   requirePositive("min_extent_m", min_extent_m);
-  requirePositive("max_surface_sigma_m", max_surface_sigma_m);
+  requireWithin("beam_step_deg", beam_step_deg, 0.01, 10.0);
+  requirePositive("max_standard_error_deg", max_standard_error_deg);
   requirePositive("sigma_surface_deg", sigma_surface_deg);
   requirePositive("sigma_line_deg", sigma_line_deg);
   requirePositive("sigma_lean_deg", sigma_lean_deg);
+  requireNotNegative("sigma_place_deg", sigma_place_deg);
+  requirePositive("place_length_m", place_length_m);
   requirePositive("sigma_drift_deg_per_m", sigma_drift_deg_per_m);
   requireNotNegative("drift_walk_deg_per_m", drift_walk_deg_per_m);
   requirePositive("tilt_walk_deg", tilt_walk_deg);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
   requireWithin("tilt_gain_per_m", tilt_gain_per_m, 0.0, 1.0);
   requireWithin("drift_gain", drift_gain, 0.0, 1.0);
+  requireWithin("response", response, 0.1, 1.0);
   requireWithin("max_bend_deg_per_m", max_bend_deg_per_m, 0.0, 0.1);
   requirePositive("bend_range_m", bend_range_m);
 }
@@ -79,7 +86,8 @@ void LevelKeeping::reset() {
     P_(i + 3, i + 3) += 1e-12;
   }
   P_(2, 2) = std::pow(params_.sigma_drift_deg_per_m * kDegree, 2);
-  P_.diagonal().tail<kRanges>().setConstant(std::pow(params_.sigma_lean_deg * kDegree, 2));
+  P_.diagonal().segment<kRanges>(5).setConstant(std::pow(params_.sigma_lean_deg * kDegree, 2));
+  P_.diagonal().tail<2>().setConstant(std::pow(params_.sigma_place_deg * kDegree, 2));
   has_position_ = false;
   since_look_m_ = 0.0;
 }
@@ -119,11 +127,14 @@ void LevelKeeping::advance(const Pose& T_odom_lidar) {
   const Eigen::Vector2d lateral = lateralAxis(T_odom_lidar);
   Covariance F = Covariance::Identity();
   F.block<2, 1>(0, 2) = way * lateral;
+  const double kept = std::exp(-way / params_.place_length_m);
+  F.diagonal().tail<2>().setConstant(kept);
   x_ = F * x_;
-  x_.head<2>() -= way * bend_per_m_ * lateral;
+  x_.head<2>() -= way * params_.response * bend_per_m_ * lateral;
   P_ = F * P_ * F.transpose();
   P_.diagonal().head<2>().array() += way * std::pow(params_.tilt_walk_deg * kDegree, 2);
   P_(2, 2) += way * std::pow(params_.drift_walk_deg_per_m * kDegree, 2);
+  P_.diagonal().tail<2>().array() += (1.0 - kept * kept) * std::pow(params_.sigma_place_deg * kDegree, 2);
 }
 
 void LevelKeeping::fillColumns(const std::vector<Eigen::Vector3f>& points_lidar, const Eigen::Matrix3f& R_odom_lidar) {
@@ -133,6 +144,7 @@ void LevelKeeping::fillColumns(const std::vector<Eigen::Vector3f>& points_lidar,
   const auto far2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
   const auto size = static_cast<float>(params_.column_m);
   const float per_cell = 1.0f / size;
+  const auto beams_per_slope = static_cast<float>(1.0 / (params_.beam_step_deg * kDegree));
   const int half = cells_ / 2;
   for (const Eigen::Vector3f& q : points_lidar) {
     if (!(q.z() > low && q.z() < high)) continue;
@@ -148,6 +160,8 @@ void LevelKeeping::fillColumns(const std::vector<Eigen::Vector3f>& points_lidar,
     c.low = c.n > 0.0f ? std::min(c.low, z) : z;
     c.high = c.n > 0.0f ? std::max(c.high, z) : z;
     c.n += 1.0f;
+    const auto beam = static_cast<int>(std::floor(q.z() / std::sqrt(std::max(r2 - q.z() * q.z(), 1e-6f)) * beams_per_slope));
+    c.beams |= std::uint64_t{1} << (static_cast<unsigned>(beam) & 63u);
     c.sum += Eigen::Vector3f(x, y, z);
     c.xx += x * x;
     c.xy += x * y;
@@ -163,6 +177,8 @@ void LevelKeeping::findUprights() {
   report_.surfaces = report_.lines = 0;
   const auto min_points = static_cast<float>(params_.min_points);
   const auto min_extent = static_cast<float>(params_.min_extent_m);
+  const double sigma_surface = params_.sigma_surface_deg * kDegree;
+  const double max_error = params_.max_standard_error_deg * kDegree;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const Column& c = columns_[k];
     if (c.n < min_points || c.high - c.low < min_extent) continue;
@@ -178,23 +194,26 @@ void LevelKeeping::findUprights() {
                                  params_.column_m * (j + 0.5) + static_cast<double>(mean.y()));
     const double range = centre.norm();
     const Eigen::Vector2d away = centre / std::max(range, 1e-9);
+    const double beams = static_cast<double>(std::bitset<64>(c.beams).count());
+    const double error_per_thickness = std::sqrt(12.0 / beams) / static_cast<double>(c.high - c.low);
     if (l[2] > kLineShape * l[1] && l[1] < kMaxLineSigma_m * kMaxLineSigma_m) {
       const Eigen::Vector3d u = eigen.eigenvectors().col(2).cast<double>();
-      if (std::abs(u.z()) < static_cast<double>(kMinLineZ)) continue;
-      const double sigma = params_.sigma_line_deg * kDegree;
-      uprights_.push_back({u.x() / u.z(), sigma, {0.0, 1.0}, away.x(), rangeIndex(range)});
-      uprights_.push_back({u.y() / u.z(), sigma, {-1.0, 0.0}, away.y(), rangeIndex(range)});
+      const double error = std::sqrt(static_cast<double>(std::max(l[1], 0.0f))) * error_per_thickness;
+      if (std::abs(u.z()) < static_cast<double>(kMinLineZ) || error > kMaxLineError) continue;
+      const Eigen::Vector2d slope = u.head<2>() / u.z(), aside(-away.y(), away.x());
+      const double sigma_aside = std::hypot(sigma_surface, kLineErrorShare * error);
+      const double sigma_away = std::hypot(params_.sigma_line_deg * kDegree, sigma_aside);
+      uprights_.push_back({slope.dot(away), sigma_away, {-away.y(), away.x()}, 1.0, rangeIndex(range)});
+      uprights_.push_back({slope.dot(aside), sigma_aside, {-aside.y(), aside.x()}, 0.0, rangeIndex(range)});
       ++report_.lines;
       continue;
     }
-    const double thickness = std::sqrt(static_cast<double>(std::max(l[0], 0.0f)));
-    if (thickness > params_.max_surface_sigma_m || l[1] < kSurfaceShape * l[0]) continue;
+    const double error = std::sqrt(static_cast<double>(std::max(l[0], 0.0f))) * error_per_thickness;
+    if (l[1] < kSurfaceShape * l[0] || error > max_error) continue;
     Eigen::Vector3d n = eigen.eigenvectors().col(0).cast<double>();
     if (std::abs(n.z()) > static_cast<double>(kMaxNormalZ)) continue;
     if (n.head<2>().dot(centre) > 0.0) n = -n;  // towards the sensor
-    const double share = thickness / params_.max_surface_sigma_m;
-    const double sigma = params_.sigma_surface_deg * kDegree * (1.0 + 2.5 * share * share);
-    uprights_.push_back({n.z(), sigma, {n.y(), -n.x()}, 1.0, rangeIndex(range)});
+    uprights_.push_back({n.z(), std::hypot(sigma_surface, error), {n.y(), -n.x()}, 1.0, rangeIndex(range)});
     ++report_.surfaces;
   }
 }
@@ -212,6 +231,7 @@ void LevelKeeping::update() {
     for (const Upright& u : uprights_) {
       State row = State::Zero();
       row.head<2>() = u.tilt;
+      row.segment<2>(kPlace) = u.tilt;
       row[5 + u.range] = u.lean;
       const double residual = u.value - row.dot(x_);
       const double prior_variance = iteration == 0 ? row.dot(P_ * row) : 0.0;
@@ -238,7 +258,8 @@ void LevelKeeping::setBend(const Pose& T_odom_lidar) {
   const Eigen::Vector2d lateral = lateralAxis(T_odom_lidar);
   const double tilt = (x_.head<2>() - x_.segment<2>(3)).dot(lateral);
   const double limit = params_.max_bend_deg_per_m * kDegree;
-  bend_per_m_ = std::clamp(params_.drift_gain * x_[2] + params_.tilt_gain_per_m * tilt, -limit, limit);
+  const double unwanted = params_.drift_gain * x_[2] + params_.tilt_gain_per_m * tilt;
+  bend_per_m_ = std::clamp(unwanted / params_.response, -limit, limit);
   Eigen::Matrix<double, 4, 1> row;
   row << lateral, -lateral;
   Eigen::Matrix4d C;

@@ -50,13 +50,12 @@ struct Drive {
   double worst_late_rad = 0.0;
 };
 
-/// The vehicle stays level; the odometry's pitch drifts, less by what the sweeps are bent.
-Drive drive(LevelKeeping& level, int metres, double drift_deg_per_m, bool respond, double lean_rad = 0.0) {
+/// The vehicle stays level; the odometry's pitch drifts, less by what it makes of the sweeps' bend.
+Drive drive(LevelKeeping& level, int metres, double drift_deg_per_m, double response, double lean_rad = 0.0) {
   std::mt19937 random(7);
   Drive result;
   for (int i = 0; i < metres; ++i) {
-    const double bend = respond ? level.report().bend_deg_per_m : 0.0;
-    result.pitch_error_rad += (drift_deg_per_m - bend) * kDegree;
+    result.pitch_error_rad += (drift_deg_per_m - response * level.report().bend_deg_per_m) * kDegree;
     level.observe(street(random, lean_rad), tilted(i, result.pitch_error_rad));
     if (i > metres / 2) result.worst_late_rad = std::max(result.worst_late_rad, std::abs(result.pitch_error_rad));
   }
@@ -67,8 +66,9 @@ TEST(LevelKeeping, MeasuresDriftAndTilt) {
   LevelKeepingParams params;
   params.max_bend_deg_per_m = 0.0;
   params.tilt_walk_deg = 0.005;
+  params.sigma_place_deg = 0.0;  // this street has none
   LevelKeeping level(params);
-  const Drive result = drive(level, 200, 0.004, false);
+  const Drive result = drive(level, 200, 0.004, 0.0);
   EXPECT_GT(level.report().surfaces, 5u);
   EXPECT_GT(level.report().lines, 2u);
   EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001);
@@ -78,15 +78,49 @@ TEST(LevelKeeping, MeasuresDriftAndTilt) {
 
 TEST(LevelKeeping, BendEndsTheDrift) {
   LevelKeeping level;
-  const Drive result = drive(level, 300, 0.004, true);
+  const double response = LevelKeepingParams().response;
+  const Drive result = drive(level, 300, 0.004, response);
   EXPECT_LT(result.worst_late_rad, 0.25 * kDegree);  // 1.2 deg without
-  EXPECT_NEAR(level.report().bend_deg_per_m, 0.004, 0.0015);
+  EXPECT_NEAR(response * level.report().bend_deg_per_m, 0.004, 0.0015);
 }
 
 TEST(LevelKeeping, ALeanOfEverythingIsNoTilt) {
   LevelKeeping level;
-  const Drive result = drive(level, 200, 0.0, true, 1.0 * kDegree);
+  const Drive result = drive(level, 200, 0.0, 1.0, 1.0 * kDegree);
   EXPECT_LT(result.worst_late_rad, 0.1 * kDegree);
+}
+
+TEST(LevelKeeping, WhatStandsAtOnePlaceMayLeanAlike) {
+  const auto driftSigma = [](double sigma_place_deg) {
+    LevelKeepingParams params;
+    params.sigma_place_deg = sigma_place_deg;
+    LevelKeeping level(params);
+    drive(level, 60, 0.004, 0.0);
+    return level.report().drift_sigma_deg_per_m;
+  };
+  EXPECT_GT(driftSigma(0.5), 1.3 * driftSigma(0.0));
+}
+
+TEST(LevelKeeping, LowAndThickColumnsCountLittle) {
+  // after half of the way low rough banks, ahead and behind, lean by 2 deg beside upright walls
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.025);
+  LevelKeepingParams params;
+  params.max_bend_deg_per_m = 0.0;
+  LevelKeeping level(params);
+  for (int i = 0; i < 100; ++i) {
+    std::vector<Eigen::Vector3f> points = street(random);
+    for (double y = -15.0; i >= 50 && y < 15.0; y += 0.1) {
+      for (double z = -1.1; z < -0.3; z += 0.15) {
+        for (const double x : {-18.0, 18.0}) {
+          points.push_back(Eigen::Vector3d(x + std::tan(2.0 * kDegree) * z + noise(random), y, z).cast<float>());
+        }
+      }
+    }
+    level.observe(points, tilted(i, 0.0));
+  }
+  EXPECT_NEAR(level.report().tilt_deg, 0.0, 0.1);
+  EXPECT_NEAR(level.report().drift_deg_per_m, 0.0, 0.001);
 }
 
 TEST(LevelKeeping, NothingUprightChangesNothing) {
@@ -107,7 +141,7 @@ TEST(LevelKeeping, BendIsBoundedAndRaisesWhatIsFar) {
   LevelKeepingParams params;
   params.max_bend_deg_per_m = 0.002;
   LevelKeeping level(params);
-  drive(level, 200, 0.02, false);
+  drive(level, 200, 0.02, 0.0);
   EXPECT_DOUBLE_EQ(level.report().bend_deg_per_m, 0.002);
   std::vector<Eigen::Vector3f> points = {{10.0f, 0.0f, -1.0f}, {0.0f, -40.0f, 0.0f}, {80.0f, 0.0f, 2.0f}};
   level.apply(points);
@@ -119,11 +153,11 @@ TEST(LevelKeeping, BendIsBoundedAndRaisesWhatIsFar) {
 
 TEST(LevelKeeping, ResetBeginsAnew) {
   LevelKeeping once, again;
-  drive(again, 200, 0.004, true);
+  drive(again, 200, 0.004, 1.0);
   again.reset();
   EXPECT_EQ(again.report().looks, 0u);
-  drive(once, 100, 0.004, true);
-  drive(again, 100, 0.004, true);
+  drive(once, 100, 0.004, 1.0);
+  drive(again, 100, 0.004, 1.0);
   EXPECT_EQ(once.report().bend_deg_per_m, again.report().bend_deg_per_m);
   EXPECT_EQ(once.report().tilt_deg, again.report().tilt_deg);
 }
@@ -147,6 +181,9 @@ TEST(LevelKeeping, RefusesBadParameters) {
   EXPECT_THROW(LevelKeeping{params}, ParameterError);
   params = LevelKeepingParams();
   params.correlation_inflation = 0.5;
+  EXPECT_THROW(LevelKeeping{params}, ParameterError);
+  params = LevelKeepingParams();
+  params.response = 0.0;
   EXPECT_THROW(LevelKeeping{params}, ParameterError);
 }
 

@@ -8,10 +8,13 @@
 // From a sweep, every `look_every_m`, columns are taken: a wall's normal n, a trunk's direction u. In odom, tilted by
 // (d_x, d_y) against gravity,
 //   n_z = d_x n_y - d_y n_x + lean(r),   u_xy = (d_y, -d_x) + lean(r) e,   e: away from the sensor
-// where lean(r), of whatever is at range r, comes of the beams' range errors. A Kalman filter over the way s holds d, its
-// value at the start, the drift of pitch and the leans:  dd/ds = (drift - bend) lateral axis + noise.
+// where lean(r), of whatever is at range r, comes of the beams' range errors. How far a column's lean can be trusted is its
+// standard error: thickness over height, by the number of beams that hit it. A Kalman filter over the way s holds d, its
+// value at the start, the drift of pitch, the leans, and what leans alike at one place and is another `place_length_m` on
+// (without it many columns that err together would be believed too much):  dd/ds = (drift - response bend) lateral axis + noise.
 // Sweeps are bent by `bend` (z += bend h min(h, bend_range) / 2) so that the drift ends and what has come of it
-// slowly goes: bend = drift_gain drift + tilt_gain (d - d_start) . lateral axis, within max_bend. The pose is never touched.
+// slowly goes: response bend = drift_gain drift + tilt_gain (d - d_start) . lateral axis, within max_bend. The pose is never
+// touched.
 //
 // Failure is data: where nothing stands upright the sigmas stay as large as the priors, and the bend where it was.
 // Columns off by more than their sigmas hardly count; when most are, the tilt is let go and found anew.
@@ -20,6 +23,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
@@ -36,16 +40,20 @@ struct LevelKeepingParams {
   double max_height_m = 3.0;
   int min_points = 12;                        ///< in a column
   double min_extent_m = 0.7;                  ///< height from a column's lowest to its highest point
-  double max_surface_sigma_m = 0.04;          ///< thicker surfaces are none
-  double sigma_surface_deg = 0.4;             ///< how upright a thin surface stands; more for thicker ones
-  double sigma_line_deg = 1.2;                ///< likewise trunks and poles
-  double sigma_lean_deg = 0.7;                ///< apparent lean at a range, from range errors
-  double sigma_drift_deg_per_m = 0.0028;      ///< of pitch, to begin with
+  double beam_step_deg = 0.4;                 ///< beams nearer to each other count as one
+  double max_standard_error_deg = 3.0;        ///< of the lean of a surface; larger ones say nothing
+  double sigma_surface_deg = 0.05;            ///< how upright surfaces stand, beside their standard error
+  double sigma_line_deg = 1.0;                ///< likewise trunks and poles, towards the sensor and away, from range errors
+  double sigma_lean_deg = 1.0;                ///< apparent lean at a range, likewise
+  double sigma_place_deg = 0.3;               ///< what all at one place leans alike
+  double place_length_m = 6.0;
+  double sigma_drift_deg_per_m = 0.005;       ///< of pitch, to begin with
   double drift_walk_deg_per_m = 4.5e-5;       ///< its change: sigma after one metre, grows with the root of the way
   double tilt_walk_deg = 0.02;                ///< of the tilt beside the drift, likewise
-  double correlation_inflation = 6.0;         ///< neighbouring looks see the same columns
-  double tilt_gain_per_m = 0.05;
-  double drift_gain = 0.5;
+  double correlation_inflation = 2.0;         ///< neighbouring looks see the same columns
+  double response = 0.66;                     ///< of pitch to a bend, against what ground alone would give: walls hold
+  double tilt_gain_per_m = 0.04;
+  double drift_gain = 1.0;
   double max_bend_deg_per_m = 0.008;
   double bend_range_m = 40.0;                 ///< farther out the bend goes on straight
 
@@ -60,14 +68,18 @@ struct LevelKeepingParams {
     v("max_height_m", self.max_height_m);
     v("min_points", self.min_points);
     v("min_extent_m", self.min_extent_m);
-    v("max_surface_sigma_m", self.max_surface_sigma_m);
+    v("beam_step_deg", self.beam_step_deg);
+    v("max_standard_error_deg", self.max_standard_error_deg);
     v("sigma_surface_deg", self.sigma_surface_deg);
     v("sigma_line_deg", self.sigma_line_deg);
     v("sigma_lean_deg", self.sigma_lean_deg);
+    v("sigma_place_deg", self.sigma_place_deg);
+    v("place_length_m", self.place_length_m);
     v("sigma_drift_deg_per_m", self.sigma_drift_deg_per_m);
     v("drift_walk_deg_per_m", self.drift_walk_deg_per_m);
     v("tilt_walk_deg", self.tilt_walk_deg);
     v("correlation_inflation", self.correlation_inflation);
+    v("response", self.response);
     v("tilt_gain_per_m", self.tilt_gain_per_m);
     v("drift_gain", self.drift_gain);
     v("max_bend_deg_per_m", self.max_bend_deg_per_m);
@@ -107,7 +119,8 @@ class LevelKeeping {
 
  private:
   static constexpr int kRanges = 5;
-  static constexpr int kStates = 5 + kRanges;  ///< tilt x y, drift, tilt x y at the start, leans
+  static constexpr int kPlace = 5 + kRanges;
+  static constexpr int kStates = kPlace + 2;  ///< tilt x y, drift, tilt x y at the start, leans by range, of the place
   using State = Eigen::Matrix<double, kStates, 1>;
   using Covariance = Eigen::Matrix<double, kStates, kStates>;
 
@@ -116,6 +129,7 @@ class LevelKeeping {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
     float low = 0.0f, high = 0.0f;
+    std::uint64_t beams = 0;  ///< a bit an elevation
   };
   struct Upright {  ///< one scalar equation: value = row . state
     double value;
