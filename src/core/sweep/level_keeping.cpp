@@ -160,7 +160,8 @@ void LevelKeeping::fillColumns(const std::vector<Eigen::Vector3f>& points_lidar,
     c.low = c.n > 0.0f ? std::min(c.low, z) : z;
     c.high = c.n > 0.0f ? std::max(c.high, z) : z;
     c.n += 1.0f;
-    const auto beam = static_cast<int>(std::floor(q.z() / std::sqrt(std::max(r2 - q.z() * q.z(), 1e-6f)) * beams_per_slope));
+    const float slope = q.z() / std::sqrt(std::max(r2 - q.z() * q.z(), 1e-6f));
+    const auto beam = static_cast<int>(std::floor(slope * beams_per_slope));
     c.beams |= std::uint64_t{1} << (static_cast<unsigned>(beam) & 63u);
     c.sum += Eigen::Vector3f(x, y, z);
     c.xx += x * x;

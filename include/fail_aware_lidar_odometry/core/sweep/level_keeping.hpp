@@ -1,19 +1,20 @@
 // Keeps the odometry level by what stands upright.
 //
-// The beams of a real head point a little off. Level road then looks bent, and matched against a map that is bent alike
+// The beams of a real head point a little off. Level road then looks bent; matched against a map that is bent alike
 // it turns into a false pitch of the same sign on every metre: most of what lidar odometry drifts in height. The road
 // cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre are
-// the same to a matcher. But house walls, trunks and poles stand upright, and elevation errors do not lean them over.
+// the same to a matcher. But house walls, trunks and poles stand upright; elevation errors do not lean them over.
 //
 // From a sweep, every `look_every_m`, columns are taken: a wall's normal n, a trunk's direction u. In odom, tilted by
 // (d_x, d_y) against gravity,
 //   n_z = d_x n_y - d_y n_x + lean(r),   u_xy = (d_y, -d_x) + lean(r) e,   e: away from the sensor
-// where lean(r), of whatever is at range r, comes of the beams' range errors. How far a column's lean can be trusted is its
-// standard error: thickness over height, by the number of beams that hit it. A Kalman filter over the way s holds d, its
-// value at the start, the drift of pitch, the leans, and what leans alike at one place and is another `place_length_m` on
-// (without it many columns that err together would be believed too much):  dd/ds = (drift - response bend) lateral axis + noise.
-// Sweeps are bent by `bend` (z += bend h min(h, bend_range) / 2) so that the drift ends and what has come of it
-// slowly goes: response bend = drift_gain drift + tilt_gain (d - d_start) . lateral axis, within max_bend. The pose is never
+// where lean(r), of whatever is at range r, comes of the beams' range errors. How far a column's lean can be trusted is
+// its standard error: thickness over height, by the number of beams that hit it. A Kalman filter over the way s holds d,
+// its value at the start, the drift of pitch, the leans, and what leans alike at one place and is another
+// `place_length_m` on (without it many columns that err together would be believed too much):
+//   dd/ds = (drift - response bend) lateral axis + noise
+// Sweeps are bent by `bend` (z += bend h min(h, bend_range) / 2) so that the drift ends and what has come of it slowly
+// goes: response bend = drift_gain drift + tilt_gain (d - d_start) . lateral axis, within max_bend. The pose is never
 // touched.
 //
 // Failure is data: where nothing stands upright the sigmas stay as large as the priors, and the bend where it was.
