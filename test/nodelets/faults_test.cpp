@@ -193,7 +193,11 @@ TEST_F(Faults, UnloadedInTheMiddleOfASweepANodeletTakesNothingWithIt) {
     ASSERT_TRUE(graph_.waitUntilLinked()) << name;
   }
   graph_.sendTransform();
-  ASSERT_TRUE(graph_.start(streetCloud(next_++)));
+  // A topic that is advertised anew at once keeps its links in roscpp's list while they are mended, some tenths of a second
+  // later: what goes there at first may be lost.
+  bool answered = false;
+  for (int i = 0; i < 3 && !answered; ++i) answered = graph_.drive(streetCloud(next_++), 10.0);
+  ASSERT_TRUE(answered);
   for (int i = 0; i < 3; ++i) drive();
   EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
   setDeadline(600.0);
