@@ -9,6 +9,7 @@
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
@@ -89,6 +90,7 @@ struct OdometryPipeline::Stages {
   }
 
   SweepResult step(Sweep& sweep);
+  void beginDrive(const Pose& T_odom_cog);
   void measure(const SweepPrediction& prediction, SweepResult& result);
   SweepCondition condition(const Sweep& sweep, const SweepFindings& findings, const SweepResult& result) const;
 
@@ -151,10 +153,22 @@ SweepCondition OdometryPipeline::Stages::condition(const Sweep& sweep, const Swe
   return condition;
 }
 
+void OdometryPipeline::Stages::beginDrive(const Pose& T_odom_cog) {
+  corrector.reset();
+  filter.reset(T_odom_cog);
+  front.reset();
+  corner_measurement.reset();
+  monitor.reset();
+}
+
 SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   SweepResult result;
   Stopwatch total, stage;
   SweepPrediction prediction;
+  const FilterState& last = filter.state();
+  if (filter.started() && stampOrder(sweep.stamp_s - last.stamp_s) == StampOrder::kJumpedBack) {
+    beginDrive(Pose(last.T_odom_cog));
+  }
   if (!filter.predict(sweep.stamp_s, prediction)) {
     result.status = SweepStatus::kStampNotAdvancing;
     result.state = filter.state();
@@ -197,13 +211,8 @@ SweepResult OdometryPipeline::step(Sweep& sweep) { return stages_->step(sweep); 
 void OdometryPipeline::startRedundant() { stages_->monitor.start(); }
 
 void OdometryPipeline::reset() {
-  Stages& s = *stages_;
-  s.check.reset();
-  s.corrector.reset();
-  s.filter.reset(s.T_base_cog);
-  s.front.reset();
-  s.corner_measurement.reset();
-  s.monitor.reset();
+  stages_->check.reset();
+  stages_->beginDrive(stages_->T_base_cog);
 }
 
 const LevelKeeping& OdometryPipeline::levelKeeping() const { return stages_->corrector.levelKeeping(); }

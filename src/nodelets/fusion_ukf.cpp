@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "bounded_path.hpp"
+#include "deferred_call.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
@@ -45,10 +46,16 @@
 namespace fail_aware {
 
 class FusionUkfNodelet : public nodelet::Nodelet {
+ public:
+  ~FusionUkfNodelet() override {
+    if (sources_) sources_->stopListening();  // they call opening_, which calls them
+  }
+
  private:
   using Config = fail_aware_lidar_odometry::FusionUkfConfig;
 
   static constexpr std::uint32_t kQueue = 8;
+  static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; what is lost is lost here, and counted
   static constexpr double kDeadlineCheck_s = 0.01;
   static constexpr std::size_t kHeld = 3;  ///< fewer than the correction keeps clouds
 
@@ -101,8 +108,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     save_service_ = private_node.advertiseService("save_trajectory", &FusionUkfNodelet::onSaveTrajectory, this);
     deadline_timer_ = node.createSteadyTimer(ros::WallDuration(kDeadlineCheck_s),
                                              [this](const ros::SteadyTimerEvent&) { onTick(); });
+    opening_ = std::make_unique<DeferredCall>(node, [this] { openNext(); });
     set_pose_subscriber_ = node.subscribe("set_pose", 1, &FusionUkfNodelet::onSetPose, this);
-    cloud_subscriber_ = node.subscribe("points", kQueue, &FusionUkfNodelet::onCloud, this);
+    cloud_subscriber_ = node.subscribe("points", kCloudQueue, &FusionUkfNodelet::onCloud, this);
     health_ = std::make_unique<Health>(node, private_node, getName(), "odometry",
                                        [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
@@ -158,7 +166,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       reset();
       intake_.offer(header);
     }
-    openNext();
+    opening_->request();  // once all the clouds that are here were offered
   }
 
   // ---- one sweep ----------------------------------------------------------------------------------------------------
@@ -191,7 +199,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void onAnswer() {
     if (!open_ || !sources_->allAnswered()) return;
     close();
-    openNext();
+    opening_->request();
   }
 
   void onTick() {
@@ -202,7 +210,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void checkDeadline() {
     if (!open_ || (ros::SteadyTime::now() < deadline_at_ && !sources_->allAnswered())) return;
     close();
-    openNext();
+    opening_->request();
   }
 
   void close() {
@@ -276,6 +284,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     odometry_covariance_.reset(start_sigmas_.cwiseAbs2().asDiagonal());
     intake_.clear(open_.has_value());
     open_.reset();
+    counts_.no_transform += held_.size();
     held_.clear();
     pose_setting_.clear();
     sources_->reset();
@@ -377,6 +386,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   // What calls back is destroyed first, and waits for a call that is under way.
   std::unique_ptr<MeasurementSources> sources_;
   std::unique_ptr<Reconfiguration<Config, FusionUkfTuning>> reconfiguration_;
+  std::unique_ptr<DeferredCall> opening_;
   ros::Subscriber cloud_subscriber_, set_pose_subscriber_;
   ros::ServiceServer reset_service_, save_service_;
   ros::SteadyTimer deadline_timer_;

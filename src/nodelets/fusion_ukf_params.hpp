@@ -4,6 +4,7 @@
 #include <string>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 
 namespace fail_aware {
 
@@ -15,7 +16,7 @@ struct FusionUkfNodeletParams {
   double deadline_s = 0.25;                 ///< from prediction to closing a sweep
   double first_deadline_s = 2.0;            ///< while no motion is known: the search for it takes longer
   int queue_size = 3;                       ///< sweeps that may wait for the open one
-  double max_reorder_s = 0.5;               ///< a stamp further back than this is a jump in time: reset
+  double max_reorder_s = kMaxReorder_s;     ///< a stamp further back than this is a jump in time: reset
   int absent_after_sweeps = 3;              ///< misses in a row until a source is no longer waited for
   int path_max_poses = 2000;
   double path_spacing_m = 0.5;

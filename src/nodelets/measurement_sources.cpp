@@ -79,8 +79,10 @@ MeasurementSources::MeasurementSources(ros::NodeHandle node, const std::map<std:
   }
 }
 
+MeasurementSources::~MeasurementSources() { stopListening(); }
+
 // Each waits for a call that is under way, which needs all the members.
-MeasurementSources::~MeasurementSources() {
+void MeasurementSources::stopListening() {
   check_subscriber_.shutdown();
   for (Source& source : sources_) source.subscriber.shutdown();
 }

@@ -50,6 +50,8 @@ class MeasurementSources {
   MeasurementSources(ros::NodeHandle node, const std::map<std::string, ExtraSourceParams>& extra,
                      const std::string& odom_frame, std::function<void()> answered);
   ~MeasurementSources();
+  /// `answered` is called no more.
+  void stopListening();
   MeasurementSources(const MeasurementSources&) = delete;
   MeasurementSources& operator=(const MeasurementSources&) = delete;
 

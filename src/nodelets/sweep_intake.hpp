@@ -1,14 +1,19 @@
 // Which clouds become sweeps: stamps must advance, and only a few may wait for the one in work. What is refused is
 // counted by its cause, and counts as dropped before the next estimate.
+//
+// The queue is for a sweep that takes longer now and then. Each overflow lets one sweep fewer wait, at last only the
+// newest, until none waits: whoever cannot follow for long skips sweeps in any case, and so his estimates are not late.
 #pragma once
 
 #include <ros/time.h>
 #include <std_msgs/Header.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
 #include <optional>
 
+#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "stamps.hpp"
 
 namespace fail_aware {
@@ -25,7 +30,7 @@ class SweepIntake {
   };
 
   void setLimits(std::size_t queue_size, double max_reorder_s) {
-    queue_size_ = queue_size;
+    queue_size_ = may_wait_ = queue_size;
     max_reorder_s_ = max_reorder_s;
   }
 
@@ -34,14 +39,18 @@ class SweepIntake {
       refuseStamp();
       return Verdict::kRefused;
     }
-    if (!newest_.isZero() && header.stamp <= newest_) {
-      if (behind_s(header.stamp) > max_reorder_s_) return Verdict::kJumpedBack;
-      lose(header.stamp == newest_ ? counts_.duplicate : counts_.reordered);
-      return Verdict::kRefused;
+    if (!newest_.isZero()) {
+      switch (stampOrder(secondsFrom(newest_, header.stamp), max_reorder_s_)) {
+        case StampOrder::kAdvances: break;
+        case StampOrder::kSame: lose(counts_.duplicate); return Verdict::kRefused;
+        case StampOrder::kReordered: lose(counts_.reordered); return Verdict::kRefused;
+        case StampOrder::kJumpedBack: return Verdict::kJumpedBack;
+      }
     }
     newest_ = header.stamp;
     waiting_.push_back(header);
-    if (waiting_.size() > queue_size_) {
+    if (waiting_.size() > may_wait_) may_wait_ = std::max<std::size_t>(1, may_wait_ - 1);
+    while (waiting_.size() > may_wait_) {
       waiting_.pop_front();
       lose(counts_.overload);
     }
@@ -53,8 +62,12 @@ class SweepIntake {
 
   double behind_s(const ros::Time& stamp) const { return secondsFrom(stamp, newest_); }
 
+  /// To be asked when no sweep is in work.
   std::optional<std_msgs::Header> next() {
-    if (waiting_.empty()) return std::nullopt;
+    if (waiting_.empty()) {
+      may_wait_ = queue_size_;
+      return std::nullopt;
+    }
     const std_msgs::Header header = waiting_.front();
     waiting_.pop_front();
     return header;
@@ -71,6 +84,7 @@ class SweepIntake {
   void clear(bool in_work = false) {
     counts_.reset += waiting_.size() + (in_work ? 1 : 0);
     waiting_.clear();
+    may_wait_ = queue_size_;
     newest_ = ros::Time();
     dropped_ = 0;
   }
@@ -84,7 +98,8 @@ class SweepIntake {
   }
 
   std::size_t queue_size_ = 3;
-  double max_reorder_s_ = 0.5;
+  std::size_t may_wait_ = 3;  ///< now
+  double max_reorder_s_ = kMaxReorder_s;
   std::deque<std_msgs::Header> waiting_;
   ros::Time newest_;  ///< accepted
   int dropped_ = 0;

@@ -193,7 +193,7 @@ TEST(OdometryPipeline, AStampThatDoesNotAdvanceIsRefused) {
     if (i != 5) continue;
     Sweep back = sweeps[5];
     back.stamp_s = sweeps[2].stamp_s;
-    for (const Sweep& refused : {sweeps[5], back, emptyAt(sweeps[5].stamp_s), emptyAt(-1.0)}) {
+    for (const Sweep& refused : {sweeps[5], back, emptyAt(sweeps[5].stamp_s)}) {
       const SweepResult r = stepWith(pipeline, refused);
       EXPECT_EQ(r.status, SweepStatus::kStampNotAdvancing);
       EXPECT_TRUE(sameBits(r.T_odom_base, results.back().T_odom_base)) << "the pose is the last one";
@@ -202,6 +202,22 @@ TEST(OdometryPipeline, AStampThatDoesNotAdvanceIsRefused) {
     }
   }
   expectSame(expected, results, "refused sweeps leave no trace");
+}
+
+TEST(OdometryPipeline, AStampThatJumpsBackBeginsADriveAtTheLastPose) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 14);
+  for (std::size_t i = 7; i < sweeps.size(); ++i) sweeps[i].stamp_s -= 5.0;
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_EQ(results[7].status, SweepStatus::kFirst);
+  EXPECT_TRUE(results[7].condition.time_jump);
+  EXPECT_TRUE(results[7].T_odom_base.isApprox(results[6].T_odom_base, 1e-9));
+  EXPECT_EQ(results[7].monitor.sigma_x_m, 0.0) << "t1 anew";
+  for (std::size_t i = 9; i < sweeps.size(); ++i) EXPECT_EQ(results[i].status, SweepStatus::kCorrected) << i;
+  EXPECT_TRUE(results[13].monitor.time_to_failure.isKnown()) << "it keeps serving";
+  const Pose since = results[7].T_odom_base.inverse() * results[13].T_odom_base;
+  EXPECT_LT(poseError(since, kDrive.T_odom_base(1.3, 0.7)).horizontal_m, 0.05);
 }
 
 TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {

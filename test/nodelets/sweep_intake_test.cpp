@@ -24,12 +24,31 @@ TEST(SweepIntake, SweepsComeOutInTheirOrder) {
 
 TEST(SweepIntake, OverloadDropsTheOldestAndCountsIt) {
   SweepIntake intake;
-  intake.setLimits(2, 0.5);
-  for (int i = 0; i < 5; ++i) intake.offer(at(10.0 + 0.1 * i));
-  EXPECT_EQ(intake.counts().overload, 3u);
-  EXPECT_EQ(intake.takeDropped(), 3);
+  intake.setLimits(3, 0.5);
+  for (int i = 0; i < 4; ++i) intake.offer(at(10.0 + 0.1 * i));
+  EXPECT_EQ(intake.counts().overload, 2u) << "two may wait now";
+  EXPECT_EQ(intake.takeDropped(), 2);
   EXPECT_EQ(intake.takeDropped(), 0) << "told once";
-  EXPECT_EQ(intake.next()->stamp, ros::Time(10.3));
+  EXPECT_EQ(intake.next()->stamp, ros::Time(10.2));
+}
+
+TEST(SweepIntake, WhoCannotFollowForLongGetsTheNewestUntilHeHasCaughtUp) {
+  SweepIntake intake;
+  intake.setLimits(3, 0.5);
+  int i = 0;
+  const auto offer = [&](int sweeps) {
+    for (int k = 0; k < sweeps; ++k) intake.offer(at(10.0 + 0.1 * i++));
+  };
+  offer(6);
+  for (int round = 0; round < 3; ++round) {
+    offer(2);
+    EXPECT_EQ(intake.next()->stamp, ros::Time(10.0 + 0.1 * (i - 1))) << "the newest";
+  }
+  EXPECT_EQ(intake.counts().overload, 9u);
+  EXPECT_FALSE(intake.next()) << "caught up";
+  offer(3);
+  EXPECT_EQ(intake.counts().overload, 9u) << "three may wait again";
+  EXPECT_EQ(intake.next()->stamp, ros::Time(10.0 + 0.1 * (i - 3)));
 }
 
 TEST(SweepIntake, StampsThatDoNotAdvanceAreRefusedByTheirCause) {

@@ -20,10 +20,10 @@
 namespace fail_aware {
 
 enum class SweepStatus {
-  kFirst,              ///< defines odom; nothing to register against
+  kFirst,              ///< defines odom, or goes on from the last pose where stamps jumped back; nothing to register against
   kCorrected,          ///< measured and fused
   kPredicted,          ///< no usable measurement: the pose is the prediction
-  kStampNotAdvancing,  ///< duplicate, or back in time: refused, the pose is the last one
+  kStampNotAdvancing,  ///< duplicate, or out of order (stamp_order.hpp): refused, the pose is the last one
 };
 
 const char* toString(SweepStatus status);
@@ -58,6 +58,7 @@ class OdometryPipeline {
   OdometryPipeline(const PipelineParameters& params, int threads);
   ~OdometryPipeline();
 
+  /// A stamp that jumped back (stamp_order.hpp) begins a drive at the last pose: reference, motion and t1 anew.
   /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model carries the pose. It is used up.
   SweepResult step(Sweep& sweep);
 
