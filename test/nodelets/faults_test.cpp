@@ -1,5 +1,6 @@
 // What the graph says when a nodelet is absent from the start, is unloaded in flight, and comes back: each in turn, in
 // one manager. Order of events, not time: the very next sweep tells.
+#include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <rosgraph_msgs/Log.h>
 #include <std_srvs/Trigger.h>
@@ -41,6 +42,17 @@ class Faults : public testing::Test {
   void setDeadline(double seconds) {
     graph_.node().setParam("fusion_ukf/deadline_s", seconds);
     graph_.node().setParam("fusion_ukf/first_deadline_s", seconds);
+  }
+  /// Of the FusionUkf that runs.
+  bool reconfigureDeadline(double seconds) {
+    dynamic_reconfigure::Reconfigure call;
+    dynamic_reconfigure::DoubleParameter value;
+    value.value = seconds;
+    for (const char* name : {"deadline_s", "first_deadline_s"}) {
+      value.name = name;
+      call.request.config.doubles.push_back(value);
+    }
+    return ros::service::call(graph_.topic("fusion_ukf/set_parameters"), call);
   }
   void waitForLinks(const std::vector<std::string>& names) {
     std::vector<std::string> topics;
@@ -246,6 +258,9 @@ TEST_F(Faults, AStageThatIsConnectedButSilentIsWaitedForToTheDeadlineAndThenNoLo
   start();
   if (HasFatalFailure()) return;
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(has(drive(), Reason::REASON_NO_ANSWER | Reason::REASON_MISSING_CORNERS)) << i;
+  // From here on no deadline comes: a sweep is closed when nobody is left to wait for, on however slow a machine.
+  ASSERT_TRUE(reconfigureDeadline(600.0));
+  drive();
   // it speaks, too late, of the last sweep: the next one waits for it again
   messages::PoseMeasurement late;
   late.header.stamp = stampOfSweep(next_ - 1);
@@ -258,9 +273,7 @@ TEST_F(Faults, AStageThatIsConnectedButSilentIsWaitedForToTheDeadlineAndThenNoLo
         silent.publish(late);
       });
   ASSERT_TRUE(waitFor([&] { return answer.getNumPublishers() > 0; }));
-  bool answered = false;
-  for (int i = 0; i < 10 && !answered; ++i) answered = !has(drive(), Reason::REASON_NO_ANSWER);
-  EXPECT_TRUE(answered);
+  EXPECT_TRUE(waitFor([&] { return !has(drive(), Reason::REASON_NO_ANSWER); }));
 }
 
 }  // namespace

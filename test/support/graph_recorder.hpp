@@ -3,6 +3,8 @@
 
 #include <ros/ros.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <map>
 #include <string>
@@ -10,7 +12,13 @@
 
 namespace fail_aware {
 
-inline constexpr double kPatience_s = 30.0;
+/// The environment's FAIL_AWARE_TEST_PATIENCE is a factor, for builds that are slow (scripts/test --sanitize).
+inline double patienceFactor() {
+  const char* factor = std::getenv("FAIL_AWARE_TEST_PATIENCE");
+  return factor == nullptr ? 1.0 : std::max(1.0, std::atof(factor));
+}
+
+inline const double kPatience_s = 30.0 * patienceFactor();
 
 inline bool waitFor(const std::function<bool()>& condition, double patience_s = kPatience_s) {
   const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(patience_s);
