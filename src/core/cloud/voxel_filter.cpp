@@ -17,35 +17,43 @@ VoxelKey keyOf(const Eigen::Vector3f& p, float inverse_size) {
 
 }  // namespace
 
-void VoxelFilter::prepare(std::size_t points) {
-  std::size_t wanted = 1024;
-  while (wanted < points) wanted *= 2;  // kept points are far fewer than points: load stays low
-  if (table_.size() < wanted) {
-    table_.assign(wanted, Slot{0, 0});
-    mask_ = wanted - 1;
-    generation_ = 0;
-  }
+void VoxelFilter::prepare() {
+  if (table_.empty()) resize(1024);
   if (++generation_ == 0) {
     table_.assign(table_.size(), Slot{0, 0});
     generation_ = 1;
   }
+  filled_ = 0;
   kept_.clear();
 }
 
-bool VoxelFilter::insert(VoxelKey key) {
+void VoxelFilter::resize(std::size_t slots) {
+  std::vector<Slot> old(slots, Slot{0, 0});
+  old.swap(table_);
+  mask_ = slots - 1;
+  for (const Slot& slot : old) {
+    if (slot.generation == generation_) *find(slot.key) = slot;
+  }
+}
+
+VoxelFilter::Slot* VoxelFilter::find(VoxelKey key) {
   for (std::size_t i = VoxelHash{}(key)&mask_;; i = (i + 1) & mask_) {
     Slot& slot = table_[i];
-    if (slot.generation != generation_) {
-      slot = {key, generation_};
-      return true;
-    }
-    if (slot.key == key) return false;
+    if (slot.generation != generation_ || slot.key == key) return &slot;
   }
+}
+
+bool VoxelFilter::insert(VoxelKey key) {
+  Slot* slot = find(key);
+  if (slot->generation == generation_) return false;
+  *slot = {key, generation_};
+  if (2 * ++filled_ > table_.size()) resize(2 * table_.size());
+  return true;
 }
 
 const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
                                                       double min_range_m, double max_range_m) {
-  prepare(2 * points.size());
+  prepare();
   constexpr double kLargest = std::numeric_limits<float>::max();  // whatever the limit, infinity is beyond it
   const auto min2 = static_cast<float>(min_range_m * min_range_m);
   const auto max2 = static_cast<float>(std::min(max_range_m * max_range_m, kLargest));
@@ -66,7 +74,7 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
                                                       const std::vector<std::uint32_t>& candidates,
                                                       double voxel_size_m) {
   if (&candidates == &kept_) return select(points, std::vector<std::uint32_t>(candidates), voxel_size_m);
-  prepare(2 * candidates.size());
+  prepare();
   if (voxel_size_m <= 0.0) {
     kept_ = candidates;
     return kept_;

@@ -31,10 +31,6 @@ VoxelMap::VoxelMap(const Params& params) : params_(params), inverse_size_(1.0 / 
   params_.validate();
 }
 
-Eigen::Vector3d VoxelMap::centreOf(const Voxel& voxel) const {
-  return params_.voxel_size_m * Eigen::Vector3d(voxel.x + 0.5, voxel.y + 0.5, voxel.z + 0.5);
-}
-
 std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z) {
   const VoxelKey key = packVoxel(x, y, z);
   const auto [it, added] = index_.try_emplace(key, static_cast<std::uint32_t>(voxels_.size()));
@@ -46,6 +42,7 @@ std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z
     voxel.z = z;
     voxels_.push_back(voxel);
     points_.resize(points_.size() + static_cast<std::size_t>(params_.max_points));
+    point_counts_.push_back(0);
   }
   return it->second;
 }
@@ -79,14 +76,14 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
       voxel.touched = true;
       touched_.push_back(i);
     }
-    const auto count = static_cast<std::size_t>(voxel.points_count);
+    const std::size_t count = point_counts_[i];
     if (count < max_points) {
       Eigen::Vector3f* stored = &points_[i * max_points];
       bool spaced = true;
       for (std::size_t k = 0; k < count && spaced; ++k) spaced = (stored[k] - local).squaredNorm() >= spacing2;
       if (spaced) {
         stored[count] = local;
-        ++voxel.points_count;
+        ++point_counts_[i];
       }
     }
   }
@@ -137,6 +134,7 @@ void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position
     if ((centreOf(voxels_[i]) - position_odom).squaredNorm() > range2) continue;
     if (kept != i) {
       voxels_[kept] = voxels_[i];
+      point_counts_[kept] = point_counts_[i];
       std::copy_n(points_.begin() + static_cast<std::ptrdiff_t>(i * max_points), max_points,
                   points_.begin() + static_cast<std::ptrdiff_t>(kept * max_points));
     }
@@ -145,6 +143,7 @@ void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position
   if (kept == voxels_.size()) return;
   voxels_.resize(kept);
   points_.resize(kept * max_points);
+  point_counts_.resize(kept);
   index_.clear();
   for (std::size_t i = 0; i < kept; ++i) index_.emplace(voxels_[i].key, static_cast<std::uint32_t>(i));
 }
@@ -153,6 +152,7 @@ void VoxelMap::clear() {
   index_.clear();
   voxels_.clear();
   points_.clear();
+  point_counts_.clear();
 }
 
 bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const {
@@ -190,17 +190,32 @@ bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) c
 bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
   if (!isInReach(scaled)) return false;
-  const std::int32_t x = fastFloor(scaled.x() - 0.5), y = fastFloor(scaled.y() - 0.5), z = fastFloor(scaled.z() - 0.5);
+  // the eight voxels around the corner of the grid nearest to the query, its own first; `gap2_m2`: how far away the
+  // others begin, along each axis, squared
+  const Eigen::Vector3d corner = (scaled.array() + 0.5).floor();
+  const Eigen::Vector3d beyond = scaled - corner;
+  const Eigen::Vector3f gap2_m2 = (params_.voxel_size_m * beyond).cwiseAbs2().cast<float>();
+  std::int32_t cell[3][2];  // axis; the query's own, the other
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto upper = static_cast<std::int32_t>(corner[axis]);
+    const bool own_is_upper = beyond[axis] >= 0.0;
+    cell[axis][0] = own_is_upper ? upper : upper - 1;
+    cell[axis][1] = own_is_upper ? upper - 1 : upper;
+  }
   const auto max_points = static_cast<std::size_t>(params_.max_points);
   float best = static_cast<float>(max_distance_m * max_distance_m);
   bool found = false;
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto it = index_.find(packVoxel(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2)));
+  for (const int far : {0, 1, 2, 4, 3, 5, 6, 7}) {  // bits: the axes across whose face the voxel lies
+    const bool far_x = (far & 1) != 0, far_y = (far & 2) != 0, far_z = (far & 4) != 0;
+    const float gap2 = (far_x ? gap2_m2.x() : 0.0f) + (far_y ? gap2_m2.y() : 0.0f) + (far_z ? gap2_m2.z() : 0.0f);
+    if (gap2 >= best) continue;
+    const std::int32_t vx = cell[0][far_x], vy = cell[1][far_y], vz = cell[2][far_z];
+    const auto it = index_.find(packVoxel(vx, vy, vz));
     if (it == index_.end()) continue;
-    const Voxel& voxel = voxels_[it->second];
-    const Eigen::Vector3f local = (query_odom - centreOf(voxel)).cast<float>();
+    const Eigen::Vector3f local = (query_odom - centreOf(vx, vy, vz)).cast<float>();
     const Eigen::Vector3f* stored = &points_[it->second * max_points];
-    for (int k = 0; k < voxel.points_count; ++k) {
+    const int count = point_counts_[it->second];
+    for (int k = 0; k < count; ++k) {
       const Eigen::Vector3f offset = stored[k] - local;
       const float d2 = offset.squaredNorm();
       if (d2 < best) {
@@ -219,7 +234,7 @@ std::vector<Eigen::Vector3d> VoxelMap::points() const {
   const auto max_points = static_cast<std::size_t>(params_.max_points);
   std::vector<Eigen::Vector3d> all;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
-    for (int k = 0; k < voxels_[i].points_count; ++k) {
+    for (int k = 0; k < point_counts_[i]; ++k) {
       all.push_back(centreOf(voxels_[i]) + points_[i * max_points + static_cast<std::size_t>(k)].cast<double>());
     }
   }

@@ -28,10 +28,13 @@ class VoxelFilter {
     VoxelKey key;
     std::uint32_t generation;
   };
-  void prepare(std::size_t points);
+  void prepare();
+  void resize(std::size_t slots);
+  Slot* find(VoxelKey key);  ///< where the key is or belongs
   bool insert(VoxelKey key);
 
-  std::vector<Slot> table_;
+  std::vector<Slot> table_;  ///< at most half full; no larger, so that it stays in the cache
+  std::size_t filled_ = 0;
   std::size_t mask_ = 0;
   std::uint32_t generation_ = 0;
   std::vector<std::uint32_t> kept_;

@@ -105,19 +105,22 @@ class VoxelMap {
     std::int32_t x, y, z;
     PlanePatch plane;
     Statistics statistics;
-    int points_count = 0;
     bool touched = false;
   };
 
   std::uint32_t findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z);
   void fitPlane(Voxel& voxel) const;
-  Eigen::Vector3d centreOf(const Voxel& voxel) const;
+  Eigen::Vector3d centreOf(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    return params_.voxel_size_m * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
+  }
+  Eigen::Vector3d centreOf(const Voxel& voxel) const { return centreOf(voxel.x, voxel.y, voxel.z); }
 
   Params params_;
   double inverse_size_;
   tsl::robin_map<VoxelKey, std::uint32_t, VoxelHash> index_;
   std::vector<Voxel> voxels_;
-  std::vector<Eigen::Vector3f> points_;  ///< max_points a voxel, in the order of voxels_
+  std::vector<Eigen::Vector3f> points_;      ///< max_points a voxel, in the order of voxels_
+  std::vector<std::uint8_t> point_counts_;  ///< of these in use; apart from voxels_, so that queries stay in the cache
   std::vector<std::uint32_t> touched_;
 };
 
