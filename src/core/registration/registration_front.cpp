@@ -10,6 +10,7 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kFineStep = 0.25;  // of the search for the first motion, against the step that it begins with
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr double kLongInterval_s = 0.25;    // sweeps are missing
 constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
@@ -143,7 +144,7 @@ void RegistrationFront::addSearchedMotion(Measurement& measurement) const {
   if (!(searched_sigma_m_ > 0.0) || !measurement.ok()) return;
   for (const Eigen::Vector3d axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()}) {
     const double offset_m = axis.dot(T_odom_cog_start_.translation() - measurement.T_odom_cog.translation());
-    addPosition(axis, offset_m, searched_sigma_m_, measurement);
+    addPosition(axis, offset_m, kFineStep * searched_sigma_m_, measurement);
   }
 }
 

@@ -17,6 +17,7 @@ constexpr double kBelowLidar_m = 0.5;   // the road is at least that far below t
 constexpr double kRangeNoise_m = 0.02;  // only the ratio to the relief's matters
 constexpr std::size_t kMinSamples = 1000;
 constexpr double kGateSigmas = 3.0;
+constexpr double kSmallestEnergy = 1e-12;
 
 struct RoadPoint {
   Eigen::Vector3d p;  // axes of the vehicle, origin at the lidar
@@ -114,6 +115,7 @@ void RoadRelief::Params::validate() const {
   requireWithin("min_correlation", min_correlation, 0.0, 1.0);
   requireWithin("max_second_peak", max_second_peak, 0.0, 1.0);
   requirePositive("speed_sigma_mps", speed_sigma_mps);
+  requireNotNegative("mirrored_sigma_mps", mirrored_sigma_mps);
 }
 
 RoadRelief::RoadRelief(const Params& params) : params_(params) { params_.validate(); }
@@ -352,9 +354,12 @@ std::optional<RoadRelief::Speed> RoadRelief::findSpeed(double expected_mps, doub
   Speed speed;
   speed.acceleration_mps2 = acceleration;
   speed.speed_mps = middle_mps + 0.5 * acceleration * span_s;
-  speed.sigma_mps = params_.speed_sigma_mps;
-  speed.correlation = scoreAt(middle_mps, acceleration).correlation;
-  const double tolerance_mps = kGateSigmas * std::hypot(expected_sigma_mps, params_.speed_sigma_mps);
+  const Score here = scoreAt(middle_mps, acceleration);
+  speed.correlation = here.correlation;
+  const double opposite = scoreAt(-middle_mps, -acceleration).energy;
+  const double mirrored = std::max(0.0, opposite / std::max(here.energy, kSmallestEnergy));
+  speed.sigma_mps = std::hypot(params_.speed_sigma_mps, params_.mirrored_sigma_mps * mirrored);
+  const double tolerance_mps = kGateSigmas * std::hypot(expected_sigma_mps, speed.sigma_mps);
   if (speed.correlation < params_.min_correlation || std::abs(speed.speed_mps - expected_mps) > tolerance_mps) {
     last_.reset();
     return std::nullopt;

@@ -262,7 +262,9 @@ TEST(RegistrationFront, aSweepThatCouldNotBeRegisteredDoesNotJoinTheMapAtOnce) {
         predictionOf(stamp_s, 0.1, drive.pose(stamp_s - 0.1), drive.pose(stamp_s - 0.1).inverse() * drive.pose(stamp_s), true);
     ASSERT_TRUE(front.prepare(drive.sweep(stamp_s, 2), prediction, drive.T_cog_lidar));
     front.place(stateOf(prediction, prediction.T_odom_cog, false));
-    if (sweep <= 10) ASSERT_EQ(front.map().points().size(), points) << sweep;
+    if (sweep <= 10) {
+      ASSERT_EQ(front.map().points().size(), points) << sweep;
+    }
   }
   EXPECT_GT(front.map().points().size(), points) << "the map would be out of sight";
 }

@@ -35,7 +35,7 @@ class RegistrationCloudBuilder {
   struct Params {
     double min_range_m = 3.0;  ///< nearer points are the vehicle's own
     double max_range_m = 100.0;
-    double map_voxel_m = 0.3;
+    double map_voxel_m = 0.25;
     double plane_voxel_m = 1.0;
     double point_voxel_m = 1.5;
     int min_points = 500;      ///< a sweep with fewer points in range is not registered

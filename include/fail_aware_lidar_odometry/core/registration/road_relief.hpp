@@ -8,7 +8,8 @@
 // What is left is put on a grid, freed of waves longer than `smoothing_m`, and the sweeps of the last two seconds are
 // laid over each other for speeds v and accelerations a: E(v, a) = sum over cells of (S^2 - sum_k S_k^2) / (W + 1/s^2),
 // S_k, W_k: sums of w * height and w of sweep k, s: `relief_sigma_m`; products of different sweeps only. The peak is
-// taken if it stands out. The shape of the path (heading) comes from the odometry's own estimates.
+// taken if it stands out; the better the opposite motion fits, the less it is trusted: what changes slowly in the sensor's
+// own frame (a vehicle that pitches) fits both alike. The shape of the path (heading) comes from the odometry's own estimates.
 //
 // Failure: nothing, if there are too few sweeps, too little road, no relief (or a vehicle that stands still: then the
 // relief is part of the mean).
@@ -50,6 +51,7 @@ class RoadRelief {
     double min_correlation = 0.1;       ///< of sweeps laid over each other at the peak
     double max_second_peak = 0.7;       ///< share of the highest, in a search over all speeds
     double speed_sigma_mps = 0.6;       ///< of a result; errors of consecutive ones are alike, so more than theirs (0.2)
+    double mirrored_sigma_mps = 8.0;    ///< on top, times the share of the energy that the opposite motion has
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -71,6 +73,7 @@ class RoadRelief {
       v("min_correlation", self.min_correlation);
       v("max_second_peak", self.max_second_peak);
       v("speed_sigma_mps", self.speed_sigma_mps);
+      v("mirrored_sigma_mps", self.mirrored_sigma_mps);
     }
     void validate() const;
   };
