@@ -109,7 +109,7 @@ double MotionInitialization::votes(const std::vector<StandingPoint>& points, std
 }
 
 std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
-                                                        double dt_s) const {
+                                                        double dt_s, double* places_met) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
   std::size_t cells = 0;
   const std::vector<StandingPoint> points = standingPoints(thinned(sweep, T_cog_lidar), cells);
@@ -148,6 +148,7 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
                0.5 * params_.kernel_m);
     }
   }
+  if (places_met != nullptr) *places_met = best_votes;
   return best;
 }
 

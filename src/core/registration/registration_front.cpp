@@ -10,7 +10,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kFineStep = 0.25;  // of the search for the first motion, against the step that it begins with
+constexpr double kFineStep = 0.25;  // of the search for the first motion, against the step that it begins with;
+constexpr double kSurePlaces = 10.0;  // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr double kLongInterval_s = 0.25;    // sweeps are missing
 constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
@@ -144,7 +145,7 @@ void RegistrationFront::addSearchedMotion(Measurement& measurement) const {
   if (!(searched_sigma_m_ > 0.0) || !measurement.ok()) return;
   for (const Eigen::Vector3d axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()}) {
     const double offset_m = axis.dot(T_odom_cog_start_.translation() - measurement.T_odom_cog.translation());
-    addPosition(axis, offset_m, kFineStep * searched_sigma_m_, measurement);
+    addPosition(axis, offset_m, searched_sigma_m_, measurement);
   }
 }
 
@@ -162,15 +163,17 @@ void RegistrationFront::relocalize() {
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                          const Pose& T_cog_lidar) {
   const double since_first_s = secondsBetween(first_cloud_.stamp_s, prediction.stamp_s);
-  const std::optional<Vector6d> twist = initialization_.findTwist(sweep, T_cog_lidar, since_first_s);
+  double places_met = 0.0;
+  const std::optional<Vector6d> twist = initialization_.findTwist(sweep, T_cog_lidar, since_first_s, &places_met);
   if (!twist) return;
   recorrectFor(*twist);
   // from the first sweep on: the last estimate may be a prediction at standstill
   T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * since_first_s);
-  searched_sigma_m_ = initialization_.params().step_mps * since_first_s;
+  const double step_m = initialization_.params().step_mps * since_first_s;
+  searched_sigma_m_ = (places_met >= kSurePlaces ? kFineStep : 1.0) * step_m;
   start_covariance_.topRows<2>().setZero();
   start_covariance_.leftCols<2>().setZero();
-  start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(searched_sigma_m_ * searched_sigma_m_);
+  start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(step_m * step_m);
   if (!only_first_placed_ || !refine_correction_) return;
   RegistrationCloud first = first_cloud_;
   first.recorrect(*twist);

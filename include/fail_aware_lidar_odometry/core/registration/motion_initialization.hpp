@@ -69,7 +69,9 @@ class MotionInitialization {
 
   /// The twist (m/s, rad/s; only forward speed and yaw rate) of the centre of gravity between the first sweep and this
   /// one, dt_s later. Nothing before setFirst(), or if at no speed anything that stands meets the first sweep.
-  std::optional<Vector6d> findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double dt_s) const;
+  /// `places_met`: how many cells' worth of standing points meet the first sweep there.
+  std::optional<Vector6d> findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double dt_s,
+                                    double* places_met = nullptr) const;
 
   void reset();
 
