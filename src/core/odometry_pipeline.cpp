@@ -85,7 +85,7 @@ struct OdometryPipeline::Stages {
         corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                            p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
-        arena(threads) {
+        arena(std::min(threads, tbb::this_task_arena::max_concurrency())) {
     filter.reset(T_base_cog);  // odom begins at base_link
   }
 

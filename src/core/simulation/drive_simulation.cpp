@@ -77,7 +77,7 @@ struct DriveSimulation::Impl {
         lidar(seed, p.lidar),
         traffic(seed),
         vehicle(seed, p.drive, scene.road(), scene.terrain()),
-        arena(threads),
+        arena(std::min(threads, tbb::this_task_arena::max_concurrency())),
         sweeps(static_cast<std::size_t>(std::max(1L, std::lround(p.duration_s / p.lidar.period_s)))) {
     for (VehicleShape shape : kShapes) {
       Mesh mesh;
