@@ -191,7 +191,7 @@ TEST_F(Faults, AResetEndsTheServiceThatWasAskedForUntilItIsAskedForAgain) {
 }
 
 TEST_F(Faults, UnloadedInTheMiddleOfASweepANodeletTakesNothingWithIt) {
-  setDeadline(2.0);
+  setDeadline(2.0 * patienceFactor());
   loadAllBut("");
   ASSERT_TRUE(graph_.waitUntilLinked());
   start();
@@ -208,10 +208,13 @@ TEST_F(Faults, UnloadedInTheMiddleOfASweepANodeletTakesNothingWithIt) {
   // A topic that is advertised anew at once keeps its links in roscpp's list while they are mended, some tenths of a second
   // later: what goes there at first may be lost.
   bool answered = false;
-  for (int i = 0; i < 3 && !answered; ++i) answered = graph_.drive(streetCloud(next_++), 10.0);
+  for (int i = 0; i < 3 && !answered; ++i) answered = graph_.drive(streetCloud(next_++), 10.0 * patienceFactor());
   ASSERT_TRUE(answered);
-  for (int i = 0; i < 3; ++i) drive();
-  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
+  EXPECT_TRUE(waitFor([&] {  // a slow machine may miss a deadline
+    drive();
+    const ros::Time stamp = stampOfSweep(next_ - 1);
+    return graph_.states.count(stamp) > 0 && graph_.states.at(stamp).corrected;
+  }));
   setDeadline(600.0);
 }
 
