@@ -192,15 +192,15 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
   if (!isInReach(scaled)) return false;
   // the eight voxels around the corner of the grid nearest to the query, its own first; `gap2_m2`: how far away the
   // others begin, along each axis, squared
-  const Eigen::Vector3d corner = (scaled.array() + 0.5).floor();
-  const Eigen::Vector3d beyond = scaled - corner;
-  const Eigen::Vector3f gap2_m2 = (params_.voxel_size_m * beyond).cwiseAbs2().cast<float>();
+  Eigen::Vector3f gap2_m2;
   std::int32_t cell[3][2];  // axis; the query's own, the other
   for (int axis = 0; axis < 3; ++axis) {
-    const auto upper = static_cast<std::int32_t>(corner[axis]);
-    const bool own_is_upper = beyond[axis] >= 0.0;
+    const std::int32_t upper = fastFloor(scaled[axis] + 0.5);
+    const double beyond = scaled[axis] - static_cast<double>(upper), gap_m = params_.voxel_size_m * beyond;
+    const bool own_is_upper = beyond >= 0.0;
     cell[axis][0] = own_is_upper ? upper : upper - 1;
     cell[axis][1] = own_is_upper ? upper - 1 : upper;
+    gap2_m2[axis] = static_cast<float>(gap_m * gap_m);
   }
   const auto max_points = static_cast<std::size_t>(params_.max_points);
   float best = static_cast<float>(max_distance_m * max_distance_m);
