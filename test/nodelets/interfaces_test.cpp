@@ -364,8 +364,7 @@ TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
   for (int i = set_at + 1; i <= set_at + 5; ++i) {
     EXPECT_TRUE(stateAt(i).corrected) << i;
     EXPECT_EQ(stateAt(i).odom_epoch, stateAt(set_at).odom_epoch);
-    // one sweep of this thin scene need not hold enough planes for the next one
-    EXPECT_GT(stateAt(i).valid_inputs, i == set_at + 1 ? 0u : 1u) << "references began anew, the motion is known: " << i;
+    EXPECT_GT(stateAt(i).valid_inputs, 1u) << "references began anew, the motion is known";
     expectNear(T_set.inverse() * poseAt(i), truthAt(i, set_at), 0.06, std::to_string(i));
   }
 }
