@@ -157,8 +157,6 @@ ReadResult BagSweepSource::next(Sweep& sweep) {
   return {toReadStatus(read.status), name() + ": " + read.reason};
 }
 
-std::string BagSweepSource::name() const {
-  return path_ + ", cloud " + std::to_string(next_ - 1) + " of " + topic_;
-}
+std::string BagSweepSource::name() const { return path_ + ", cloud " + std::to_string(next_ - 1) + " of " + topic_; }
 
 }  // namespace fail_aware

@@ -139,8 +139,8 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.odom_epoch = state.odom_epoch;
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
-    message.measurement_status.push_back(
-        source.measurement ? static_cast<std::uint8_t>(source.measurement->status) : kNotArrived);
+    message.measurement_status.push_back(source.measurement ? static_cast<std::uint8_t>(source.measurement->status)
+                                                            : kNotArrived);
     message.min_information_share.push_back(source.measurement ? source.measurement->min_information_share : 0.0);
     message.deadline_missed = message.deadline_missed || (source.awaited && !source.measurement);
   }

@@ -138,9 +138,7 @@ std::string timeText(const TimeToFailure& time) {
 }  // namespace
 
 MarkerArray seedMarkers(const std::vector<SeedTrack>& tracks, const std_msgs::Header& header) {
-  const auto usable = [](const SeedTrack& t) {
-    return isFinite(t.T_odom_cog_seed) && isFinite(t.T_odom_cog_end);
-  };
+  const auto usable = [](const SeedTrack& t) { return isFinite(t.T_odom_cog_seed) && isFinite(t.T_odom_cog_end); };
   const SeedTrack* about = nullptr;  // the best one; if none won, the first
   for (const SeedTrack& track : tracks) {
     if (usable(track) && (about == nullptr || (track.won && !about->won))) about = &track;

@@ -80,8 +80,8 @@ class Layout {
     // the last row needs no padding
     const std::uint64_t needed = static_cast<std::uint64_t>(cloud.row_step) * (cloud.height - 1) + row;
     if (cloud.data.size() < needed) {
-      refuse(CloudStatus::kBadLayout, "data has " + std::to_string(cloud.data.size()) + " bytes, its layout needs " +
-                                          std::to_string(needed));
+      refuse(CloudStatus::kBadLayout,
+             "data has " + std::to_string(cloud.data.size()) + " bytes, its layout needs " + std::to_string(needed));
       return;
     }
     x = coordinate("x");

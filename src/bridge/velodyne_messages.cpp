@@ -18,9 +18,9 @@ void writeVelodyneCloud(const Sweep& sweep, sensor_msgs::PointCloud2& cloud) {
     std::uint32_t offset;
     std::uint8_t type;
   };
-  static constexpr Layout kLayout[] = {{"x", 0, PointField::FLOAT32},          {"y", 4, PointField::FLOAT32},
-                                       {"z", 8, PointField::FLOAT32},          {"intensity", 12, PointField::FLOAT32},
-                                       {"ring", 16, PointField::UINT16},       {"time", 18, PointField::FLOAT32}};
+  static constexpr Layout kLayout[] = {{"x", 0, PointField::FLOAT32},    {"y", 4, PointField::FLOAT32},
+                                       {"z", 8, PointField::FLOAT32},    {"intensity", 12, PointField::FLOAT32},
+                                       {"ring", 16, PointField::UINT16}, {"time", 18, PointField::FLOAT32}};
   constexpr std::uint32_t kPointStep = 22;
   cloud.fields.clear();
   for (const Layout& layout : kLayout) {

@@ -187,7 +187,9 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
       {{"icp_point_to_point", &result.point}, {"icp_point_to_plane", &result.plane}, {"corner_svd", &result.corners}},
       middle_s);
   result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
-  result.status = first ? SweepStatus::kFirst : result.state.corrected ? SweepStatus::kCorrected : SweepStatus::kPredicted;
+  result.status = first                    ? SweepStatus::kFirst
+                  : result.state.corrected ? SweepStatus::kCorrected
+                                           : SweepStatus::kPredicted;
   result.times.fusion_ms = stage.lapMs();
   const FilterState placed = exchanged(result.state);
   front.place(placed);

@@ -1,7 +1,7 @@
 // The fail-aware monitor in the live graph (core/fail_aware/monitor.hpp).
 // In: filter_state. Out: time_to_failure, one for every filter state and, when there is none for stale_sweeps periods,
-// FAILED with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each. Service: ~start_redundant. What silence means is measured on the clock of the
-// graph: simulated time if that is used, otherwise the steady clock.
+// FAILED with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each. Service: ~start_redundant.
+// What silence means is measured on the clock of the graph: simulated time if that is used, otherwise the steady clock.
 #include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -57,13 +57,12 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     heard_s_ = now_s();
     timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
                                     [this](const ros::SteadyTimerEvent&) { checkStale(); });
-    health_ = std::make_unique<Health>(node, private_node, getName(), "time_to_failure",
-                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
+    health_ =
+        std::make_unique<Health>(node, private_node, getName(), "time_to_failure",
+                                 [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
 
-  static double now_s() {
-    return ros::Time::isSimTime() ? ros::Time::now().toSec() : ros::SteadyTime::now().toSec();
-  }
+  static double now_s() { return ros::Time::isSimTime() ? ros::Time::now().toSec() : ros::SteadyTime::now().toSec(); }
 
   double staleAfter_s() const {
     return params_.stale_sweeps * std::clamp(period_s_, params_.min_period_s, params_.max_period_s);
@@ -86,7 +85,8 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     publish(header_);
   }
 
-  /// odom begins anew: what it served as is lost, and whoever relied on it must ask again (start_redundant: always serves).
+  /// odom begins anew: what it served as is lost, and whoever relied on it must ask again (start_redundant: always
+  /// serves).
   void beginDrive() {
     monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
     if (params_.start_redundant || asked_) monitor_->start();
@@ -109,8 +109,8 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
 
   void publish(const std_msgs::Header& header) {
     published_s_ = now_s();
-    publisher_.publish(messages::TimeToFailureConstPtr(boost::make_shared<messages::TimeToFailure>(
-        toMessage(output_, pipeline_.profile.monitor, header))));
+    publisher_.publish(messages::TimeToFailureConstPtr(
+        boost::make_shared<messages::TimeToFailure>(toMessage(output_, pipeline_.profile.monitor, header))));
     if (!header.stamp.isZero() && marker_publisher_.getNumSubscribers() > 0) showMarkers(header);
   }
 

@@ -1,6 +1,6 @@
 // The filter in the live graph (core/filter/pose_filter.hpp).
-// In: points (only header and frame matter), sweep/check, measurement/*, extra sources, set_pose. Out: sweep/prediction,
-// filter_state, odometry, path, tf. Services: ~reset, ~save_trajectory.
+// In: points (only header and frame matter), sweep/check, measurement/*, extra sources, set_pose. Out:
+// sweep/prediction, filter_state, odometry, path, tf. Services: ~reset, ~save_trajectory.
 //
 // One sweep is open at a time: predicted when its cloud comes, closed when every source that can answer has answered or
 // at its deadline; sweeps that come meanwhile wait in a short queue. Every opened sweep gives exactly one filter_state
@@ -55,7 +55,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   using Config = fail_aware_lidar_odometry::FusionUkfConfig;
 
   static constexpr std::uint32_t kQueue = 8;
-  static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; what is lost is lost here, and counted
+  static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; here it is counted
   static constexpr double kDeadlineCheck_s = 0.01;
   static constexpr std::size_t kHeld = 3;  ///< fewer than the correction keeps clouds
 
@@ -106,13 +106,14 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     path_publisher_ = node.advertise<nav_msgs::Path>("path", 1);
     reset_service_ = private_node.advertiseService("reset", &FusionUkfNodelet::onReset, this);
     save_service_ = private_node.advertiseService("save_trajectory", &FusionUkfNodelet::onSaveTrajectory, this);
-    deadline_timer_ = node.createSteadyTimer(ros::WallDuration(kDeadlineCheck_s),
-                                             [this](const ros::SteadyTimerEvent&) { onTick(); });
+    deadline_timer_ =
+        node.createSteadyTimer(ros::WallDuration(kDeadlineCheck_s), [this](const ros::SteadyTimerEvent&) { onTick(); });
     opening_ = std::make_unique<DeferredCall>(node, [this] { openNext(); });
     set_pose_subscriber_ = node.subscribe("set_pose", 1, &FusionUkfNodelet::onSetPose, this);
     cloud_subscriber_ = node.subscribe("points", kCloudQueue, &FusionUkfNodelet::onCloud, this);
-    health_ = std::make_unique<Health>(node, private_node, getName(), "odometry",
-                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
+    health_ =
+        std::make_unique<Health>(node, private_node, getName(), "odometry",
+                                 [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
 
   void tune(const FusionUkfTuning& tuning) {
@@ -238,8 +239,8 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   }
 
   void publish(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
-    state_publisher_.publish(messages::FilterStateConstPtr(
-        boost::make_shared<messages::FilterState>(toMessage(state, account, header))));
+    state_publisher_.publish(
+        messages::FilterStateConstPtr(boost::make_shared<messages::FilterState>(toMessage(state, account, header))));
     const auto odometry = boost::make_shared<nav_msgs::Odometry>(toOdometryMessage(
         state, odometry_covariance_.covariance(), T_base_cog_, params_.odom_frame, params_.base_frame));
     odometry->header.stamp = header.stamp;
@@ -339,7 +340,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
     status.addf("from cloud to estimate (ms)", "%.1f", 1e3 * latency_s_);
-    if (!last_stamp_.isZero()) status.addf("age of the last estimate (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
+    if (!last_stamp_.isZero()) {
+      status.addf("age of the last estimate (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
+    }
     status.add("sweeps", counts_.sweeps);
     status.add("sweeps without a usable measurement", counts_.predicted_only);
     const SweepIntake::Counts& dropped = intake_.counts();
@@ -374,7 +377,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   SweepPrediction prediction_;            ///< of the open sweep
   PoseSetting pose_setting_;
   bool last_corrected_ = false;
-  ros::Time last_stamp_;                  ///< closed
+  ros::Time last_stamp_;  ///< closed
   ros::SteadyTime opened_at_, deadline_at_;
   double latency_s_ = 0.0;  ///< of the last estimate
   RateMeter rate_;

@@ -20,7 +20,7 @@ struct FusionUkfNodeletParams {
   int absent_after_sweeps = 3;              ///< misses in a row until a source is no longer waited for
   int path_max_poses = 2000;
   double path_spacing_m = 0.5;
-  int trajectory_max_poses = 200000;        ///< kept for ~save_trajectory (29 MB, 5.5 h at 10 Hz); the oldest give way
+  int trajectory_max_poses = 200000;  ///< kept for ~save_trajectory (29 MB, 5.5 h at 10 Hz); the oldest give way
   std::string trajectory_file = "fail_aware_trajectory_tum.txt";  ///< relative: to the node's folder, ~/.ros
 
   template <class Self, class Visitor>

@@ -15,7 +15,8 @@ class Health {
       : updater_(node, private_node, nodelet_name) {
     updater_.setHardwareID("none");
     updater_.add(task, say);
-    timer_ = node.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
+    timer_ = node.createSteadyTimer(ros::WallDuration(1.0),
+                                    [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
   }
 
  private:

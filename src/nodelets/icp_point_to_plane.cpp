@@ -1,5 +1,5 @@
-// Normal-filtered ICP in the live graph (core/registration/normal_filtered_icp.hpp). Its reference is also published, as
-// `local_map`, once a second of sweep time.
+// Normal-filtered ICP in the live graph (core/registration/normal_filtered_icp.hpp). Its reference is also published,
+// as `local_map`, once a second of sweep time.
 #include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 

@@ -1,5 +1,5 @@
-// Where the lidar sits in base_link: given, or looked up in tf once, for the frame of the first cloud. Never an identity
-// in place of a transform that is missing; clouds of another frame are refused from then on.
+// Where the lidar sits in base_link: given, or looked up in tf once, for the frame of the first cloud. Never an
+// identity in place of a transform that is missing; clouds of another frame are refused from then on.
 #pragma once
 
 #include <tf2_ros/buffer.h>

@@ -1,4 +1,5 @@
-// The nodelet manager keeps to itself why a nodelet could not be loaded; here the log has it (a parameter's name and rule).
+// The nodelet manager keeps to itself why a nodelet could not be loaded; here the log has it (a parameter's name and
+// rule).
 #pragma once
 
 #include <ros/console.h>

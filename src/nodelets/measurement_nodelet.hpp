@@ -50,8 +50,9 @@ class MeasurementNodelet : public nodelet::Nodelet {
     state_subscriber_ = node.subscribe("filter_state", kQueue, &MeasurementNodelet::onState, this);
     prediction_subscriber_ = node.subscribe("sweep/prediction", kQueue, &MeasurementNodelet::onPrediction, this);
     cloud_subscriber_ = node.subscribe("sweep/points", kQueue, &MeasurementNodelet::onCloud, this);
-    health_ = std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), Algorithm::name(),
-                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
+    health_ =
+        std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), Algorithm::name(),
+                                 [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) { take(cloud); }
@@ -86,8 +87,8 @@ class MeasurementNodelet : public nodelet::Nodelet {
     const Measurement measurement = algorithm_->measure(sweep_, *task);
     ++sweeps_;
     last_status_ = measurement.status;
-    auto message = boost::make_shared<messages::PoseMeasurement>(
-        toMessage(measurement, Algorithm::name(), prediction.header));
+    auto message =
+        boost::make_shared<messages::PoseMeasurement>(toMessage(measurement, Algorithm::name(), prediction.header));
     message->sweep_points = static_cast<std::int32_t>(sweep_.points_lidar.size());
     message->duration = (ros::SteadyTime::now() - begin).toSec();
     last_ = *message;
@@ -101,7 +102,9 @@ class MeasurementNodelet : public nodelet::Nodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(diagnostic_msgs::DiagnosticStatus::OK, sweeps_ == 0 ? "no sweep yet" : toString(last_status_));
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
-    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
+    if (!last_stamp_.isZero()) {
+      status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
+    }
     status.add("sweeps", sweeps_);
     status.add("sweeps with a pose", usable_);
     status.addf("ms", "%.1f", 1e3 * last_.duration);

@@ -186,8 +186,8 @@ SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const 
   account.findings = findings_;
   account.sweep_points = sweep_points_ >= 0 ? sweep_points_ : check_points_ == 0 ? 0 : -1;
   if (!findings_) ++check_missed_;
-  const std::optional<Vector6d> twist = twistFromIncrement(
-      prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
+  const std::optional<Vector6d> twist =
+      twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
   for (Source& source : sources_) {
     if (!source.used) continue;
     if (!source.exact) {
@@ -197,8 +197,7 @@ SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const 
                                   : std::nullopt;
       source.measurement.reset();
       if (pose && twist) {
-        source.measurement =
-            externalMeasurement(*pose, prediction.stamp_s, prediction.T_odom_cog, *twist, T_base_cog);
+        source.measurement = externalMeasurement(*pose, prediction.stamp_s, prediction.T_odom_cog, *twist, T_base_cog);
         source.last_status = toString(source.measurement->status);
         ++source.answers;
       }

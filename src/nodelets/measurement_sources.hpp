@@ -1,12 +1,12 @@
-// Who answers for a sweep: the sweep's check (from SweepCorrection), the three measurements, and any further source that
-// is named by parameter. Collects the answers to the open sweep and says when nobody is left to wait for.
+// Who answers for a sweep: the sweep's check (from SweepCorrection), the three measurements, and any further source
+// that is named by parameter. Collects the answers to the open sweep and says when nobody is left to wait for.
 //
-// Not waited for: a source that nobody publishes, one that missed absent_after_sweeps in a row (until it is heard again),
-// the three measurements while SweepCorrection is silent, and poses with a stamp of their own (they are taken when the
-// sweep is closed, the nearest in time).
+// Not waited for: a source that nobody publishes, one that missed absent_after_sweeps in a row (until it is heard
+// again), the three measurements while SweepCorrection is silent, and poses with a stamp of their own (they are taken
+// when the sweep is closed, the nearest in time).
 //
-// Parameters: ~extra_sources/NAME/{topic, type, tolerance_s}. type: PoseMeasurement (stamp of the sweep, exactly; waited
-// for) or PoseWithCovarianceStamped (base_link in odom, or in a frame that tf knows in odom).
+// Parameters: ~extra_sources/NAME/{topic, type, tolerance_s}. type: PoseMeasurement (stamp of the sweep, exactly;
+// waited for) or PoseWithCovarianceStamped (base_link in odom, or in a frame that tf knows in odom).
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -76,11 +76,11 @@ class MeasurementSources {
     ExtraSourceParams params;
     bool built_in = false;  ///< made of SweepCorrection's points
     bool used = true;
-    bool exact = true;      ///< carries the sweep's stamp
+    bool exact = true;  ///< carries the sweep's stamp
     ros::Subscriber subscriber;
     std::optional<Measurement> measurement;  ///< of the open sweep
     ExternalPoseBuffer poses;
-    int missed = 0;                          ///< sweeps in a row
+    int missed = 0;  ///< sweeps in a row
     std::size_t answers = 0, late = 0, refused = 0;
     std::string refused_because;
     std::string last_status = "none yet";

@@ -40,8 +40,9 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     check_publisher_ = node.advertise<messages::SweepCheck>("sweep/check", kQueue);
     prediction_subscriber_ = node.subscribe("sweep/prediction", kQueue, &SweepCorrectionNodelet::onPrediction, this);
     cloud_subscriber_ = node.subscribe("points", kQueue, &SweepCorrectionNodelet::onCloud, this);
-    health_ = std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), "sweep_correction",
-                                       [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
+    health_ =
+        std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), "sweep_correction",
+                                 [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
   }
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) {
@@ -90,15 +91,17 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     if (refused_ > refused_reported_) {
       status.summary(Level::WARN, "clouds without usable points: " + last_reason_);
     } else if (findings_.frozen || findings_.incomplete || findings_.low_visibility) {
-      status.summary(Level::WARN, std::string("the sweep is ") + (findings_.frozen       ? "frozen: the driver repeats itself"
-                                                                  : findings_.incomplete ? "incomplete"
-                                                                                         : "cut short in range"));
+      const char* what = findings_.incomplete ? "incomplete" : "cut short in range";
+      if (findings_.frozen) what = "frozen: the driver repeats itself";
+      status.summary(Level::WARN, std::string("the sweep is ") + what);
     } else {
       status.summary(Level::OK, sweeps_ == 0 ? "no sweep yet" : "correcting");
     }
     refused_reported_ = refused_;
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
-    if (!last_stamp_.isZero()) status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
+    if (!last_stamp_.isZero()) {
+      status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
+    }
     status.add("sweeps", sweeps_);
     status.add("points of the last sweep", sweep_.size());
     status.addf("azimuth coverage", "%.2f", findings_.azimuth_coverage);

@@ -1,5 +1,5 @@
-// What can change in flight, nodelet by nodelet: the parameters of cfg/*.cfg, by the same names, beside the places in the
-// parameter structs that they stand for. A test compares names, types and defaults.
+// What can change in flight, nodelet by nodelet: the parameters of cfg/*.cfg, by the same names, beside the places in
+// the parameter structs that they stand for. A test compares names, types and defaults.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"

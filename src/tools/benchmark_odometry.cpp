@@ -1,5 +1,5 @@
-// benchmark_odometry: time of a sweep of the whole odometry beside that of scan-to-scan pcl::IterativeClosestPoint on the
-// same sweeps in the same run. Machines differ, and one machine differs from hour to hour; the ratio holds.
+// benchmark_odometry: time of a sweep of the whole odometry beside that of scan-to-scan pcl::IterativeClosestPoint on
+// the same sweeps in the same run. Machines differ, and one machine differs from hour to hour; the ratio holds.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -97,8 +97,11 @@ double quantile(std::vector<double> values, double share) {
 }
 
 nlohmann::ordered_json statistics(const std::vector<double>& ms) {
-  return {{"mean_ms", mean(ms)}, {"median_ms", quantile(ms, 0.5)}, {"p95_ms", quantile(ms, 0.95)},
-          {"p99_ms", quantile(ms, 0.99)}, {"p99_over_mean", quantile(ms, 0.99) / mean(ms)}};
+  return {{"mean_ms", mean(ms)},
+          {"median_ms", quantile(ms, 0.5)},
+          {"p95_ms", quantile(ms, 0.95)},
+          {"p99_ms", quantile(ms, 0.99)},
+          {"p99_over_mean", quantile(ms, 0.99) / mean(ms)}};
 }
 
 void print(const char* title, const nlohmann::ordered_json& s) {
@@ -175,10 +178,11 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
-    CLI::App app("Times the odometry (all stages, reading of files left out) and pcl::IterativeClosestPoint, scan to scan "
-                 "(VoxelGrid leaf 0.25 m, correspondences up to 1.0 m, 50 iterations, epsilon 1e-6, constant-velocity "
-                 "guess), on the same sweeps by turns.\nExit codes: 0 done, 1 the work failed, 2 bad usage or input.",
-                 kName);
+    CLI::App app(
+        "Times the odometry (all stages, reading of files left out) and pcl::IterativeClosestPoint, scan to scan "
+        "(VoxelGrid leaf 0.25 m, correspondences up to 1.0 m, 50 iterations, epsilon 1e-6, constant-velocity "
+        "guess), on the same sweeps by turns.\nExit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+        kName);
     Options options;
     app.add_option("--kitti", options.kitti, "folder with velodyne/NNNNNN.bin")->required();
     app.add_option("--profile", options.profile, "default, paper, or a yaml file")->capture_default_str();

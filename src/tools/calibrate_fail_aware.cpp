@@ -82,7 +82,8 @@ int run(const Options& options) {
               m.predictor.alarm_confidence = tried;
             });
           },
-          options.alarm_share, kSmallestAlarmConfidence, confidence.value_or(runs.front().params.profile.monitor.predictor.confidence)),
+          options.alarm_share, kSmallestAlarmConfidence,
+          confidence.value_or(runs.front().params.profile.monitor.predictor.confidence)),
       "the alarm is up too long whatever it is");
   if (list.empty()) return kExitFailed;
   const std::string yaml = formatYaml(list);
@@ -100,7 +101,8 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Fits monitor.indicator.threshold (eta), monitor.predictor.confidence and alarm_confidence to recorded runs with ground truth. Judge "
+        "Fits monitor.indicator.threshold (eta), monitor.predictor.confidence and alarm_confidence to recorded runs "
+        "with ground truth. Judge "
         "the result on other runs: evaluate_fail_aware --parameters FILE.\n"
         "Exit codes: 0 done, 1 the work failed (too few failures), 2 bad usage or input.",
         kName);
@@ -109,7 +111,8 @@ int main(int argc, char** argv) {
     app.add_option("--output", options.output, "yaml file with the fitted parameters, for --parameters");
     app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that is a failure, m")
         ->capture_default_str();
-    app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")->capture_default_str();
+    app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
+        ->capture_default_str();
     app.add_option("--eta-passed-by", options.eta_passed_by,
                    "share of the episodes without a failure that may pass eta's threshold")
         ->capture_default_str();

@@ -55,8 +55,10 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Fits filter.increment_* and monitor.drift.* to recorded runs with ground truth, by maximum likelihood. Use runs "
-        "on which the odometry was not lost, and judge the result on others: evaluate_fail_aware --parameters FILE shows "
+        "Fits filter.increment_* and monitor.drift.* to recorded runs with ground truth, by maximum likelihood. Use "
+        "runs "
+        "on which the odometry was not lost, and judge the result on others: evaluate_fail_aware --parameters FILE "
+        "shows "
         "the drift's effect at once; the increments' is seen after offline_odometry ran anew.\n"
         "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);

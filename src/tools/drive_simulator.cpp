@@ -61,7 +61,9 @@ class DriveSimulator {
 
   void run() {
     transforms_.sendTransform(lidarPlace(lidarInBase(parameters_.simulation), parameters_.names, ros::Time::now()));
-    while (ros::ok() && parameters_.wait_for_subscriber && clouds_.getNumSubscribers() == 0) ros::WallDuration(0.05).sleep();
+    while (ros::ok() && parameters_.wait_for_subscriber && clouds_.getNumSubscribers() == 0) {
+      ros::WallDuration(0.05).sleep();
+    }
     SimulatedSweep sweep;
     bool more = simulation_.next(sweep, vehiclesAround(faults_, simulation_.time_s()));  // the world takes a while
     epoch_ = ros::Time::now();

@@ -1,4 +1,5 @@
-// Judges the time to failure against the truth: replays the monitor of recorded runs for a start (t1) every few seconds.
+// Judges the time to failure against the truth: replays the monitor of recorded runs for a start (t1) every few
+// seconds.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -34,7 +35,8 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")->capture_default_str();
   app.add_option("--early", options.report.early_s, "an alarm more than this before a failure is a false one, s")
       ->capture_default_str();
-  app.add_option("--resamples", options.report.resamples, "of the bootstrap")->check(CLI::Range(1, 1000000))
+  app.add_option("--resamples", options.report.resamples, "of the bootstrap")
+      ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--seed", options.report.seed, "of the bootstrap")->capture_default_str();
 }
@@ -83,7 +85,8 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Judges the time to failure of recorded runs against ground truth. The monitor is replayed for a start (t1) every "
+        "Judges the time to failure of recorded runs against ground truth. The monitor is replayed for a start (t1) "
+        "every "
         "few seconds; predictions 1, 3, 5 s after t1 and every further second before the failure are compared with the "
         "true remaining time. Prints a table.\nExit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);

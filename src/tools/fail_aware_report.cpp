@@ -46,7 +46,10 @@ const std::vector<Predictor>& predictors() {
       {"constant", [](const FailAwareSweep&) { return Predicted(0.0); }, {}},
       {"elapsed_time", [](const FailAwareSweep& s) { return Predicted(-s.since_start_s); }, {}},
       {"distance", [](const FailAwareSweep& s) { return Predicted(-s.distance_m); }, {}},
-      {"sqrt_trace_p", [](const FailAwareSweep& s) { return Predicted(-std::sqrt(s.output.covariance_since_start.topLeftCorner<2, 2>().trace())); },
+      {"sqrt_trace_p",
+       [](const FailAwareSweep& s) {
+         return Predicted(-std::sqrt(s.output.covariance_since_start.topLeftCorner<2, 2>().trace()));
+       },
        {}},
   };
   return list;
@@ -151,8 +154,8 @@ Json alarmJson(const std::vector<FailAwareEpisode>& episodes, double early_s) {
   return json;
 }
 
-/// The median time since t1 at which the truth fails, and at which eta passes its threshold; those that did not within what
-/// was watched count as far as that.
+/// The median time since t1 at which the truth fails, and at which eta passes its threshold; those that did not within
+/// what was watched count as far as that.
 Json mediansJson(const std::vector<FailAwareEpisode>& episodes) {
   std::vector<CensoredValue> failures_s, thresholds_s;
   for (const FailAwareEpisode& episode : episodes) {
@@ -175,7 +178,9 @@ Json stanfordJson(const std::vector<FailAwareEpisode>& episodes) {
   for (const FailAwareEpisode& episode : episodes) {
     alert_limit_m = episode.alert_limit_m;
     for (const FailAwareSweep& sweep : episode.sweeps) {
-      if (sweep.output.protection_level_m >= 0.0) pairs.push_back({sweep.error_m.norm(), sweep.output.protection_level_m});
+      if (sweep.output.protection_level_m >= 0.0) {
+        pairs.push_back({sweep.error_m.norm(), sweep.output.protection_level_m});
+      }
     }
   }
   const auto counts = stanfordCounts(pairs, alert_limit_m);

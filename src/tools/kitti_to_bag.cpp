@@ -20,9 +20,9 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "kitti_to_bag";
-constexpr double kClockTime_s = 1e8;             // stamps above are of a clock, below of a stopwatch
+constexpr double kClockTime_s = 1e8;                // stamps above are of a clock, below of a stopwatch
 constexpr double kStopwatchStart_s = 1317000000.0;  // late September 2011, when KITTI was recorded
-constexpr double kLatest_s = 4294967295.0;       // ros::Time's end
+constexpr double kLatest_s = 4294967295.0;          // ros::Time's end
 
 struct Options {
   std::string directory, bag, sensor = "hdl64e", cfg;
@@ -34,17 +34,21 @@ struct Options {
 };
 
 void addOptions(CLI::App& app, Options& options) {
-  app.add_option("directory", options.directory, "velodyne/NNNNNN.bin or velodyne_points/data/NNNNNNNNNN.bin; optional "
+  app.add_option("directory", options.directory,
+                 "velodyne/NNNNNN.bin or velodyne_points/data/NNNNNNNNNN.bin; optional "
                  "times.txt, stamps/NNNNNN.f32, and poses_velodyne.txt or poses.txt (with calib.txt: the camera's)")
       ->required();
   app.add_option("bag", options.bag, "the file to write")->required();
   app.add_flag("--point-times", options.point_times, "a field `time` (s from the sweep's start) from stamps/");
-  app.add_flag("--with-tf", options.with_tf, "the true pose also as /tf world -> base_link, as kitti2bag does; the "
+  app.add_flag("--with-tf", options.with_tf,
+               "the true pose also as /tf world -> base_link, as kitti2bag does; the "
                "odometry must then not publish odom -> base_link");
   app.add_option("--period", options.period_s, "s between scans where there is no times.txt")->capture_default_str();
   app.add_option("--start", options.start_s, "s added to the stamps (default: 1317000000 if they begin near zero)");
-  app.add_option("--sensor", options.sensor, "a file of cfg/sensors, or a yaml file: its lidar_in_base becomes "
-                 "base_link -> velo_link")->capture_default_str();
+  app.add_option("--sensor", options.sensor,
+                 "a file of cfg/sensors, or a yaml file: its lidar_in_base becomes "
+                 "base_link -> velo_link")
+      ->capture_default_str();
   app.add_option("--cfg", options.cfg, "the package's cfg folder (default: found from the tool's own place)");
   app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);
   app.add_option("--count", options.count, "number of scans (default: all)")->check(CLI::PositiveNumber);
@@ -124,10 +128,11 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
-    CLI::App app("Writes a drive in KITTI's folder layout as a bag with the topics, fields and frames of kitti2bag: "
-                 "/kitti/velo/pointcloud, /tf_static, and the true pose as /kitti/ground_truth.\n"
-                 "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
-                 kName);
+    CLI::App app(
+        "Writes a drive in KITTI's folder layout as a bag with the topics, fields and frames of kitti2bag: "
+        "/kitti/velo/pointcloud, /tf_static, and the true pose as /kitti/ground_truth.\n"
+        "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+        kName);
     Options options;
     addOptions(app, options);
     if (!parseArguments(app, argc, argv)) return kExitDone;

@@ -188,9 +188,10 @@ void printTable(const nlohmann::ordered_json& json) {
                        static_cast<double>(std::max<std::size_t>(1, count("clouds")));
   std::printf("clouds                   %zu in %.1f s\n", count("clouds"), json["duration_s"].get<double>());
   std::printf("odometries               %zu\n", count("odometries"));
-  std::printf("clouds without odometry  %zu (%.2f %%), counted as dropped: %zu\n", count("clouds_without_odometry"), share,
-              count("dropped_counted"));
-  std::printf("deadline missed          %zu, prediction only: %zu\n", count("deadline_missed"), count("predicted_only"));
+  std::printf("clouds without odometry  %zu (%.2f %%), counted as dropped: %zu\n", count("clouds_without_odometry"),
+              share, count("dropped_counted"));
+  std::printf("deadline missed          %zu, prediction only: %zu\n", count("deadline_missed"),
+              count("predicted_only"));
   std::printf("latency, ms              p50 %.1f  p95 %.1f  p99 %.1f  max %.1f\n", latency["p50"].get<double>(),
               latency["p95"].get<double>(), latency["p99"].get<double>(), latency["max"].get<double>());
   if (process.contains("rss_max_mb")) {
@@ -212,7 +213,9 @@ bool finished(const Observer& observer, const Options& options) {
 }
 
 int run(const Options& options) {
-  if (!ros::master::check()) throw InputError("no ROS master at " + ros::master::getURI() + "; launch the odometry first");
+  if (!ros::master::check()) {
+    throw InputError("no ROS master at " + ros::master::getURI() + "; launch the odometry first");
+  }
   for (const std::string& path : {options.json, options.trajectory}) {
     if (!path.empty() && !std::ofstream(path, std::ios::app)) throw InputError("cannot write " + path);
   }
@@ -245,10 +248,11 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     ros::init(argc, argv, kName, ros::init_options::AnonymousName);  // takes its own arguments away
-    CLI::App app("Measures the time from cloud to odometry in the running graph, counts what was dropped, and watches CPU "
-                 "and memory of the nodelet manager. Prints a table at the end.\n"
-                 "Exit codes: 0 done, 1 no odometry came, 2 bad usage or input.",
-                 kName);
+    CLI::App app(
+        "Measures the time from cloud to odometry in the running graph, counts what was dropped, and watches CPU "
+        "and memory of the nodelet manager. Prints a table at the end.\n"
+        "Exit codes: 0 done, 1 no odometry came, 2 bad usage or input.",
+        kName);
     Options options;
     addOptions(app, options);
     if (!parseArguments(app, argc, argv)) return kExitDone;

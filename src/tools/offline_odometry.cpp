@@ -1,4 +1,5 @@
-// offline_odometry: runs the odometry over a recorded drive, every sweep in order, and writes trajectory and statistics.
+// offline_odometry: runs the odometry over a recorded drive, every sweep in order, and writes trajectory and
+// statistics.
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -29,8 +30,8 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "offline_odometry";
-constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv", "monitor_log.csv",
-                                  "summary.json", "parameters.yaml"};
+constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv",
+                                  "monitor_log.csv",      "summary.json",       "parameters.yaml"};
 
 struct Options {
   std::string kitti, bag, topic, base_frame = "base_link";
@@ -46,11 +47,14 @@ void addOptions(CLI::App& app, Options& options) {
   [[maybe_unused]] CLI::Option* kitti = app.add_option(
       "--kitti", options.kitti, "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32");
 #ifdef FAIL_AWARE_WITH_BAGS
-  CLI::Option* bag = app.add_option("--bag", options.bag, "bag with clouds; where the lidar sits is taken from its "
-                                    "/tf_static, if it is there")->excludes(kitti);
+  CLI::Option* bag = app.add_option("--bag", options.bag,
+                                    "bag with clouds; where the lidar sits is taken from its "
+                                    "/tf_static, if it is there")
+                         ->excludes(kitti);
   app.add_option("--topic", options.topic, "of the clouds (default: the bag's only sensor_msgs/PointCloud2)")
       ->needs(bag);
-  app.add_option("--base-frame", options.base_frame, "the vehicle's frame in the bag's /tf_static")->needs(bag)
+  app.add_option("--base-frame", options.base_frame, "the vehicle's frame in the bag's /tf_static")
+      ->needs(bag)
       ->capture_default_str();
 #else
   kitti->required();
@@ -61,12 +65,16 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--sensor", options.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
   app.add_option("--cfg", options.cfg, "the package's cfg folder (default: found from the tool's own place)");
   app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
-  app.add_option("--threads", options.threads, "measurements run beside each other")->check(CLI::Range(1, 256))
+  app.add_option("--threads", options.threads, "measurements run beside each other")
+      ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);
   app.add_option("--count", options.count, "number of scans (default: all)")->check(CLI::PositiveNumber);
-  app.add_option("--redundant-at", options.redundant_at_s, "t1: seconds from the first sweep at which the odometry "
-                 "begins to serve as the localisation")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option("--redundant-at", options.redundant_at_s,
+                 "t1: seconds from the first sweep at which the odometry "
+                 "begins to serve as the localisation")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 fs::path makeOutput(const std::string& output) {
@@ -231,11 +239,12 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
-    CLI::App app("Runs the odometry over a recorded drive. Writes trajectory_kitti.txt (lidar frame, first pose identity), "
-                 "trajectory_tum.txt (base_link), per_sweep.csv, monitor_log.csv (for evaluate_fail_aware), summary.json, "
-                 "parameters.yaml.\n"
-                 "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
-                 kName);
+    CLI::App app(
+        "Runs the odometry over a recorded drive. Writes trajectory_kitti.txt (lidar frame, first pose identity), "
+        "trajectory_tum.txt (base_link), per_sweep.csv, monitor_log.csv (for evaluate_fail_aware), summary.json, "
+        "parameters.yaml.\n"
+        "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+        kName);
     Options options;
     addOptions(app, options);
     if (!parseArguments(app, argc, argv)) return kExitDone;

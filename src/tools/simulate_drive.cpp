@@ -46,12 +46,14 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--speed", simulation.drive.speed.speed_mps, "speed limit in m/s (0: the scene's own)")
       ->capture_default_str();
   app.add_option("--start-speed", simulation.drive.start_speed_mps,
-                 "m/s (-1: the scene's own; standing in town, else 0.7 of the limit)")->capture_default_str();
+                 "m/s (-1: the scene's own; standing in town, else 0.7 of the limit)")
+      ->capture_default_str();
   app.add_flag("--no-rolling-shutter", options.no_rolling_shutter,
                "all points from the sweep's middle (and no point times)");
   app.add_flag("--no-traffic", options.no_traffic, "no other vehicles");
   app.add_option("--threads", options.threads, "for the ray casting; does not change the result")
-      ->check(CLI::Range(1, 256))->capture_default_str();
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
 }
 
 class Output {
@@ -166,13 +168,14 @@ int run(Options& options) {
 
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
-    CLI::App app("Simulates a drive with a Velodyne HDL-64E through a made-up world. Same arguments, same bytes.\n"
-                 "KITTI folder: velodyne/, stamps/, rings/, times.txt (mid-sweep), poses.txt (truth, lidar frame), "
-                 "ground_truth_tum.txt (truth, base_link), calib.txt, faults.csv, simulation.json.\n"
-                 "Bag: /velodyne_points (stamp: the sweep's end), /tf_static, /ground_truth/odometry; beside it "
-                 "FILE_faults.csv, FILE_simulation.json.\n"
-                 "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
-                 kName);
+    CLI::App app(
+        "Simulates a drive with a Velodyne HDL-64E through a made-up world. Same arguments, same bytes.\n"
+        "KITTI folder: velodyne/, stamps/, rings/, times.txt (mid-sweep), poses.txt (truth, lidar frame), "
+        "ground_truth_tum.txt (truth, base_link), calib.txt, faults.csv, simulation.json.\n"
+        "Bag: /velodyne_points (stamp: the sweep's end), /tf_static, /ground_truth/odometry; beside it "
+        "FILE_faults.csv, FILE_simulation.json.\n"
+        "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+        kName);
     app.footer("Faults: what they do, what SEVERITY means (its default); how long by default, from START (10 s):\n" +
                faultHelp());
     Options options;

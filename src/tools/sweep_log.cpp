@@ -39,9 +39,10 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   if (!out_) throw InputError("cannot write " + path_);
   if (!monitor_log_) throw InputError("cannot write " + monitor_path_);
   monitor_log_ << monitorLogHeader() << '\n';
-  out_ << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-          "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
-          "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference";
+  out_
+      << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
+         "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
+         "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference";
   for (const char* name : {"point", "plane", "corners"}) {
     for (const char* column : {"status", "iterations", "inlier_share", "rms_m", "weak_directions"}) {
       out_ << ',' << name << '_' << column;
@@ -63,11 +64,10 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < w.size() ? w[i] : 0.0);
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < nis.size() ? nis[i] : -1.0);
   const StageTimes& t = r.times;
-  out_ << ',' << (r.state.corrected ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ',' << t.correction_ms << ',' << t.point_ms << ','
-       << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ',' << t.reference_ms;
+  out_ << ',' << (r.state.corrected ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ',' << t.correction_ms << ','
+       << t.point_ms << ',' << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ',' << t.reference_ms;
   for (const Measurement* measurement : {&r.point, &r.plane, &r.corners}) writeMeasurement(out_, *measurement);
-  out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_share << ','
-       << r.state.fusion.disagreement_m;
+  out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_share << ',' << r.state.fusion.disagreement_m;
   const Matrix6d& c = m.covariance_since_start;
   for (const double entry : {c(0, 0), c(0, 1), c(1, 1), c(2, 2), c(5, 5)}) out_ << ',' << entry;
   const double dt_s = r.state.dt_s;
@@ -90,7 +90,8 @@ nlohmann::ordered_json SweepLog::summary() const {
   json["median_ms"] = quantile(sorted, 0.5);
   json["p95_ms"] = quantile(sorted, 0.95);
   json["p99_ms"] = quantile(sorted, 0.99);
-  for (const SweepStatus status : {SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
+  for (const SweepStatus status :
+       {SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
     json["by_status"][toString(status)] = by_status_[static_cast<std::size_t>(status)];
   }
   return json;

@@ -1,7 +1,7 @@
 // per_sweep.csv, monitor_log.csv and the timing summary of a run.
 //
-// cov_*: the accumulated covariance since t1 (m, rad; about the axes at t1; zero before). speed_mps, yaw_rate_rps: of the
-// centre of gravity's last increment.
+// cov_*: the accumulated covariance since t1 (m, rad; about the axes at t1; zero before). speed_mps, yaw_rate_rps: of
+// the centre of gravity's last increment.
 #pragma once
 
 #include <filesystem>

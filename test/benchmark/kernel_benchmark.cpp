@@ -33,7 +33,8 @@ struct Scene {
     SweepCorrector corrector({}, timing(), {}, {});
     for (int i = 0; i < kSweepsInMap; ++i) {
       const double stamp_s = kPeriod_s * i;
-      sweep = street.scan([&](double t) { return drive.T_street_base(t); }, stamp_s, static_cast<std::uint32_t>(i), lidar);
+      sweep =
+          street.scan([&](double t) { return drive.T_street_base(t); }, stamp_s, static_cast<std::uint32_t>(i), lidar);
       prediction.stamp_s = stamp_s;
       prediction.dt_s = kPeriod_s;
       prediction.T_odom_cog_previous = drive.T_odom_base(stamp_s - kPeriod_s);

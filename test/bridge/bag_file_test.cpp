@@ -15,7 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(BagFile, writesLatchedAndPlainMessages) {
-  const std::string path = (fs::path(::testing::TempDir()) / ("bag_file_" + std::to_string(getpid()) + ".bag")).string();
+  const std::string path =
+      (fs::path(::testing::TempDir()) / ("bag_file_" + std::to_string(getpid()) + ".bag")).string();
   std_msgs::String message;
   message.data = "text";
   {

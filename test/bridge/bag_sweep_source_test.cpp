@@ -34,7 +34,8 @@ class BagSweepSourceTest : public ::testing::Test {
   void TearDown() override { fs::remove(path_); }
 
   void writeDrive(int sweeps) const {
-    KittiBagWriter writer(path_, {poseFromVector((Vector6d() << -0.6, 0.1, 1.7, 0.0, 0.02, 0.1).finished()), false, false});
+    KittiBagWriter writer(path_,
+                          {poseFromVector((Vector6d() << -0.6, 0.1, 1.7, 0.0, 0.02, 0.1).finished()), false, false});
     for (int i = 0; i < sweeps; ++i) writer.add(kStart + ros::Duration(0.1 * i), sweepOf(i), Pose::Identity());
     writer.close();
   }

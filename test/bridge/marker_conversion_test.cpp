@@ -47,8 +47,8 @@ void expectDisplayable(const MarkerArray& array) {
     EXPECT_GT(m.color.a, 0.0f);
     EXPECT_GT(m.lifetime.toSec(), 0.0);
     EXPECT_TRUE(m.colors.empty() || m.colors.size() == m.points.size());
-    const bool is_list = m.type == Marker::LINE_LIST || m.type == Marker::LINE_STRIP ||
-                         m.type == Marker::SPHERE_LIST || m.type == Marker::TRIANGLE_LIST;
+    const bool is_list = m.type == Marker::LINE_LIST || m.type == Marker::LINE_STRIP || m.type == Marker::SPHERE_LIST ||
+                         m.type == Marker::TRIANGLE_LIST;
     EXPECT_EQ(is_list, !m.points.empty());
     EXPECT_TRUE(m.type != Marker::LINE_LIST || m.points.size() % 2 == 0);
     EXPECT_TRUE(m.type != Marker::TRIANGLE_LIST || m.points.size() % 3 == 0);
@@ -92,8 +92,7 @@ Corner houseCorner(double x, double y) {
 }
 
 TEST(SeedMarkers, offsetsFromTheBestAreMagnified) {
-  const MarkerArray array =
-      seedMarkers({trackAt(10.1, 10.0, true), trackAt(9.8, 10.02, false)}, sweepHeader());
+  const MarkerArray array = seedMarkers({trackAt(10.1, 10.0, true), trackAt(9.8, 10.02, false)}, sweepHeader());
   expectDisplayable(array);
   EXPECT_EQ(array.markers.size(), 2 * kMaxSeedMarkers);
   EXPECT_NEAR(find(array, "seeds before", 0).pose.position.x, 10.0 + kSeedMagnification * 0.1, 1e-9);

@@ -74,7 +74,8 @@ TEST_F(VelodyneBagWriterTest, arrivalOrderIsKeptWhateverTheStampsSay) {
   rosbag::Bag bag(path_);
   std::vector<double> stamps_s;
   for (const auto& message : rosbag::View(bag, rosbag::TopicQuery("/velodyne_points"))) {
-    const double since = (message.instantiate<sensor_msgs::PointCloud2>()->header.stamp - ros::Time(1577836800, 0)).toSec();
+    const double since =
+        (message.instantiate<sensor_msgs::PointCloud2>()->header.stamp - ros::Time(1577836800, 0)).toSec();
     stamps_s.push_back(since);
   }
   ASSERT_EQ(stamps_s.size(), 5u);

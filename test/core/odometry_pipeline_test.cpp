@@ -153,8 +153,7 @@ TEST(OdometryPipeline, ASweepWithTooFewPointsIsLikeAnEmptyOne) {
 }
 
 TEST(OdometryPipeline, TheSpeedIsFoundAlthoughTheFirstSweepsAreLost) {
-  for (const std::vector<std::size_t>& lost :
-       {std::vector<std::size_t>{0}, {0, 1}, {1, 2}, {2}, {0, 2, 3}}) {
+  for (const std::vector<std::size_t>& lost : {std::vector<std::size_t>{0}, {0, 1}, {1, 2}, {2}, {0, 2, 3}}) {
     std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 7);
     std::string name = "lost:";
     for (const std::size_t i : lost) {

@@ -54,16 +54,30 @@ TEST(PipelineParameters, KeysAreUniqueAndTheProfilesStandWithoutAPrefix) {
 }
 
 TEST(PipelineParameters, MessagesCarryTheFullName) {
-  for (const char* key :
-       {"sensor.timing.sweep_period_s", "sensor.vertical_angle.angle_deg", "vehicle.dynamics.mass_kg",
-        "sweep_correction.max_truncation_m", "model.sigma_x_m", "history.max_age_s", "road.time_constant_s",
-        "ukf.min_sigma", "ukf.sigma_points.alpha", "filter.initial_sigma_m", "registration.cloud.map_voxel_m",
-        "registration.reference.range_m", "registration.reference.voxels.voxel_size_m",
-        "registration.initialization.kernel_m", "registration.point.kernel_m",
-        "registration.point.observability.lever_m", "registration.plane.kernel_m",
-        "registration.plane.observability.lever_m", "registration.corner_extraction.ransac.inlier_distance_m",
-        "fusion.gate_sigma", "monitor.rate_window_s", "monitor.indicator.threshold",
-        "monitor.predictor.alert_limit_m", "monitor.thresholds.failing_s"}) {
+  for (const char* key : {"sensor.timing.sweep_period_s",
+                          "sensor.vertical_angle.angle_deg",
+                          "vehicle.dynamics.mass_kg",
+                          "sweep_correction.max_truncation_m",
+                          "model.sigma_x_m",
+                          "history.max_age_s",
+                          "road.time_constant_s",
+                          "ukf.min_sigma",
+                          "ukf.sigma_points.alpha",
+                          "filter.initial_sigma_m",
+                          "registration.cloud.map_voxel_m",
+                          "registration.reference.range_m",
+                          "registration.reference.voxels.voxel_size_m",
+                          "registration.initialization.kernel_m",
+                          "registration.point.kernel_m",
+                          "registration.point.observability.lever_m",
+                          "registration.plane.kernel_m",
+                          "registration.plane.observability.lever_m",
+                          "registration.corner_extraction.ransac.inlier_distance_m",
+                          "fusion.gate_sigma",
+                          "monitor.rate_window_s",
+                          "monitor.indicator.threshold",
+                          "monitor.predictor.alert_limit_m",
+                          "monitor.thresholds.failing_s"}) {
     const std::string said = refusalOf(std::string(key) + "=-99.5");
     EXPECT_TRUE(startsWith(said, std::string(key) + " = -99.5: must be ")) << key << ": " << said;
   }

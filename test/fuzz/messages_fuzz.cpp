@@ -88,7 +88,8 @@ class FieldSource {
 bool finite(const Pose& T) { return T.matrix().allFinite(); }
 
 void checkTime(double time_s, double horizon_s) {
-  promise(std::isfinite(time_s) && (time_s == -1.0 || (time_s >= 0.0 && time_s <= horizon_s)), "a time to failure in its range");
+  promise(std::isfinite(time_s) && (time_s == -1.0 || (time_s >= 0.0 && time_s <= horizon_s)),
+          "a time to failure in its range");
 }
 
 void monitor(FieldSource& source) {
@@ -99,8 +100,7 @@ void monitor(FieldSource& source) {
     const auto message = source.message<messages::FilterState>();
     const std::optional<FilterState> state = fromMessage(message);
     if (!state) continue;
-    const messages::TimeToFailure out =
-        toMessage(monitor.update(*state, conditionOf(message)), params, message.header);
+    const messages::TimeToFailure out = toMessage(monitor.update(*state, conditionOf(message)), params, message.header);
     checkTime(out.time_to_failure, out.horizon);
     checkTime(out.time_to_failure_indicator, out.horizon);
     checkTime(out.time_to_failure_covariance, out.horizon);
@@ -115,8 +115,8 @@ void pose(const geometry_msgs::PoseWithCovarianceStamped& message) {
   promise(finite(*T_odom_base), "a pose is finite");
   const ExternalPose pose{message.header.stamp.toSec(), *T_odom_base, fromMessage(message.pose.covariance)};
   if (!unusableReason(pose).empty()) return;
-  const Measurement measurement = externalMeasurement(pose, pose.stamp_s + 0.05, Pose::Identity(),
-                                                      Vector6d::Constant(1.0), Pose::Identity());
+  const Measurement measurement =
+      externalMeasurement(pose, pose.stamp_s + 0.05, Pose::Identity(), Vector6d::Constant(1.0), Pose::Identity());
   promise(finite(measurement.T_odom_cog) && measurement.covariance.allFinite(), "a measurement is finite");
 }
 

@@ -14,7 +14,8 @@ namespace {
 sensor_msgs::PointCloud2 cloudOf(FuzzedDataProvider& input) {
   const char* const names[] = {"x", "y", "z", "intensity", "i", "ring", "time", "t", "timestamp", ""};
   sensor_msgs::PointCloud2 cloud;
-  cloud.header.stamp = ros::Time(input.ConsumeIntegral<std::uint32_t>(), input.ConsumeIntegral<std::uint32_t>() % 1000000000u);
+  cloud.header.stamp =
+      ros::Time(input.ConsumeIntegral<std::uint32_t>(), input.ConsumeIntegral<std::uint32_t>() % 1000000000u);
   cloud.is_bigendian = input.ConsumeProbability<float>() > 0.95f;
   // Mostly small numbers, so that many layouts fit; now and then any.
   const auto number = [&] {
@@ -52,7 +53,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   promise(result.ok() == !sweep.empty(), "points if and only if the status is kOk");
   for (const auto& point : sweep.points_lidar) promise(point.allFinite(), "points are finite");
   promise(onePerPointOrNone(sweep.times_s, sweep.size()) && onePerPointOrNone(sweep.rings, sweep.size()) &&
-              onePerPointOrNone(sweep.intensities, sweep.size()), "one of each for a point, or none");
+              onePerPointOrNone(sweep.intensities, sweep.size()),
+          "one of each for a point, or none");
   promise(result.ok() == result.reason.empty(), "a reason if and only if refused");
   CorrectedSweep corrected;
   const bool ok = readCorrectedCloud(cloud, corrected).ok();

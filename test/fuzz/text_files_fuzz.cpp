@@ -25,11 +25,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 2:
         for (const double stamp_s : readTimes(path)) promise(std::isfinite(stamp_s), "stamps are finite");
         break;
-      case 3:
-        promise(readLidarToCamera(path).matrix().allFinite(), "the calibration is finite");
-        break;
-      default:
-        readMonitorLog(path);
+      case 3: promise(readLidarToCamera(path).matrix().allFinite(), "the calibration is finite"); break;
+      default: readMonitorLog(path);
     }
   } catch (const InputError&) {
   }

@@ -1,5 +1,5 @@
-// Golden behaviour: pose and covariance of every sweep of a small made-up drive, as committed in test/golden/. Any change
-// beyond 1e-6 (m, rad, and their squares) fails. Was it meant? scripts/update_golden, and say why in the commit.
+// Golden behaviour: pose and covariance of every sweep of a small made-up drive, as committed in test/golden/. Any
+// change beyond 1e-6 (m, rad, and their squares) fails. Was it meant? scripts/update_golden, and say why in the commit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,8 @@ std::vector<std::vector<double>> drive() {
   pipeline.startRedundant();
   std::vector<std::vector<double>> rows;
   for (int i = 0; i < kSweeps; ++i) {
-    Sweep sweep = street.scan([&](double time_s) { return drive.T_street_base(time_s); }, 0.1 * i, static_cast<std::uint32_t>(i));
+    Sweep sweep =
+        street.scan([&](double time_s) { return drive.T_street_base(time_s); }, 0.1 * i, static_cast<std::uint32_t>(i));
     quantise(sweep);
     const SweepResult result = pipeline.step(sweep);
     const Vector6d pose = vectorFromPose(result.T_odom_base);

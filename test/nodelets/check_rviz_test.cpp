@@ -37,8 +37,8 @@ class CheckRviz : public testing::Test {
     const synthetic::Street street;
     const synthetic::Drive drive;
     for (int i = 0; i < sweeps; ++i) {
-      const Sweep sweep = street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i,
-                                      static_cast<std::uint32_t>(i));
+      const Sweep sweep =
+          street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i, static_cast<std::uint32_t>(i));
       char name[16];
       std::snprintf(name, sizeof name, "%06d.bin", i);
       std::ofstream file(folder_ / "velodyne" / name, std::ios::binary);
@@ -51,10 +51,10 @@ class CheckRviz : public testing::Test {
 
   int check(const std::string& arguments) {
     const std::string output = (folder_ / "output.txt").string();
-    const int status = std::system((std::string(FAIL_AWARE_SOURCE_DIR) + "/scripts/check_rviz --kitti " +
-                                    folder_.string() + " --output " + (folder_ / "rviz.png").string() + " " +
-                                    arguments + " > " + output + " 2>&1")
-                                       .c_str());
+    const int status =
+        std::system((std::string(FAIL_AWARE_SOURCE_DIR) + "/scripts/check_rviz --kitti " + folder_.string() +
+                     " --output " + (folder_ / "rviz.png").string() + " " + arguments + " > " + output + " 2>&1")
+                        .c_str());
     std::stringstream text;
     text << std::ifstream(output).rdbuf();
     said_ = text.str();

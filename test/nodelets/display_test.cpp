@@ -84,8 +84,8 @@ TEST(RvizConfiguration, everyTopicIsAdvertisedWithItsType) {
 sensor_msgs::PointCloud2Ptr streetCloud(int i) {
   static const synthetic::Street street;
   const synthetic::Drive drive;
-  const Sweep sweep = street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i,
-                                  static_cast<std::uint32_t>(i));
+  const Sweep sweep =
+      street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i, static_cast<std::uint32_t>(i));
   const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
   CorrectedSweep points;
   points.points_lidar = sweep.points_lidar;
@@ -145,7 +145,8 @@ TEST(Display, aDriveBringsAllThatTheConfigurationShows) {
     ASSERT_TRUE(waitFor([&] {
       publisher.publish(cloud);  // the first one until the transform has arrived; a repeated one is dropped
       return waitFor([&] { return odometry.count(last) > 0; }, i == 0 ? 0.5 : kPatience_s);
-    })) << "sweep " << i;
+    })) << "sweep "
+        << i;
   }
   EXPECT_TRUE(waitFor([&] { return log.shown == wanted && !maps.empty(); }));
   EXPECT_EQ(log.shown, wanted) << "namespaces: as many in the configuration as in the graph, by the same names";

@@ -94,7 +94,9 @@ TEST_P(FaultsOfAStage, AbsentKilledAndBackEachIsToldInTheNextSweep) {
     ASSERT_TRUE(graph_.waitUntilLinked());
     // back: a reference has to be there before the first measurement
     bool recovered = false;
-    for (int i = 0; i < 5 && !recovered; ++i) recovered = (drive() & stage.reasons & ~Reason::REASON_MISSING_CORNERS) == 0;
+    for (int i = 0; i < 5 && !recovered; ++i) {
+      recovered = (drive() & stage.reasons & ~Reason::REASON_MISSING_CORNERS) == 0;
+    }
     EXPECT_TRUE(recovered) << "round " << round;
     EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
     if (round == 1) break;
@@ -148,7 +150,8 @@ TEST_F(Faults, WithoutTheFilterTheMonitorSaysFailedAndStaleUntilItIsBack) {
   ros::Subscriber listener = graph_.node().subscribe<messages::TimeToFailure>(
       "time_to_failure", 10, [&](const messages::TimeToFailureConstPtr& message) { last = message; });
   EXPECT_TRUE(waitFor([&] {
-    return last && last->state == Reason::FAILED && has(last->reasons, Reason::REASON_STALE) && last->time_to_failure == 0.0;
+    return last && last->state == Reason::FAILED && has(last->reasons, Reason::REASON_STALE) &&
+           last->time_to_failure == 0.0;
   }));
   load("fusion_ukf");
   ASSERT_TRUE(graph_.waitUntilLinked());
@@ -205,8 +208,8 @@ TEST_F(Faults, UnloadedInTheMiddleOfASweepANodeletTakesNothingWithIt) {
     ASSERT_TRUE(graph_.waitUntilLinked()) << name;
   }
   graph_.sendTransform();
-  // A topic that is advertised anew at once keeps its links in roscpp's list while they are mended, some tenths of a second
-  // later: what goes there at first may be lost.
+  // A topic that is advertised anew at once keeps its links in roscpp's list while they are mended, some tenths of a
+  // second later: what goes there at first may be lost.
   bool answered = false;
   for (int i = 0; i < 3 && !answered; ++i) answered = graph_.drive(streetCloud(next_++), 10.0 * patienceFactor());
   ASSERT_TRUE(answered);
@@ -232,7 +235,8 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
     })) << log;
     EXPECT_NE(log.find(said), std::string::npos) << log;
   };
-  const auto refused = [&](const std::string& key, const auto& value, const std::string& name, const std::string& rule) {
+  const auto refused = [&](const std::string& key, const auto& value, const std::string& name,
+                           const std::string& rule) {
     graph_.node().setParam(key, value);
     expectRefused(name, key.substr(key.rfind('/') + 1) + rule);
     graph_.node().deleteParam(key);

@@ -63,7 +63,9 @@ TEST(Graph, everyCloudHasItsEstimateAndItIsOfflines) {
   offline.startRedundant();
 
   std::vector<sensor_msgs::PointCloud2Ptr> clouds;
-  for (const Sweep& sweep : driveSweeps()) clouds.push_back(cloudOf(sweep, stampOfSweep(static_cast<int>(clouds.size()))));
+  for (const Sweep& sweep : driveSweeps()) {
+    clouds.push_back(cloudOf(sweep, stampOfSweep(static_cast<int>(clouds.size()))));
+  }
   graph.publish(clouds[0]);
   EXPECT_FALSE(waitFor([&] { return graph.answered(clouds[0]->header.stamp); }, 0.5)) << "without a transform";
   graph.sendTransform(T_base_lidar);
@@ -75,9 +77,10 @@ TEST(Graph, everyCloudHasItsEstimateAndItIsOfflines) {
       ASSERT_TRUE(graph.drive(clouds[i])) << "sweep " << i;
     }
     ASSERT_TRUE(waitFor([&] {
-      return point.count(stamp) > 0 && plane.count(stamp) > 0 && corners.count(stamp) > 0 && corrected.count(stamp) > 0 &&
-             checks.count(stamp) > 0;
-    })) << "sweep " << i;
+      return point.count(stamp) > 0 && plane.count(stamp) > 0 && corners.count(stamp) > 0 &&
+             corrected.count(stamp) > 0 && checks.count(stamp) > 0;
+    })) << "sweep "
+        << i;
     Sweep sweep;
     ASSERT_TRUE(readCloud(*clouds[i], sweep).ok());
     const SweepResult expected = offline.step(sweep);

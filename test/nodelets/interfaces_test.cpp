@@ -61,7 +61,9 @@ class Interfaces : public testing::Test {
   static const messages::FilterState& stateAt(int i) { return graph_->states.at(stampOfSweep(i)); }
   static std::uint32_t reasonsAt(int i) { return graph_->times.at(stampOfSweep(i)).reasons; }
   static Pose poseAt(int i) { return graph_->T_odom_base(stampOfSweep(i)); }
-  static Pose truthAt(int i, int first = 0) { return synthetic::Drive().T_odom_base(kSweepPeriod_s * i, kSweepPeriod_s * first); }
+  static Pose truthAt(int i, int first = 0) {
+    return synthetic::Drive().T_odom_base(kSweepPeriod_s * i, kSweepPeriod_s * first);
+  }
   static void expectNear(const Pose& a, const Pose& b, double tolerance_m, const std::string& what) {
     EXPECT_LT((a.translation() - b.translation()).norm(), tolerance_m) << what;
     EXPECT_LT(logSe3(a.inverse() * b).tail<3>().norm(), 0.01) << what;
@@ -78,7 +80,7 @@ ros::Publisher* Interfaces::visual_ = nullptr;
 ros::Subscriber* Interfaces::predictions_ = nullptr;
 std::function<messages::PoseMeasurement(const messages::SweepPrediction&)> Interfaces::visual_pose_;
 
-// ---- clouds -----------------------------------------------------------------------------------------------------------
+// ---- clouds ---------------------------------------------------------------------------------------------------------
 
 /// s from the middle of the sweep, of each point, by its column (the head turns clockwise from the rear).
 std::vector<float> columnTimes(const Sweep& sweep) {
@@ -105,8 +107,9 @@ sensor_msgs::PointCloud2Ptr velodyneCloud(int i, const std::function<float(float
   const std::vector<float> times = columnTimes(sweep);
   const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
   using Field = sensor_msgs::PointField;
-  cloud->fields = {field("x", 0, Field::FLOAT32),          field("y", 4, Field::FLOAT32), field("z", 8, Field::FLOAT32),
-                   field("intensity", 12, Field::FLOAT32), field("ring", 16, Field::UINT16), field("time", 18, Field::FLOAT32)};
+  cloud->fields = {field("x", 0, Field::FLOAT32),    field("y", 4, Field::FLOAT32),
+                   field("z", 8, Field::FLOAT32),    field("intensity", 12, Field::FLOAT32),
+                   field("ring", 16, Field::UINT16), field("time", 18, Field::FLOAT32)};
   cloud->point_step = 22;
   cloud->height = 1;
   cloud->width = static_cast<std::uint32_t>(sweep.size());
@@ -183,7 +186,8 @@ TEST_F(Interfaces, CloudsOfEveryDriverGiveTheSameOdometry) {
       ASSERT_TRUE(graph_->drive(packing.cloud(i))) << packing.name << ", sweep " << i;
       EXPECT_EQ(stateAt(i).corrected != 0, i > 0) << packing.name << ", sweep " << i;
       if (static_cast<int>(expected.size()) <= i) expected.push_back(poseAt(i));
-      expectNear(poseAt(i), expected[static_cast<std::size_t>(i)], 1e-3, packing.name + std::string(", sweep ") + std::to_string(i));
+      expectNear(poseAt(i), expected[static_cast<std::size_t>(i)], 1e-3,
+                 packing.name + std::string(", sweep ") + std::to_string(i));
     }
   }
   expectNear(expected.back(), truthAt(kSweeps - 1), 0.05, "truth");
@@ -246,7 +250,7 @@ TEST_F(Interfaces, ACloudThatCannotBeReadIsASweepWithoutPoints) {
   EXPECT_TRUE(stateAt(i + 1).corrected);
 }
 
-// ---- time -------------------------------------------------------------------------------------------------------------
+// ---- time -----------------------------------------------------------------------------------------------------------
 
 TEST_F(Interfaces, ABagThatBeginsAgainIsACleanStart) {
   drive(0, 7);
@@ -285,7 +289,7 @@ TEST_F(Interfaces, AStampOfTheEndOfTimeHurtsNobody) {
   expectNear(poseAt(6), truthAt(6, 3), 0.05, "after it");
 }
 
-// ---- services ---------------------------------------------------------------------------------------------------------
+// ---- services -------------------------------------------------------------------------------------------------------
 
 TEST_F(Interfaces, ResetIsANewStartForAll) {
   drive(0, 4);
@@ -321,7 +325,7 @@ TEST_F(Interfaces, SaveTrajectoryWritesEverySweepSinceTheStart) {
   graph_->node().setParam("fusion_ukf/trajectory_file", path);
 }
 
-// ---- set_pose ---------------------------------------------------------------------------------------------------------
+// ---- set_pose -------------------------------------------------------------------------------------------------------
 
 geometry_msgs::PoseWithCovarianceStamped poseMessage(const Pose& T, double sigma_m, double sigma_rad,
                                                      const std::string& frame, const ros::Time& stamp) {
@@ -369,7 +373,7 @@ TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
   }
 }
 
-// ---- extra sources ----------------------------------------------------------------------------------------------------
+// ---- extra sources --------------------------------------------------------------------------------------------------
 
 int sourceOf(const messages::FilterState& state, const std::string& name) {
   const auto at = std::find(state.measurement_names.begin(), state.measurement_names.end(), name);
@@ -439,7 +443,7 @@ TEST_F(Interfaces, APoseMeasurementOfOnesOwnIsWaitedForByItsExactStamp) {
   visual_pose_ = nullptr;
 }
 
-// ---- reconfiguration, diagnostics -------------------------------------------------------------------------------------
+// ---- reconfiguration, diagnostics -----------------------------------------------------------------------------------
 
 template <class Value>
 const Value* valueOf(const std::vector<Value>& values, const std::string& name) {
@@ -449,7 +453,8 @@ const Value* valueOf(const std::vector<Value>& values, const std::string& name) 
   return nullptr;
 }
 
-bool reconfigure(const std::string& node, const dynamic_reconfigure::Config& request, dynamic_reconfigure::Config& reply) {
+bool reconfigure(const std::string& node, const dynamic_reconfigure::Config& request,
+                 dynamic_reconfigure::Config& reply) {
   dynamic_reconfigure::Reconfigure call;
   call.request.config = request;
   if (!ros::service::call("/fail_aware_lidar_odometry/" + node + "/set_parameters", call)) return false;
@@ -531,7 +536,8 @@ TEST_F(Interfaces, EveryNodeletTellsItsHealth) {
       });
   drive(0, 3);
   EXPECT_TRUE(waitFor([&] { return keys.size() == NodeletManager::types().size(); }));
-  for (const char* name : {"sweep_correction", "icp_point_to_point", "icp_point_to_plane", "corner_svd", "fusion_ukf"}) {
+  for (const char* name :
+       {"sweep_correction", "icp_point_to_point", "icp_point_to_plane", "corner_svd", "fusion_ukf"}) {
     EXPECT_TRUE(keys[name].count("rate (Hz)")) << name;
     EXPECT_TRUE(keys[name].count("sweeps")) << name;
   }

@@ -18,9 +18,9 @@ class PlannerExample : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     publisher_ = node_.advertise<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure", 1);
-    subscriber_ = node_.subscribe<std_msgs::String>(
-        std::string("/") + GetParam() + "/action", 1,
-        [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
+    subscriber_ =
+        node_.subscribe<std_msgs::String>(std::string("/") + GetParam() + "/action", 1,
+                                          [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
     ASSERT_TRUE(waitFor([&] { return publisher_.getNumSubscribers() == 2 && !action_.empty(); })) << "not up";
   }
 

@@ -46,7 +46,8 @@ TEST(Readme, ThePlannersContractHasTheShippedThresholds) {
 TEST(Readme, SilenceIsToldBeforeThePlannersPatienceEnds) {
   const std::string contract = section("### The planner's contract");
   const double patience_s = numberIn(contract, R"(no message in ([0-9.]+) s)");
-  EXPECT_EQ(numberIn(readText(sourcePath("msg/TimeToFailure.msg")), R"(No message in ([0-9.]+) s means failed)"), patience_s);
+  EXPECT_EQ(numberIn(readText(sourcePath("msg/TimeToFailure.msg")), R"(No message in ([0-9.]+) s means failed)"),
+            patience_s);
   EXPECT_EQ(numberIn(contract, R"(toSec\(\) > ([0-9.]+);)"), patience_s) << "the C++ example";
   EXPECT_EQ(numberIn(contract, R"(heard > ([0-9.]+)\n)"), patience_s) << "the Python example";
   const FailAwareMonitorNodeletParams monitor;

@@ -39,8 +39,8 @@ std::string writeBag() {
   lidar.T_base_lidar = poseFromVector((Vector6d() << -0.595, 0.1, 1.73, 0.01, -0.02, 0.03).finished());
   KittiBagWriter writer(path, {lidar.T_base_lidar, false, true});
   for (int i = 0; i < kSweeps; ++i) {
-    const Sweep sweep = street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i,
-                                    static_cast<std::uint32_t>(i), lidar);
+    const Sweep sweep =
+        street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i, static_cast<std::uint32_t>(i), lidar);
     writer.add(ros::Time(1317000000, 0) + ros::Duration(0.1 * i), sweep, drive.T_odom_base(0.1 * i));
   }
   writer.close();
@@ -87,8 +87,8 @@ class Replay : public ::testing::Test {
   Replay()
       : odometry_(node_.subscribe<nav_msgs::Odometry>(
             "odometry", 100, [this](const nav_msgs::OdometryConstPtr& message) { received_.push_back(message); })) {
-    // The player waits for a subscriber on every topic of the bag; the graph listens to the clouds, and to /tf_static only
-    // until it knows where the lidar is.
+    // The player waits for a subscriber on every topic of the bag; the graph listens to the clouds, and to /tf_static
+    // only until it knows where the lidar is.
     for (const char* topic : {"/tf_static", "/kitti/tf"}) {
       others_.push_back(node_.subscribe<tf2_msgs::TFMessage>(topic, 100, &ignore<tf2_msgs::TFMessage>));
     }
@@ -141,7 +141,8 @@ TEST_F(Replay, measureLatencyWatchesTheGraph) {
   });
   while (!ended) {  // from when it listens, which nobody else can see
     const Player player(bag_, 1.0);
-    EXPECT_TRUE(waitFor([&] { return ended || (!received_.empty() && received_.back()->header.stamp.nsec == 700000000); }));
+    EXPECT_TRUE(
+        waitFor([&] { return ended || (!received_.empty() && received_.back()->header.stamp.nsec == 700000000); }));
     received_.clear();
     waitFor([&] { return ended.load(); }, 4.0);
   }

@@ -59,13 +59,16 @@ const std::vector<Case>& cases() {
       {"empty_cloud", {"empty_cloud:1:0.5"}, kNothingSeen},
       {"nan", {"nan:1:0.5"}, kNothingSeen},
       {"half_of_it_nan", {"nan:1:0.5:0.5"}, 0},
-      {"fog_noise_and_drops", {"range_cap:1:0.5", "noise:1:0.5", "dropped:1.2:0.1", "duplicated:1.3:0.2"},
+      {"fog_noise_and_drops",
+       {"range_cap:1:0.5", "noise:1:0.5", "dropped:1.2:0.1", "duplicated:1.3:0.2"},
        Reason::REASON_LOW_VISIBILITY | Reason::REASON_DROPPED_SWEEPS},
       {"half_tilted_ghosts_reordered",
        {"half_sweep:1:0.5", "tilted_mount:1:0.5", "ghost_points:1:0.5", "reordered:1:0.4"},
        Reason::REASON_SWEEP_INCOMPLETE | Reason::REASON_DROPPED_SWEEPS},
-      {"everything_from_the_start", {"blanked_sector:0", "noise:0", "lost_rings:0", "nan:0:5:0.5", "time_sign:0"},
-       Reason::REASON_SWEEP_INCOMPLETE, false},
+      {"everything_from_the_start",
+       {"blanked_sector:0", "noise:0", "lost_rings:0", "nan:0:5:0.5", "time_sign:0"},
+       Reason::REASON_SWEEP_INCOMPLETE,
+       false},
   };
   return cases;
 }
@@ -117,10 +120,11 @@ bool allFinite(const nav_msgs::Odometry& m) {
          allFinite(m.twist.twist.angular) && allFinite(m.twist.covariance);
 }
 bool allFinite(const messages::FilterState& m) {
-  return finite(m.dt) && allFinite(m.pose) && allFinite(m.covariance) && finite(m.sigma_yaw) && allFinite(m.increment) &&
-         allFinite(m.increment_covariance) && allFinite(m.unobserved_covariance) && allFinite(m.measurement_weights) &&
-         allFinite(m.measurement_nis) && allFinite(m.min_information_share) && allFinite(m.fused_state) &&
-         allFinite(m.fused_covariance) && finite(m.fused_nis) && finite(m.disagreement) && finite(m.disagreement_yaw);
+  return finite(m.dt) && allFinite(m.pose) && allFinite(m.covariance) && finite(m.sigma_yaw) &&
+         allFinite(m.increment) && allFinite(m.increment_covariance) && allFinite(m.unobserved_covariance) &&
+         allFinite(m.measurement_weights) && allFinite(m.measurement_nis) && allFinite(m.min_information_share) &&
+         allFinite(m.fused_state) && allFinite(m.fused_covariance) && finite(m.fused_nis) && finite(m.disagreement) &&
+         finite(m.disagreement_yaw);
 }
 bool allFinite(const messages::TimeToFailure& m) {
   return finite(m.horizon) && finite(m.time_to_failure) && finite(m.time_to_failure_indicator) &&

@@ -32,8 +32,8 @@ void expectSameDefaults(const Tuning& in_code, const Tuning& in_yaml) {
 
 TEST(Tuning, DefaultsOfCfgCodeAndYamlAgree) {
   const ProfileParameters yaml = defaultYaml();
-  expectSameDefaults<config::FusionUkfConfig>(FusionUkfTuning(),
-                                              FusionUkfTuning{FusionUkfNodeletParams(), yaml.registration, yaml.fusion});
+  expectSameDefaults<config::FusionUkfConfig>(
+      FusionUkfTuning(), FusionUkfTuning{FusionUkfNodeletParams(), yaml.registration, yaml.fusion});
   expectSameDefaults<config::FailAwareMonitorConfig>(FailAwareMonitorTuning(), FailAwareMonitorTuning{yaml.monitor});
   expectSameDefaults<config::IcpPointToPointConfig>(IcpPointToPointTuning(),
                                                     IcpPointToPointTuning{yaml.registration.point});
@@ -57,7 +57,8 @@ void expectUsableBounds(const std::vector<std::string>& tied) {
 
 TEST(Tuning, BoundsAreWithinTheRules) {
   expectUsableBounds<config::FusionUkfConfig, FusionUkfTuning>({});
-  expectUsableBounds<config::FailAwareMonitorConfig, FailAwareMonitorTuning>({"confidence", "alarm_confidence", "failing_s", "degraded_s"});
+  expectUsableBounds<config::FailAwareMonitorConfig, FailAwareMonitorTuning>(
+      {"confidence", "alarm_confidence", "failing_s", "degraded_s"});
   expectUsableBounds<config::IcpPointToPointConfig, IcpPointToPointTuning>({});
   expectUsableBounds<config::IcpPointToPlaneConfig, IcpPointToPlaneTuning>({});
   expectUsableBounds<config::CornerSvdConfig, CornerSvdTuning>({});

@@ -16,7 +16,9 @@ constexpr int kSweeps = 6;
 
 struct Vehicle {
   Vehicle(const std::string& vehicle_name, const synthetic::Drive& its_drive)
-      : name(vehicle_name), drive(its_drive), graph('/' + name + "/odometry", {'/' + name + "/lidar/points", name + '/'}) {}
+      : name(vehicle_name),
+        drive(its_drive),
+        graph('/' + name + "/odometry", {'/' + name + "/lidar/points", name + '/'}) {}
 
   sensor_msgs::PointCloud2Ptr cloud(int i) const {
     const Sweep sweep = synthetic::Street().scan([&](double t) { return drive.T_street_base(t); }, kSweepPeriod_s * i,
@@ -57,7 +59,8 @@ TEST(TwoVehicles, EachHasItsOwnOdometryInItsOwnFrames) {
   vehicles[0].graph.sendTransform();
   ASSERT_TRUE(vehicles[0].graph.start(vehicles[0].cloud(0)));
   vehicles[1].graph.publish(vehicles[1].cloud(0));
-  EXPECT_FALSE(waitFor([&] { return vehicles[1].graph.answered(stampOfSweep(0)); }, 0.5)) << "without its own transform";
+  EXPECT_FALSE(waitFor([&] { return vehicles[1].graph.answered(stampOfSweep(0)); }, 0.5))
+      << "without its own transform";
   vehicles[1].graph.sendTransform();
   ASSERT_TRUE(waitFor([&] { return vehicles[1].graph.answered(stampOfSweep(0)); }));
 

@@ -35,8 +35,9 @@ std::set<std::string> readManifest() {
   const std::string text = std::regex_replace(readText(sourcePath("package.xml")), std::regex("<!--[^]*?-->"), "");
   const std::regex depend("<((?:[a-z]+_)*depend)(?:\\s[^>]*)?>\\s*([^<\\s]+)\\s*</\\1>");
   std::set<std::string> keys;
-  for (std::sregex_iterator match(text.begin(), text.end(), depend), end; match != end; ++match)
+  for (std::sregex_iterator match(text.begin(), text.end(), depend), end; match != end; ++match) {
     keys.insert((*match)[2]);
+  }
   return keys;
 }
 

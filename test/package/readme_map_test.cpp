@@ -1,5 +1,5 @@
-// README's map from the article's equations to files: each named file has its header, source and test, and each folder of
-// the core stands in the map.
+// README's map from the article's equations to files: each named file has its header, source and test, and each folder
+// of the core stands in the map.
 #include <gtest/gtest.h>
 
 #include <filesystem>

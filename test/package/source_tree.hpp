@@ -26,8 +26,9 @@ inline std::vector<std::string> filesBelow(const std::string& folder) {
   std::vector<std::string> files;
   if (!fs::is_directory(sourcePath(folder))) return files;
   for (const auto& entry : fs::recursive_directory_iterator(sourcePath(folder))) {
-    if (entry.is_regular_file())
+    if (entry.is_regular_file()) {
       files.push_back(folder + '/' + fs::relative(entry.path(), sourcePath(folder)).string());
+    }
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -60,7 +60,8 @@ struct VehicleNames {
 
 class GraphDriver {
  public:
-  explicit GraphDriver(const std::string& graph_namespace = "/fail_aware_lidar_odometry", const VehicleNames& names = {})
+  explicit GraphDriver(const std::string& graph_namespace = "/fail_aware_lidar_odometry",
+                       const VehicleNames& names = {})
       : names_(names),
         node_(graph_namespace),
         states(node_, "filter_state"),
@@ -82,9 +83,9 @@ class GraphDriver {
   /// The whole graph is up, each stage linked with its neighbours.
   bool waitUntilLinked() {
     std::vector<std::string> topics = {names_.cloud_topic};
-    for (const char* name : {"sweep/prediction", "sweep/points", "sweep/check", "filter_state", "odometry",
-                             "time_to_failure", "measurement/icp_point_to_point", "measurement/icp_point_to_plane",
-                             "measurement/corner_svd"}) {
+    for (const char* name :
+         {"sweep/prediction", "sweep/points", "sweep/check", "filter_state", "odometry", "time_to_failure",
+          "measurement/icp_point_to_point", "measurement/icp_point_to_plane", "measurement/corner_svd"}) {
       topics.push_back(topic(name));
     }
     return waitFor([&] {
@@ -130,8 +131,8 @@ class GraphDriver {
   Recorder<messages::FilterState> states;
   Recorder<nav_msgs::Odometry> odometry;
   Recorder<messages::TimeToFailure> times;
-  bool monitored = true;   ///< wait for time_to_failure, too
-  double answer_s = 0.0;   ///< of the last drive(), by the steady clock
+  bool monitored = true;  ///< wait for time_to_failure, too
+  double answer_s = 0.0;  ///< of the last drive(), by the steady clock
 
  private:
   ros::Publisher publisher_;
@@ -141,13 +142,16 @@ class GraphDriver {
 /// The nodelets of a manager, by hand.
 class NodeletManager {
  public:
-  explicit NodeletManager(const std::string& graph_namespace = "/fail_aware_lidar_odometry") : namespace_(graph_namespace) {}
+  explicit NodeletManager(const std::string& graph_namespace = "/fail_aware_lidar_odometry")
+      : namespace_(graph_namespace) {}
 
   static const std::map<std::string, std::string>& types() {
-    static const std::map<std::string, std::string> types = {
-        {"sweep_correction", "SweepCorrection"},     {"icp_point_to_point", "IcpPointToPoint"},
-        {"icp_point_to_plane", "IcpPointToPlane"},   {"corner_svd", "CornerSvd"},
-        {"fusion_ukf", "FusionUkf"},                 {"fail_aware_monitor", "FailAwareMonitor"}};
+    static const std::map<std::string, std::string> types = {{"sweep_correction", "SweepCorrection"},
+                                                             {"icp_point_to_point", "IcpPointToPoint"},
+                                                             {"icp_point_to_plane", "IcpPointToPlane"},
+                                                             {"corner_svd", "CornerSvd"},
+                                                             {"fusion_ukf", "FusionUkf"},
+                                                             {"fail_aware_monitor", "FailAwareMonitor"}};
     return types;
   }
 

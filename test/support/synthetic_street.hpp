@@ -118,8 +118,7 @@ class Street {
         const double elevation = (lidar.lowest_deg + share * (lidar.highest_deg - lidar.lowest_deg)) * M_PI / 180.0;
         const Eigen::Vector3d ray(std::cos(elevation) * std::cos(yaw), std::cos(elevation) * std::sin(yaw),
                                   std::sin(elevation));
-        const double distance =
-            range(T_street_lidar.translation(), T_street_lidar.linear() * ray, lidar.max_range_m);
+        const double distance = range(T_street_lidar.translation(), T_street_lidar.linear() * ray, lidar.max_range_m);
         const double error_m = lidar.noise_m * noise(random);
         if (!std::isfinite(distance)) continue;
         sweep.points_lidar.push_back(((distance + error_m) * ray).cast<float>());

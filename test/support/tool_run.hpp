@@ -26,8 +26,7 @@ struct ToolRun {
 inline ToolRun runProgram(const std::string& program, const std::string& arguments,
                           const std::filesystem::path& folder) {
   const std::filesystem::path out = folder / "stdout", err = folder / "stderr";
-  const std::string command =
-      "'" + program + "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
+  const std::string command = "'" + program + "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contentOf(out), contentOf(err)};
 }

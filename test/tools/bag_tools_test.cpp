@@ -52,8 +52,8 @@ class BagTools : public ::testing::Test {
     for (int i = 0; i < kScans; ++i) {
       const double stamp_s = 0.103288 * i + 1e-6 * (i % 3);
       times << std::to_string(stamp_s) << "\n";  // six decimals
-      const Sweep sweep = street.scan([&](double t) { return motion.T_street_base(t); }, stamp_s,
-                                      static_cast<std::uint32_t>(i), lidar);
+      const Sweep sweep =
+          street.scan([&](double t) { return motion.T_street_base(t); }, stamp_s, static_cast<std::uint32_t>(i), lidar);
       std::vector<std::array<float, 4>> points;
       std::vector<float> point_times;
       for (const Eigen::Vector3f& p : sweep.points_lidar) {

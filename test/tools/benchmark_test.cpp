@@ -103,9 +103,9 @@ TEST_F(Benchmark, kittiBenchmarkScoresEverySequenceBesideTheArticle) {
 }
 
 TEST_F(Benchmark, kittiBenchmarkGoesOnOverASequenceThatFails) {
-  const Outcome outcome = run(std::string(KITTI_BENCHMARK) + " " + root().string() +
-                              " --profile default --variants all --set no.such.key=1 --output " +
-                              (root() / "failed").string());
+  const Outcome outcome =
+      run(std::string(KITTI_BENCHMARK) + " " + root().string() +
+          " --profile default --variants all --set no.such.key=1 --output " + (root() / "failed").string());
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.output.find("no.such.key"), std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("failed"), std::string::npos);

@@ -27,8 +27,7 @@ TEST_F(FailAwareBenchmark, RunsAndJudgesADriveWithFaults) {
   std::ofstream(folder_ / "drives") << "# name group arguments\n"
                                        "street fault --scene town --duration 5 --start-speed 8 --fault half_sweep:2:1 "
                                        "--fault frozen_cloud:4:0.8\n";
-  const std::string options =
-      "--drives " + quoted("drives") + " --seeds 3 --resamples 20 --output " + quoted("out");
+  const std::string options = "--drives " + quoted("drives") + " --seeds 3 --resamples 20 --output " + quoted("out");
   const ToolRun outcome = run(options);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("| concordance, combination"), std::string::npos) << outcome.out;
@@ -66,9 +65,8 @@ TEST_F(FailAwareBenchmark, ARunThatFailsIsNamed) {
 
 TEST_F(FailAwareBenchmark, BadInputIsRefusedInOneLine) {
   std::ofstream(folder_ / "drives") << "street anything --scene town\n";
-  for (const std::string& arguments :
-       {std::string("--no-drives"), "--nominal " + quoted("nowhere"), std::string("--drives /does/not/exist"),
-        "--drives " + quoted("drives")}) {
+  for (const std::string& arguments : {std::string("--no-drives"), "--nominal " + quoted("nowhere"),
+                                       std::string("--drives /does/not/exist"), "--drives " + quoted("drives")}) {
     const ToolRun outcome = run(arguments + " --output " + quoted("out"));
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
     EXPECT_EQ(outcome.err.find("fail_aware_benchmark: error: "), 0u) << outcome.err;

@@ -1,5 +1,5 @@
-// A run folder as offline_odometry would have written it, made up: straight on at a constant speed, with errors of known
-// covariance, and its ground truth.
+// A run folder as offline_odometry would have written it, made up: straight on at a constant speed, with errors of
+// known covariance, and its ground truth.
 #pragma once
 
 #include <filesystem>
@@ -17,8 +17,8 @@ namespace fail_aware {
 struct MadeUpRun {
   int sweeps = 400;
   double speed_mps = 10.0;
-  double drift_m = 0.0;       ///< sideways, a sweep: the estimate is to the left
-  double sigma_m = 0.0;       ///< true standard deviations of an increment's errors
+  double drift_m = 0.0;  ///< sideways, a sweep: the estimate is to the left
+  double sigma_m = 0.0;  ///< true standard deviations of an increment's errors
   double sigma_up_m = 0.0;
   double sigma_yaw_rad = 0.0;
   double sigma_tilt_rad = 0.0;
@@ -52,8 +52,7 @@ struct MadeUpRun {
         Vector6d step = Vector6d::Zero(), error = Vector6d::Zero();
         step[0] = speed_mps * s.dt_s;
         error << sigma_m * normal(random), sigma_m * normal(random) + drift_m, sigma_up_m * normal(random),
-            sigma_tilt_rad * normal(random), sigma_tilt_rad * normal(random),
-            sigma_yaw_rad * normal(random);
+            sigma_tilt_rad * normal(random), sigma_tilt_rad * normal(random), sigma_yaw_rad * normal(random);
         s.T_previous_now = poseFromVector(step + error);
         T_true = T_true * poseFromVector(step);
         T = T * s.T_previous_now;

@@ -87,8 +87,8 @@ class OfflineOdometry : public ::testing::Test {
     fs::create_directories(base() / "drive" / "velodyne");
     const synthetic::Street street;
     for (int i = 0; i < kScans; ++i) {
-      const Sweep sweep = street.scan([](double t) { return kDrive.T_street_base(t); }, 0.1 * i,
-                                      static_cast<std::uint32_t>(i));
+      const Sweep sweep =
+          street.scan([](double t) { return kDrive.T_street_base(t); }, 0.1 * i, static_cast<std::uint32_t>(i));
       std::vector<std::array<float, 4>> points;
       for (const Eigen::Vector3f& p : sweep.points_lidar) points.push_back({p.x(), p.y(), p.z(), 0.5f});
       std::ofstream(scan(base() / "drive", i), std::ios::binary)
@@ -130,7 +130,8 @@ class OfflineOdometry : public ::testing::Test {
   void run(const fs::path& drive, const std::string& more = "") {
     runPlain("--kitti '" + drive.string() + "' --output '" + (folder_ / "out").string() +
              "' --set registration.initialization.max_speed_mps=25"
-             " --set registration.initialization.max_yaw_rate_rps=0.2 " + more);
+             " --set registration.initialization.max_yaw_rate_rps=0.2 " +
+             more);
   }
 
   fs::path out(const std::string& name) const { return folder_ / "out" / name; }
@@ -205,13 +206,32 @@ TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
   ASSERT_EQ(exit_code_, 0) << stderr_;
   const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(kScans));
-  const std::vector<std::string> numbers = {
-      "stamp",        "time_to_failure", "time_to_failure_indicator", "time_to_failure_covariance", "eta",
-      "eta_rate",     "sigma_yaw",       "sigma_x",                   "sigma_y",                    "weight_point",
-      "weight_plane", "weight_corners",  "nis_point",                 "nis_plane",                  "nis_corners",
-      "ms_total",     "ms_point",        "ms_plane",                  "ms_corners",                 "cov_xx",
-      "cov_xy",       "cov_yy",          "cov_zz",                    "cov_yaw",                    "speed_mps",
-      "yaw_rate_rps"};
+  const std::vector<std::string> numbers = {"stamp",
+                                            "time_to_failure",
+                                            "time_to_failure_indicator",
+                                            "time_to_failure_covariance",
+                                            "eta",
+                                            "eta_rate",
+                                            "sigma_yaw",
+                                            "sigma_x",
+                                            "sigma_y",
+                                            "weight_point",
+                                            "weight_plane",
+                                            "weight_corners",
+                                            "nis_point",
+                                            "nis_plane",
+                                            "nis_corners",
+                                            "ms_total",
+                                            "ms_point",
+                                            "ms_plane",
+                                            "ms_corners",
+                                            "cov_xx",
+                                            "cov_xy",
+                                            "cov_yy",
+                                            "cov_zz",
+                                            "cov_yaw",
+                                            "speed_mps",
+                                            "yaw_rate_rps"};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     Row row = rows[i];
     for (const std::string& name : numbers) {
@@ -323,7 +343,9 @@ TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
 }
 
 TEST_F(OfflineOdometry, NamesNeedNotBeUtf8) {
-  const fs::path drive = folder_ / "stra\xdf" "e";
+  const fs::path drive = folder_ /
+                         "stra\xdf"
+                         "e";
   fs::create_directories(drive / "velodyne");
   for (int i = 0; i < 2; ++i) fs::copy_file(scan(base() / "drive", i), scan(drive, i));
   std::ofstream(scan(drive, 2)).close();
@@ -412,8 +434,8 @@ TEST_F(OfflineOdometry, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
   std::ofstream(file).close();
   expectRefused(drive + "--output '" + file.string() + "'", file.string());
   expectRefused(drive + "--output '" + (file / "deeper").string() + "'", file.string());
-  for (const char* taken : {"per_sweep.csv", "monitor_log.csv", "trajectory_kitti.txt", "trajectory_tum.txt", "summary.json",
-                            "parameters.yaml"}) {
+  for (const char* taken : {"per_sweep.csv", "monitor_log.csv", "trajectory_kitti.txt", "trajectory_tum.txt",
+                            "summary.json", "parameters.yaml"}) {
     const fs::path output = folder_ / (std::string("out_") + taken);
     fs::create_directories(output / taken);  // a folder where the file belongs
     expectRefused(drive + "--output '" + output.string() + "' --count 2", taken);

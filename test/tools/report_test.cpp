@@ -56,17 +56,23 @@ class Report : public ::testing::Test {
 
   static std::string perSweep() {
     std::ostringstream csv;
-    csv << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-           "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
+    csv << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_"
+           "rate,"
+           "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_"
+           "fused,"
            "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference,point_status,plane_status,"
            "corners_status,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw\n";
     for (int i = 0; i < kSweeps; ++i) {
       const double since_t1_s = std::max(0.0, 0.1 * i - 1.0), left_s = i < 10 ? -1.0 : std::max(0.0, 3.0 - since_t1_s);
-      csv << 0.1 * i << ',' << (i == 0 ? "first" : "corrected") << ',' << (i < 10 ? "UNKNOWN" : i < 40 ? "FAILING" : "FAILED")
+      csv << 0.1 * i << ',' << (i == 0 ? "first" : "corrected") << ','
+          << (i < 10   ? "UNKNOWN"
+              : i < 40 ? "FAILING"
+                       : "FAILED")
           << ',' << (i > 30 ? "MISSING_CORNERS|ETA_THRESHOLD" : "") << ',' << left_s << ',' << left_s << ',' << left_s
-          << ',' << 3e-4 * since_t1_s << ",3e-4," << 1e-4 * (1.0 + 0.1 * std::sin(i)) << ",0,0,0.9,0.8," << (i % 3 ? 0.0 : 0.5)
-          << ",5,6," << (i % 3 ? -1 : 4) << ",5,20,2,10,5,2,1,1,ok,ok," << (i % 3 ? "too_few_corners" : "ok") << ','
-          << 1e-3 * since_t1_s << ",0," << 2e-3 * since_t1_s << ",1e-4,1e-6\n";
+          << ',' << 3e-4 * since_t1_s << ",3e-4," << 1e-4 * (1.0 + 0.1 * std::sin(i)) << ",0,0,0.9,0.8,"
+          << (i % 3 ? 0.0 : 0.5) << ",5,6," << (i % 3 ? -1 : 4) << ",5,20,2,10,5,2,1,1,ok,ok,"
+          << (i % 3 ? "too_few_corners" : "ok") << ',' << 1e-3 * since_t1_s << ",0," << 2e-3 * since_t1_s
+          << ",1e-4,1e-6\n";
     }
     return csv.str();
   }
@@ -75,7 +81,8 @@ class Report : public ::testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   void run(const std::string& arguments) {
-    const std::string command = "'" REPORT_SCRIPT "' " + arguments + " >'" + path("stdout") + "' 2>'" + path("stderr") + "'";
+    const std::string command =
+        "'" REPORT_SCRIPT "' " + arguments + " >'" + path("stdout") + "' 2>'" + path("stderr") + "'";
     const int status = std::system(command.c_str());
     exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     stderr_ = content(folder_ / "stderr");

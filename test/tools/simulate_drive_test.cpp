@@ -61,7 +61,9 @@ TEST_F(SimulateDrive, sameArgumentsSameBytes) {
   const std::vector<std::string> files = filesBelow(folder_ / "a");
   ASSERT_EQ(files, filesBelow(folder_ / "b"));
   ASSERT_EQ(files.size(), 3u * 6u + 6u);
-  for (const std::string& file : files) EXPECT_EQ(contentOf(folder_ / "a" / file), contentOf(folder_ / "b" / file)) << file;
+  for (const std::string& file : files) {
+    EXPECT_EQ(contentOf(folder_ / "a" / file), contentOf(folder_ / "b" / file)) << file;
+  }
   const KittiDirectory drive = KittiDirectory::open(path("a"));
   EXPECT_TRUE(drive.hasPointTimes());
   EXPECT_DOUBLE_EQ(drive.stamps()[5], 0.55);
@@ -81,10 +83,15 @@ TEST_F(SimulateDrive, theOdometryFollowsIt) {
 }
 
 /// What must stand in the table's reasons or status.
-const std::map<std::string, std::string> kTold = {
-    {"blanked_sector", "SWEEP_INCOMPLETE"}, {"range_cap", "LOW_VISIBILITY"},     {"frozen_cloud", "FROZEN_CLOUD"},
-    {"half_sweep", "SWEEP_INCOMPLETE"},     {"duplicated", "stamp_not_advancing"}, {"reordered", "stamp_not_advancing"},
-    {"stamp_jump", "TIME_JUMP"},            {"empty_cloud", "SWEEP_EMPTY"},      {"nan", "SWEEP_EMPTY"}};
+const std::map<std::string, std::string> kTold = {{"blanked_sector", "SWEEP_INCOMPLETE"},
+                                                  {"range_cap", "LOW_VISIBILITY"},
+                                                  {"frozen_cloud", "FROZEN_CLOUD"},
+                                                  {"half_sweep", "SWEEP_INCOMPLETE"},
+                                                  {"duplicated", "stamp_not_advancing"},
+                                                  {"reordered", "stamp_not_advancing"},
+                                                  {"stamp_jump", "TIME_JUMP"},
+                                                  {"empty_cloud", "SWEEP_EMPTY"},
+                                                  {"nan", "SWEEP_EMPTY"}};
 
 TEST_F(SimulateDrive, everyFaultLeavesARowForEachScanAndNoNan) {
   std::map<std::string, std::string> drives;
@@ -146,8 +153,9 @@ TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {
 }
 
 TEST_F(SimulateDrive, badUseIsOneLineAndExitCode2) {
-  for (const char* arguments : {"--scene moon", "--duration 0", "--duration nan", "--seed -1", "--fault fog", "--threads 0",
-                                "--fault dropped:0:inf --duration 0.3", "--start-speed 100", "--speed -1", "--no-such"}) {
+  for (const char* arguments :
+       {"--scene moon", "--duration 0", "--duration nan", "--seed -1", "--fault fog", "--threads 0",
+        "--fault dropped:0:inf --duration 0.3", "--start-speed 100", "--speed -1", "--no-such"}) {
     const ToolRun run = simulate("bad", arguments);
     EXPECT_EQ(run.exit_code, 2) << arguments;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;

@@ -60,8 +60,8 @@ struct SweepAccount {
     bool awaited = true;                     ///< false: it comes when it likes, its absence means nothing
     bool external = false;                   ///< not made of the sweep
   };
-  std::vector<Source> sources;  ///< in the order of the fusion's inputs
-  int sweep_points = -1;        ///< -1: not known
+  std::vector<Source> sources;            ///< in the order of the fusion's inputs
+  int sweep_points = -1;                  ///< -1: not known
   std::optional<SweepFindings> findings;  ///< nothing: not arrived by the deadline
   int dropped_before = 0;
 };

@@ -35,8 +35,8 @@ inline constexpr const char* kWorldFrame = "world";
 
 struct KittiBagOptions {
   Pose T_base_lidar = Pose::Identity();
-  bool point_times = false;     ///< the field `time`, in clouds whose sweep has times
-  bool with_transforms = false; ///< /tf, world -> base_link
+  bool point_times = false;      ///< the field `time`, in clouds whose sweep has times
+  bool with_transforms = false;  ///< /tf, world -> base_link
 };
 
 /// x y z i, with `with_times` also time; header left to the caller. A sweep without points gives a cloud of width 0.

@@ -1,8 +1,9 @@
 // What the nodelets show in rviz -> visualization_msgs, topic `markers`. Each nodelet publishes what it alone knows:
 //
 // namespace            from              what
-// seeds before         IcpPointToPoint   white arrows: the multiplex ICP's seeds. Offsets from the measurement are drawn
-// seeds after                            10 times as large. Arrows: where each ended, green: the best, orange: others
+// seeds before         IcpPointToPoint   white arrows: the multiplex ICP's seeds. Offsets from the measurement are
+// seeds after                            drawn 10 times as large. Arrows: where each ended, green: the best
+//                                        orange: others
 // corners              CornerSvd         this sweep's: the line and M white, J blue, N magenta
 // corner planes                          their walls, one magenta rectangle a plane
 // corner reference                       grey lines of 1 m: the corners that the sweep's are aligned with

@@ -1,5 +1,5 @@
-// Writes a drive as a bag recorded on a vehicle with a Velodyne (velodyne_messages.hpp): /velodyne_points, /tf_static, and the truth
-// on /ground_truth/odometry.
+// Writes a drive as a bag recorded on a vehicle with a Velodyne (velodyne_messages.hpp): /velodyne_points, /tf_static,
+// and the truth on /ground_truth/odometry.
 //
 // Nothing is recorded before what was recorded already, whatever the stamps say; the lidar's place comes half a second
 // before the first cloud, so that a listener has it in time. Failure: that of bag_file.hpp.

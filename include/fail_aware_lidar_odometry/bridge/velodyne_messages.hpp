@@ -1,8 +1,9 @@
 // What a vehicle with a Velodyne publishes, made from a sweep: the driver's cloud, the lidar's place, and, where it is
 // known, the true odometry.
 //
-// Cloud: x y z intensity (FLOAT32), ring (UINT16), time (FLOAT32, s relative to the stamp, which is the sweep's end), point_step 22,
-// as velodyne_pointcloud has it. Missing rings and times become 0. Header stamps: seconds from `epoch`, to the microsecond.
+// Cloud: x y z intensity (FLOAT32), ring (UINT16), time (FLOAT32, s relative to the stamp, which is the sweep's end),
+// point_step 22, as velodyne_pointcloud has it. Missing rings and times become 0. Header stamps: seconds from `epoch`,
+// to the microsecond.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -38,7 +39,8 @@ ros::Time timeAt(const ros::Time& epoch, double seconds);
 /// Fields, sizes and data; header left to the caller.
 void writeVelodyneCloud(const Sweep& sweep, sensor_msgs::PointCloud2& cloud);
 
-geometry_msgs::TransformStamped lidarPlace(const Pose& T_base_lidar, const VelodyneNames& names, const ros::Time& stamp);
+geometry_msgs::TransformStamped lidarPlace(const Pose& T_base_lidar, const VelodyneNames& names,
+                                           const ros::Time& stamp);
 
 /// Pose of base_link in the ground truth's frame; twist and covariances zero.
 nav_msgs::Odometry groundTruth(const Pose& T_truth_base, const VelodyneNames& names, const ros::Time& stamp);

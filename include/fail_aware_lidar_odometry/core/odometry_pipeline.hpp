@@ -20,7 +20,7 @@
 namespace fail_aware {
 
 enum class SweepStatus {
-  kFirst,              ///< defines odom, or goes on from the last pose where stamps jumped back; nothing to register against
+  kFirst,              ///< defines odom, or, where stamps jumped back, goes on from the last pose; not registered
   kCorrected,          ///< measured and fused
   kPredicted,          ///< no usable measurement: the pose is the prediction
   kStampNotAdvancing,  ///< duplicate, or out of order (stamp_order.hpp): refused, the pose is the last one

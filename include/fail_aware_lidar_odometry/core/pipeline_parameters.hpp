@@ -14,9 +14,9 @@
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
@@ -62,10 +62,10 @@ struct VehicleFileParameters {
 };
 
 struct RegistrationParameters {
-  bool use_point = true;    ///< the three measurements, each can be left out (the article's "2 measurements")
+  bool use_point = true;  ///< the three measurements, each can be left out (the article's "2 measurements")
   bool use_plane = true;
   bool use_corners = true;
-  bool refine_correction = true;  ///< correct the sweep once more with the registered motion before it joins the reference
+  bool refine_correction = true;  ///< correct once more, by the registered motion, what joins the reference
   RegistrationCloudBuilder::Params cloud;
   ReferenceMap::Params reference;
   MotionInitialization::Params initialization;

@@ -10,9 +10,7 @@ double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.
 
 }  // namespace
 
-bool isAlarm(FailAwareState state) {
-  return state == FailAwareState::kFailing || state == FailAwareState::kFailed;
-}
+bool isAlarm(FailAwareState state) { return state == FailAwareState::kFailing || state == FailAwareState::kFailed; }
 
 std::optional<LeadTime> leadTime(const FailAwareEpisode& episode) {
   if (!episode.failed) return std::nullopt;

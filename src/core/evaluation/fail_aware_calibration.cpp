@@ -46,9 +46,8 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
   return threshold;
 }
 
-std::optional<double> confidenceForLateShare(
-    const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with, double late_share, double smallest,
-    double largest) {
+std::optional<double> confidenceForLateShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                             double late_share, double smallest, double largest) {
   if (lateShare(episodes_with(smallest)) <= late_share) return smallest;
   if (lateShare(episodes_with(largest)) > late_share) return std::nullopt;
   while (largest - smallest > kConfidenceStep) {
@@ -58,9 +57,8 @@ std::optional<double> confidenceForLateShare(
   return largest;
 }
 
-std::optional<double> confidenceForAlarmShare(
-    const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with, double alarm_share, double smallest,
-    double largest) {
+std::optional<double> confidenceForAlarmShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                              double alarm_share, double smallest, double largest) {
   const auto quiet = [&](double confidence) {
     std::vector<FailAwareEpisode> sound;
     for (const FailAwareEpisode& episode : episodes_with(confidence)) {

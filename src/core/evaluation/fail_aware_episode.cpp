@@ -14,8 +14,7 @@ FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<M
   episode.failed = found.failed;
   episode.time_s = found.time_s;
   episode.alert_limit_m = alert_limit_m;
-  const std::vector<MonitorOutput> outputs =
-      replayMonitor(log, found.begin_s - log.front().state.stamp_s, monitor);
+  const std::vector<MonitorOutput> outputs = replayMonitor(log, found.begin_s - log.front().state.stamp_s, monitor);
   const Pose T_begin_truth = truth[found.begin].inverse();
   const Pose T_begin_estimate = log[found.begin].state.T_odom_cog.inverse();
   double distance_m = 0.0;
@@ -28,7 +27,8 @@ FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<M
     if (i > found.begin) distance_m += step_m;
     sweep.distance_m = distance_m;
     sweep.speed_mps = state.dt_s > 0.0 ? step_m / state.dt_s : 0.0;
-    sweep.error_m = (T_begin_truth * truth[i].translation() - T_begin_estimate * state.T_odom_cog.translation()).head<2>();
+    sweep.error_m =
+        (T_begin_truth * truth[i].translation() - T_begin_estimate * state.T_odom_cog.translation()).head<2>();
     sweep.output = outputs[i];
     episode.sweeps.push_back(sweep);
   }
@@ -39,12 +39,14 @@ FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<M
 
 std::size_t FailAwareEpisode::sweepsBeforeFailure() const {
   if (!failed) return sweeps.size();
-  const auto it = std::find_if(sweeps.begin(), sweeps.end(), [](const FailAwareSweep& s) { return s.remaining_s <= 0.0; });
+  const auto it =
+      std::find_if(sweeps.begin(), sweeps.end(), [](const FailAwareSweep& s) { return s.remaining_s <= 0.0; });
   return static_cast<std::size_t>(it - sweeps.begin());
 }
 
 std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
-                                                const MonitorParameters& monitor, const FailureEpisode::Params& params) {
+                                                const MonitorParameters& monitor,
+                                                const FailureEpisode::Params& params) {
   std::vector<Pose> estimate;
   std::vector<double> stamps_s;
   for (const MonitorInput& input : log) {

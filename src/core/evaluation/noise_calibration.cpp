@@ -40,8 +40,8 @@ Vector6d floors(const PoseFilter::Params& params, double distance_m) {
 
 using Cost = std::function<double(const std::vector<double>&)>;
 
-// The minimum over factors > 0: first one by one over decades, so as to begin in the right valley, then together by their
-// logarithms.
+// The minimum over factors > 0: first one by one over decades, so as to begin in the right valley, then together by
+// their logarithms.
 std::vector<double> fitFactors(std::size_t count, const Cost& cost) {
   constexpr int kRounds = 3;
   std::vector<double> logs(count, 0.0);

@@ -84,8 +84,8 @@ std::vector<ReliabilityBin> reliabilityCurve(const std::vector<JudgedPrediction>
     bin.to_s = edges_s[b + 1];
     std::vector<CensoredValue> remaining;
     for (const JudgedPrediction& p : predictions) {
-      const bool inside = p.predicted.isKnown() && p.predicted.seconds >= bin.from_s &&
-                          (last || p.predicted.seconds < bin.to_s);
+      const bool inside =
+          p.predicted.isKnown() && p.predicted.seconds >= bin.from_s && (last || p.predicted.seconds < bin.to_s);
       if (!inside) continue;
       ++bin.predictions;
       remaining.push_back({p.remaining_s, p.failed});

@@ -162,7 +162,9 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   const auto horizontal = [&](const Matrix6& covariance) {
     return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.passing);
   };
-  const auto failed = [&](const Matrix6& covariance) { return exceedance(horizontal(covariance), params_.alert_limit_m); };
+  const auto failed = [&](const Matrix6& covariance) {
+    return exceedance(horizontal(covariance), params_.alert_limit_m);
+  };
   prediction.radius_m = radius_(horizontal(S));
   prediction.failed_probability = failed(S);
   struct Sought {

@@ -11,10 +11,10 @@ namespace {
 
 // By bit number.
 constexpr const char* kReasonNames[] = {
-    "STALE",         "NO_MEASUREMENT",    "PREDICTION_ONLY",   "PREDICTION_OVERRULED", "MEASUREMENTS_DISAGREE",
-    "WEAK_DIRECTION", "SWEEP_INCOMPLETE", "SWEEP_EMPTY",       "MISSING_ICP_POINT",    "MISSING_ICP_PLANE",
-    "MISSING_CORNERS", "ETA_THRESHOLD",   "COVARIANCE_LIMIT",  "FROZEN_CLOUD",         "TIME_JUMP",
-    "DROPPED_SWEEPS", "LOW_VISIBILITY",  "NO_ANSWER"};
+    "STALE",           "NO_MEASUREMENT",   "PREDICTION_ONLY",  "PREDICTION_OVERRULED", "MEASUREMENTS_DISAGREE",
+    "WEAK_DIRECTION",  "SWEEP_INCOMPLETE", "SWEEP_EMPTY",      "MISSING_ICP_POINT",    "MISSING_ICP_PLANE",
+    "MISSING_CORNERS", "ETA_THRESHOLD",    "COVARIANCE_LIMIT", "FROZEN_CLOUD",         "TIME_JUMP",
+    "DROPPED_SWEEPS",  "LOW_VISIBILITY",   "NO_ANSWER"};
 
 int severity(FailAwareState state) {
   switch (state) {
@@ -58,7 +58,9 @@ void FailureThresholds::validate() const {
 
 FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,
                         const FailureThresholds& thresholds, std::uint32_t reasons) {
-  const auto within = [](const TimeToFailure& time, double seconds) { return time.isKnown() && time.seconds <= seconds; };
+  const auto within = [](const TimeToFailure& time, double seconds) {
+    return time.isKnown() && time.seconds <= seconds;
+  };
   if ((reasons & kFailedReasons) || within(time_to_alarm, 0.0)) return FailAwareState::kFailed;
   if ((reasons & kFailingReasons) || within(time_to_alarm, thresholds.failing_s)) return FailAwareState::kFailing;
   if (!time_to_alarm.isKnown()) return FailAwareState::kUnknown;

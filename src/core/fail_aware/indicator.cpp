@@ -11,7 +11,7 @@ namespace {
 constexpr double kLargestSigma = 1e6;  // rad
 constexpr double kLargestSpeed = 1e6;  // m/s
 constexpr double kStampTolerance_s = 1e-6;
-}
+}  // namespace
 
 const char* toString(IndicatorStatus status) {
   switch (status) {

@@ -13,10 +13,10 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
-constexpr double kInitialAcross_mps = 1.0;     // standard deviations until a motion is known
+constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr double kLongInterval_s = 0.25;  // sweeps are missing
-constexpr double kAgreement_m = 0.2;  // of two measurements that confirm each other
+constexpr double kAgreement_m = 0.2;      // of two measurements that confirm each other
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -46,8 +46,8 @@ bool beginReference(const std::vector<FusionInput>& measurements) {
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
-  OdometryIncrement increment{state.increment_covariance, state.unobserved_covariance, state.dt_s, state.speed_error,
-                              isAsPredicted(state), {}};
+  OdometryIncrement increment{state.increment_covariance, state.unobserved_covariance, state.dt_s,
+                              state.speed_error,          isAsPredicted(state),        {}};
   if (isConfirmed(state)) increment.confirmed = toPoseCovariance(state.fusion.R, state.fusion.z);
   return increment;
 }
@@ -121,8 +121,8 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   if (!ukf_.reset(after, P)) return false;
   history_.move(T_new_old);
   road_.turn(T_new_old.linear());
-  const Eigen::Matrix3d rates_after_before = fixedAxisFromRpyRates(after.tail<3>()).inverse() * T_new_old.linear() *
-                                             fixedAxisFromRpyRates(before.tail<3>());
+  const Eigen::Matrix3d rates_after_before =
+      fixedAxisFromRpyRates(after.tail<3>()).inverse() * T_new_old.linear() * fixedAxisFromRpyRates(before.tail<3>());
   motion_.rpy_rates_rad_s = rates_after_before * motion_.rpy_rates_rad_s;
   motion_.rpy_accelerations_rad_s2 = rates_after_before * motion_.rpy_accelerations_rad_s2;
 
@@ -217,9 +217,9 @@ void PoseFilter::remember(double middle_s) {
   newest_middle_s_ = 0.0;
   Pose T_odom_cog = state_.T_odom_cog;
   if (state_.corrected && state_.dt_s > 0.0 && std::isfinite(middle_s)) {
-    const Pose T_previous_now =
-        prediction_.motion_known ? prediction_.T_odom_cog_previous.inverse() * prediction_.T_odom_cog
-                                 : state_.T_previous_now;  // the motion that was searched for
+    const Pose T_previous_now = prediction_.motion_known
+                                    ? prediction_.T_odom_cog_previous.inverse() * prediction_.T_odom_cog
+                                    : state_.T_previous_now;  // the motion that was searched for
     T_odom_cog = T_odom_cog * expSe3(logSe3(T_previous_now) * (middle_s / state_.dt_s));
     newest_middle_s_ = middle_s;
   }
@@ -246,8 +246,8 @@ Coasting::Measured PoseFilter::measuredMotion() const {
     measured.velocity_mps = historyDerivatives().velocity_body_mps;
     measured.yaw_rate_rad_s = historyDerivatives().rpy_rates_rad_s.z();
   }
-  measured.R = R_odom_body.transpose() *
-               toPoseCovariance(state_.fusion.R, state_.fusion.z).topLeftCorner<3, 3>() * R_odom_body;
+  measured.R =
+      R_odom_body.transpose() * toPoseCovariance(state_.fusion.R, state_.fusion.z).topLeftCorner<3, 3>() * R_odom_body;
   measured.yaw_variance = state_.fusion.R(5, 5);
   return measured;
 }
@@ -260,8 +260,7 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
     before.acceleration_mps2 = last.acceleration_body_mps2;
     before.yaw_acceleration_rad_s2 = last.rpy_accelerations_rad_s2.z();
   }
-  const Coasting::Motion motion =
-      coasting_.coast(before, state_.dt_s, measured);
+  const Coasting::Motion motion = coasting_.coast(before, state_.dt_s, measured);
   motion_.velocity_body_mps = motion.velocity_mps;
   motion_.acceleration_body_mps2 = motion.acceleration_mps2;
   motion_.rpy_rates_rad_s.z() = motion.yaw_rate_rad_s;
@@ -296,8 +295,9 @@ void PoseFilter::updateMotion() {
   yaw_rate = std::clamp(yaw_rate, -params_.max_yaw_rate_rps, params_.max_yaw_rate_rps);
 }
 
-// One of two measurements that lie apart is wrong, and the fused one may be as wrong as they are apart. Now and then that
-// is chance or a corner taken for another; where it lasts (the median of some sweeps) the odometry is being led astray.
+// One of two measurements that lie apart is wrong, and the fused one may be as wrong as they are apart. Now and then
+// that is chance or a corner taken for another; where it lasts (the median of some sweeps) the odometry is being led
+// astray.
 double PoseFilter::excessDisagreement(double disagreement_m) {
   constexpr std::size_t kSweeps = 5;
   disagreements_m_.push_back(disagreement_m);

@@ -13,8 +13,8 @@ namespace fail_aware {
 namespace {
 
 constexpr double kExternalSigmas = 3.0;
-constexpr double kLargestCoordinate = 1e9;    // m; beyond this a pose is garbage
-constexpr double kLargestVariance = 1e12;     // m^2, rad^2; "not observed" needs no more
+constexpr double kLargestCoordinate = 1e9;  // m; beyond this a pose is garbage
+constexpr double kLargestVariance = 1e12;   // m^2, rad^2; "not observed" needs no more
 constexpr double kSmallestVariance = 1e-14;
 constexpr double kSmallestEigenvalue = 1e-14;  // of a correlation matrix: what double precision leaves
 constexpr double kIndefinite = -1e-9;
@@ -29,8 +29,8 @@ struct Candidate {
 
 // Row and column scaling: keeps correlations, so a covariance stays one.
 Matrix6d withBoundedVariances(const Matrix6d& C) {
-  const Vector6d f = C.diagonal().unaryExpr(
-      [](double v) { return v > kLargestVariance ? std::sqrt(kLargestVariance / v) : 1.0; });
+  const Vector6d f =
+      C.diagonal().unaryExpr([](double v) { return v > kLargestVariance ? std::sqrt(kLargestVariance / v) : 1.0; });
   return f.asDiagonal() * C * f.asDiagonal();
 }
 
@@ -78,8 +78,7 @@ std::optional<Candidate> makeCandidate(std::size_t input, const Measurement& mea
 
 bool agree(const Candidate& a, const Candidate& b, double distance_m, double yaw_rad) {
   const Vector6d d = stateDifference(a.z, b.z);
-  const Eigen::Matrix2d C =
-      (a.R + b.R).topLeftCorner<2, 2>() + distance_m * distance_m * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d C = (a.R + b.R).topLeftCorner<2, 2>() + distance_m * distance_m * Eigen::Matrix2d::Identity();
   const double yaw_tolerance = std::sqrt(yaw_rad * yaw_rad + a.R(5, 5) + b.R(5, 5));
   return mahalanobis2d(d.head<2>(), C) <= 1.0 && std::abs(d[5]) <= yaw_tolerance;
 }

@@ -25,8 +25,8 @@ Matrix6d positiveSemidefinite(const Matrix6d& C) {
   return half * half.transpose();
 }
 
-constexpr int kMaxGapSweeps = 100;        // then the map from before it is out of sight
-constexpr double kMaxGapSigma_m = 3.0;    // beyond it a nearest-point search may well settle elsewhere
+constexpr int kMaxGapSweeps = 100;      // then the map from before it is out of sight
+constexpr double kMaxGapSigma_m = 3.0;  // beyond it a nearest-point search may well settle elsewhere
 
 // From a pose taken as certain; only the speed's error is brought along.
 DriftState beginAt(const DriftState& state) {
@@ -42,7 +42,8 @@ bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
 OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }
 
 // Errors e = (dt, dr, b, s, v) of pose, heading bias, scale bias and speed:
-//   dt += dr x R t + s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v = kept v + noise,   u: how little of the motion is observed
+//   dt += dr x R t + s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v = kept v + noise,
+//   u: how little of the motion is observed
 void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_previous_now,
                                  const OdometryIncrement& increment, DriftState& state) const {
   const Eigen::Matrix3d& R = T_start_previous.linear();
@@ -113,7 +114,8 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   since_start_ = since_start;
   since_mark_ = since_mark;
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
-  passing_base_ = rotateCovariance(drift_.passing(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
+  passing_base_ =
+      rotateCovariance(drift_.passing(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
   largest_passing_base_ += positiveSemidefinite(passing_base_ - largest_passing_base_);
   covariance_ = since_start_.lasting.topLeftCorner<6, 6>() +
                 symmetric(rotateCovariance(largest_passing_base_, T_odom_base_now.linear()));
@@ -156,8 +158,7 @@ std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt
   return twist;
 }
 
-std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now,
-                                        double dt_s) {
+std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now, double dt_s) {
   if (!increment_covariance.allFinite() || !isFinite(T_previous_now) || !isUsableInterval(dt_s)) return std::nullopt;
   // In the newest body's axes the error is a right factor, T Exp(e); log(T Exp(e)) = log(T) + J_r^-1 e with
   // J_r^-1 = I + ad/2 + ad^2/12 + O(ad^4).

@@ -105,8 +105,8 @@ std::string readSideFile(const std::string& path, std::size_t point_count, std::
   std::vector<char> bytes;
   if (!readBytes(path, bytes)) return path + ": missing or cannot be read";
   if (bytes.size() != point_count * sizeof(T)) {
-    return path + ": " + std::to_string(bytes.size()) + " bytes, but " + std::to_string(point_count) +
-           " points need " + std::to_string(point_count * sizeof(T));
+    return path + ": " + std::to_string(bytes.size()) + " bytes, but " + std::to_string(point_count) + " points need " +
+           std::to_string(point_count * sizeof(T));
   }
   values.resize(point_count);
   std::memcpy(values.data(), bytes.data(), bytes.size());
@@ -187,8 +187,8 @@ ReadResult KittiDirectory::read(std::size_t i, Sweep& sweep) const {
   if (!readBytes(path, bytes)) return {ReadStatus::kUnreadable, path + ": cannot be read"};
   if (bytes.empty()) return {ReadStatus::kEmpty, path + ": empty file"};
   if (bytes.size() % kPointBytes != 0) {
-    return {ReadStatus::kTruncated, path + ": " + std::to_string(bytes.size()) + " bytes is not a multiple of " +
-                                        std::to_string(kPointBytes)};
+    return {ReadStatus::kTruncated,
+            path + ": " + std::to_string(bytes.size()) + " bytes is not a multiple of " + std::to_string(kPointBytes)};
   }
 
   const std::size_t count = bytes.size() / kPointBytes;

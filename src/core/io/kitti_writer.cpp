@@ -78,7 +78,9 @@ void KittiWriter::finish() {
   for (const Pose& T : lidar_poses_) poses.push_back(orthonormalized(lidar_poses_.front().inverse() * T));
   writeKittiTrajectory((root / "poses.txt").string(), poses);
   std::vector<StampedPose> base;
-  for (const StampedPose& pose : base_poses_) base.push_back({pose.stamp_s, orthonormalized(base_poses_.front().T.inverse() * pose.T)});
+  for (const StampedPose& pose : base_poses_) {
+    base.push_back({pose.stamp_s, orthonormalized(base_poses_.front().T.inverse() * pose.T)});
+  }
   writeTumTrajectory((root / "ground_truth_tum.txt").string(), base);
 }
 

@@ -53,7 +53,8 @@ void visitNumbers(Input& input, Visitor&& v) {
   v("disagreement_yaw_rad", f.disagreement_yaw_rad);
   v("valid_inputs", f.valid_inputs);
   v("invalid_inputs", f.invalid_inputs);
-  SweepCondition::visit(input.condition, [&](const char* name, auto& field) { v(std::string("sweep_") + name, field); });
+  SweepCondition::visit(input.condition,
+                        [&](const char* name, auto& field) { v(std::string("sweep_") + name, field); });
 }
 
 void append(std::string& text, double value) {

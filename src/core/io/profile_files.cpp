@@ -43,7 +43,8 @@ std::string findCfg() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   // installed: PREFIX/lib/PACKAGE/tool with PREFIX/share/PACKAGE/cfg
-  const fs::path installed = program.parent_path().parent_path().parent_path() / "share" / "fail_aware_lidar_odometry" / "cfg";
+  const fs::path installed =
+      program.parent_path().parent_path().parent_path() / "share" / "fail_aware_lidar_odometry" / "cfg";
   for (const fs::path& candidate : {installed, fs::path(FAIL_AWARE_SOURCE_CFG)}) {
     if (isCfg(candidate)) return candidate.string();
   }

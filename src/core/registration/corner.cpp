@@ -78,8 +78,9 @@ std::vector<CornerPair> matchCorners(const std::vector<Corner>& corners_odom, co
   std::vector<CornerPair> pairs;
   for (std::size_t i = 0; i < corners_odom.size(); ++i) {
     const Nearest& nearest = nearest_other[i];
-    if (nearest.index < 0 || nearest_corner[static_cast<std::size_t>(nearest.index)].index != static_cast<int>(i))
+    if (nearest.index < 0 || nearest_corner[static_cast<std::size_t>(nearest.index)].index != static_cast<int>(i)) {
       continue;
+    }
     pairs.push_back({static_cast<int>(i), nearest.index, nearest.how.planes_swapped});
   }
   return pairs;

@@ -119,8 +119,9 @@ std::vector<CornerAlignment::Pair> CornerAlignment::associate(const std::vector<
     const Corner& reference = reference_odom[static_cast<std::size_t>(match.second)];
     Corner corner = atHeight(moved[static_cast<std::size_t>(match.first)], reference.M.z());
     if (match.planes_swapped) corner = withOtherPlane(corner);
-    if (!(corner.M + corner.J + corner.N).allFinite() || !(reference.M + reference.J + reference.N).allFinite())
+    if (!(corner.M + corner.J + corner.N).allFinite() || !(reference.M + reference.J + reference.N).allFinite()) {
       continue;
+    }
     pairs.push_back({corner, reference, placeVariance(corner) + placeVariance(reference),
                      directionVariance(corner) + directionVariance(reference)});
   }

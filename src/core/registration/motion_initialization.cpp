@@ -44,8 +44,7 @@ MotionInitialization::MotionInitialization(const Params& params) : params_(param
   params_.validate();
 }
 
-std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep& sweep,
-                                                           const Pose& T_cog_lidar) const {
+std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const {
   constexpr double kOwnVehicle_m = 3.0;
   VoxelFilter filter;
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
@@ -130,8 +129,7 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
       best = twist;
     }
   };
-  const int speeds =
-      static_cast<int>((params_.max_speed_mps - params_.min_speed_mps) / params_.step_mps + kRounding);
+  const int speeds = static_cast<int>((params_.max_speed_mps - params_.min_speed_mps) / params_.step_mps + kRounding);
   const int yaws = static_cast<int>(params_.max_yaw_rate_rps / params_.step_yaw_rate_rps + kRounding);
   for (int i = 0; i <= speeds; ++i) {
     for (int k = -yaws; k <= yaws; ++k) {

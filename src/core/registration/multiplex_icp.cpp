@@ -160,7 +160,8 @@ std::optional<MultiplexIcp::WeakHorizontal> MultiplexIcp::weakHorizontal(const s
                                                                          const VoxelMap& map,
                                                                          const Pose& T_odom_cog) const {
   if (!params_.surface_information) return std::nullopt;
-  const NormalEquations equations = linearize(points_cog, thinningStride(points_cog), map, T_odom_cog, params_.initial_kernel_m);
+  const NormalEquations equations =
+      linearize(points_cog, thinningStride(points_cog), map, T_odom_cog, params_.initial_kernel_m);
   const Eigen::Matrix2d horizontal = equations.information.topLeftCorner<2, 2>();
   if (!(equations.information_weight > 0.0)) return std::nullopt;
   WeakHorizontal weak;
@@ -224,9 +225,8 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
       }
       for (std::size_t i = 1; i < descents.size();) {
         const auto end = descents.begin() + static_cast<std::ptrdiff_t>(i);
-        const auto met = std::find_if(descents.begin(), end, [&](const Descent& other) {
-          return sameBasin(other.T, descents[i].T, params_);
-        });
+        const auto met = std::find_if(descents.begin(), end,
+                                      [&](const Descent& other) { return sameBasin(other.T, descents[i].T, params_); });
         if (met != end) {
           met->seeds.insert(met->seeds.end(), descents[i].seeds.begin(), descents[i].seeds.end());
           descents.erase(descents.begin() + static_cast<std::ptrdiff_t>(i));
@@ -249,7 +249,9 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
       for (std::size_t i = 0; i < descents.size(); ++i) scores.emplace_back(score(descents[i]), i);
       std::sort(scores.begin(), scores.end());
       std::vector<Descent> best;
-      for (int i = 0; i < params_.max_refined_seeds; ++i) best.push_back(descents[scores[static_cast<std::size_t>(i)].second]);
+      for (int i = 0; i < params_.max_refined_seeds; ++i) {
+        best.push_back(descents[scores[static_cast<std::size_t>(i)].second]);
+      }
       descents.swap(best);
     }
   }
@@ -276,7 +278,8 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
       converged = stepWithin(step.dx, 1.0);
     }
     result.iterations += iteration;
-    const double share = static_cast<double>(equations.inliers) / static_cast<double>(std::max<std::size_t>(points_cog.size(), 1));
+    const double share =
+        static_cast<double>(equations.inliers) / static_cast<double>(std::max<std::size_t>(points_cog.size(), 1));
     most_inliers = std::max(most_inliers, equations.inliers);
     if (static_cast<int>(equations.inliers) < params_.min_inliers || share < params_.min_inlier_share) continue;
     solutions.push_back(descent.T);
@@ -311,8 +314,8 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
   spread2 /= static_cast<double>(solutions.size());
   result.seed_spread_m = std::sqrt(spread2);
   const double residual_variance = result.rms_residual_m * result.rms_residual_m / 3.0;
-  result.covariance = covarianceObserved(best_equations, params_.correlation_inflation * residual_variance,
-                                         params_.observability);
+  result.covariance =
+      covarianceObserved(best_equations, params_.correlation_inflation * residual_variance, params_.observability);
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2 / 3.0;
   const bool usable = best_converged || stepWithin(best_step, params_.usable_steps) ||
                       isWithinSigma(best_step, result.covariance);  // wanders where little is observed

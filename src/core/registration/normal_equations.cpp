@@ -83,8 +83,7 @@ Observed observedOf(const NormalEquations& equations, const ObservabilityParams&
   observed.information_alone =
       equations.has_information &&
       (!equations.slides ||
-       (observed.weak < 6 &&
-        observed.spectrum.eigenvalues[observed.weak] <= params.min_sliding_share * weight));
+       (observed.weak < 6 && observed.spectrum.eigenvalues[observed.weak] <= params.min_sliding_share * weight));
   return observed;
 }
 
@@ -134,9 +133,7 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   return covariance;
 }
 
-bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance) {
-  return dx.dot(covariance.ldlt().solve(dx)) < 1.0;
-}
+bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance) { return dx.dot(covariance.ldlt().solve(dx)) < 1.0; }
 
 Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx) {
   Pose T = T_odom_cog;

@@ -10,8 +10,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kFineStep = 0.25;  // of the search for the first motion, against the step that it begins with;
-constexpr double kSurePlaces = 10.0;  // its result is that good if so many places agree
+constexpr double kFineStep = 0.25;          // of the search for the first motion, against the step that it begins with;
+constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr double kLongInterval_s = 0.25;    // sweeps are missing
 constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
@@ -39,8 +39,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   prepared_ = static_cast<int>(cloud_.map_points_cog.size()) >= builder_.params().min_points;
   corrected_twist_cog_.setZero();
   if (prediction.dt_s > 0.0) {
-    corrected_twist_cog_ =
-        logSe3(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog) / prediction.dt_s;
+    corrected_twist_cog_ = logSe3(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog) / prediction.dt_s;
   }
   T_odom_cog_previous_ = prediction.T_odom_cog_previous;
   dt_s_ = prediction.dt_s;
@@ -135,8 +134,7 @@ void RegistrationFront::addReliefSpeed(Measurement& measurement) const {
   const Eigen::Vector3d forward =
       (T_odom_cog_previous_.linear().col(0) + T_odom_cog_start_.linear().col(0)).normalized();
   const double way_m = (relief_speed_->speed_mps - 0.5 * relief_speed_->acceleration_mps2 * dt_s_) * dt_s_;
-  const double measured_m =
-      forward.dot(measurement.T_odom_cog.translation() - T_odom_cog_previous_.translation());
+  const double measured_m = forward.dot(measurement.T_odom_cog.translation() - T_odom_cog_previous_.translation());
   addPosition(forward, way_m - measured_m, relief_speed_->sigma_mps * dt_s_, measurement);
 }
 

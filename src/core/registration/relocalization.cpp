@@ -42,8 +42,7 @@ Relocalization::Relocalization(const Params& params, const MultiplexIcp::Params&
     : params_(params), wide_(widened(params, usual)), usual_(fromOneSeed(params, usual)) {}
 
 bool Relocalization::isNeeded(const Matrix6d& covariance) const {
-  return params_.enabled &&
-         covariance.diagonal().head<3>().maxCoeff() > params_.min_sigma_m * params_.min_sigma_m;
+  return params_.enabled && covariance.diagonal().head<3>().maxCoeff() > params_.min_sigma_m * params_.min_sigma_m;
 }
 
 std::optional<Pose> Relocalization::find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,

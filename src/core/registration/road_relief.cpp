@@ -229,8 +229,12 @@ std::vector<RoadRelief::Layer> RoadRelief::layers() const {
     }
     subtractLocalMean(sums, weights, nx, ny, half, heights);
     const double yaw = wrapAngle(record.yaw_rad - sweeps_.back().yaw_rad);
-    Layer layer{sweeps_.back().stamp_s - record.stamp_s, std::cos(yaw), std::sin(yaw), std::tan(0.5 * yaw),
-                record.speed_mps, {}};
+    Layer layer{sweeps_.back().stamp_s - record.stamp_s,
+                std::cos(yaw),
+                std::sin(yaw),
+                std::tan(0.5 * yaw),
+                record.speed_mps,
+                {}};
     for (int x = 0; x < nx; ++x) {
       for (int y = 0; y < ny; ++y) {
         const auto i = static_cast<std::size_t>(x * ny + y);

@@ -20,7 +20,9 @@ void addStretch(SceneChunk& chunk, double side) {
     const double edge = chunk.halfWidth(s);
     if (random.chance(0.5)) {  // tall grass, a shrub
       const double lateral = side * (edge + random.uniform(1.2, 2.4));
-      if (chunk.isClear(s, lateral, 0.8)) addBush(chunk.mesh, chunk.place(s, lateral), random.uniform(0.25, 0.5), 20, random);
+      if (chunk.isClear(s, lateral, 0.8)) {
+        addBush(chunk.mesh, chunk.place(s, lateral), random.uniform(0.25, 0.5), 20, random);
+      }
     }
     if (kind < 0.25) {  // a hedge
       if (!chunk.isClear(s, side * (edge + 3.0), 1.0)) return;
@@ -38,18 +40,21 @@ void addStretch(SceneChunk& chunk, double side) {
         addTree(chunk.mesh, chunk.place(along, lateral), random.uniform(8.0, 15.0), random.uniform(1.5, 2.6), 60,
                 random);
         if (random.chance(0.6)) {  // undergrowth
-          addBush(chunk.mesh, chunk.place(along + 1.5, lateral + random.uniform(-1.5, 1.5)), random.uniform(0.4, 1.1), 30,
-                  random);
+          addBush(chunk.mesh, chunk.place(along + 1.5, lateral + random.uniform(-1.5, 1.5)), random.uniform(0.4, 1.1),
+                  30, random);
         }
       }
     } else if (kind < 0.65) {  // a fence
       const double lateral = side * (edge + 4.0);
       if (!chunk.isClear(s, lateral, 1.0)) return;
-      addPost(chunk.mesh, chunk.place(s + random.uniform(-0.6, 0.6), lateral), random.uniform(1.0, 1.4), 0.12, Material::kBark);
+      addPost(chunk.mesh, chunk.place(s + random.uniform(-0.6, 0.6), lateral), random.uniform(1.0, 1.4), 0.12,
+              Material::kBark);
       chunk.mesh.addBox(chunk.place(s + 2.5, lateral, 0.75), {5.0, 0.04, 0.12}, Material::kBark);
     } else if (random.chance(0.3)) {
       const double lateral = side * (edge + random.uniform(2.5, 12.0));
-      if (chunk.isClear(s, lateral, 1.5)) addBush(chunk.mesh, chunk.place(s, lateral), random.uniform(0.5, 1.3), 40, random);
+      if (chunk.isClear(s, lateral, 1.5)) {
+        addBush(chunk.mesh, chunk.place(s, lateral), random.uniform(0.5, 1.3), 40, random);
+      }
     }
   });
 }

@@ -102,9 +102,8 @@ struct DriveSimulation::Impl {
     for (const SceneTile& tile : change.added) caster.add(tile.id, tile.origin, tile.mesh);
     std::vector<MovingShape> moving;
     if (params.traffic || vehicles_around > 0) {
-      for (const TrafficVehicle& other :
-           traffic.update(scene.road(), scene.terrain(), begin_s(), params.lidar.period_s, s_begin_m,
-                          vehicle.state().s_m, vehicles_around)) {
+      for (const TrafficVehicle& other : traffic.update(scene.road(), scene.terrain(), begin_s(), params.lidar.period_s,
+                                                        s_begin_m, vehicle.state().s_m, vehicles_around)) {
         moving.push_back({shapes[static_cast<std::size_t>(other.shape)], other.T_world_begin, other.T_world_end});
       }
     }

@@ -6,8 +6,8 @@
 #include "fail_aware_lidar_odometry/core/simulation/country_scene.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/highway_scene.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/open_scene.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/tunnel_scene.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/town_scene.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/tunnel_scene.hpp"
 
 namespace fail_aware {
 
@@ -16,7 +16,7 @@ namespace {
 constexpr double kRoadAhead_m = 400.0, kRoadBehind_m = 190.0;
 constexpr double kChunk_m = 25.0, kAhead_m = 160.0, kBehind_m = 140.0;
 constexpr double kCell_m = 40.0, kGroundRadius_m = 130.0, kGroundForget_m = 150.0;
-constexpr int kGrid = 16;  // squares along a cell's side
+constexpr int kGrid = 16;                                 // squares along a cell's side
 constexpr double kVergeBegin_m = 3.0, kVergeEnd_m = 7.0;  // from the asphalt: from smooth to rough
 
 std::int64_t chunkId(std::int64_t index) { return 2 * index; }

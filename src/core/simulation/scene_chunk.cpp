@@ -40,8 +40,7 @@ bool SceneChunk::isClear(double s_m, double lateral_m, double clearance_m) const
   return road_.distance(p, s_m, kReach_m) > road_.halfWidth(s_m) + clearance_m;
 }
 
-void SceneChunk::addRibbon(double from_m, double to_m, double step_m, const Edge& a, const Edge& b,
-                           Material material) {
+void SceneChunk::addRibbon(double from_m, double to_m, double step_m, const Edge& a, const Edge& b, Material material) {
   from_m = std::max(from_m, begin_m_);
   to_m = std::min(to_m, end_m_);
   if (to_m <= from_m) return;

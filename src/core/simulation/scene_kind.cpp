@@ -40,16 +40,16 @@ const char* toString(SceneKind kind) {
 }
 
 const RoadCharacter& roadCharacter(SceneKind kind) {
-  static const RoadCharacter town{12.5, 5.5, 1.75, 0.012, 50, 140, 60, 160, 8 * kDegree, 30 * kDegree,
-                                  0.45, 260, 0.012, 14, 0, true};
-  static const RoadCharacter country{19.0, 3.5, 1.7, 0.028, 40, 160, 90, 350, 10 * kDegree, 50 * kDegree,
-                                     0.0, 0, 0.045, 6, 0, false};
-  static const RoadCharacter highway{28.0, 11.5, 5.4, 0.015, 150, 500, 700, 2000, 6 * kDegree, 25 * kDegree,
-                                     0.0, 0, 0.045, 22, 8, true};
-  static const RoadCharacter tunnel{18.0, 4.6, 1.9, 0.008, 100, 400, 500, 1500, 4 * kDegree, 18 * kDegree,
-                                    0.0, 0, 0.01, 10, 0, true};
-  static const RoadCharacter open{22.0, 3.5, 1.7, 0.012, 150, 400, 250, 800, 8 * kDegree, 35 * kDegree,
-                                  0.0, 0, 0.035, 4, 0, false};
+  static const RoadCharacter town{12.5,        5.5,          1.75, 0.012, 50,    140, 60, 160,
+                                  8 * kDegree, 30 * kDegree, 0.45, 260,   0.012, 14,  0,  true};
+  static const RoadCharacter country{19.0,         3.5,          1.7, 0.028, 40,    160, 90, 350,
+                                     10 * kDegree, 50 * kDegree, 0.0, 0,     0.045, 6,   0,  false};
+  static const RoadCharacter highway{28.0,        11.5,         5.4, 0.015, 150,   500, 700, 2000,
+                                     6 * kDegree, 25 * kDegree, 0.0, 0,     0.045, 22,  8,   true};
+  static const RoadCharacter tunnel{18.0,        4.6,          1.9, 0.008, 100,  400, 500, 1500,
+                                    4 * kDegree, 18 * kDegree, 0.0, 0,     0.01, 10,  0,   true};
+  static const RoadCharacter open{22.0,        3.5,          1.7, 0.012, 150,   400, 250, 800,
+                                  8 * kDegree, 35 * kDegree, 0.0, 0,     0.035, 4,   0,   false};
   switch (kind) {
     case SceneKind::kTown: return town;
     case SceneKind::kCountry: return country;

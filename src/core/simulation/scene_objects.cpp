@@ -7,9 +7,7 @@ namespace fail_aware {
 
 namespace {
 
-Place at(const Place& place, double x, double y, double z) {
-  return place * Eigen::Translation3d(x, y, z);
-}
+Place at(const Place& place, double x, double y, double z) { return place * Eigen::Translation3d(x, y, z); }
 
 void addLeaves(Mesh& mesh, const Eigen::Vector3d& centre, const Eigen::Vector3d& radii, int leaves, double leaf_size,
                RandomStream& random) {

@@ -37,8 +37,8 @@ struct RingPlace {
   int lane;
 };
 RingPlace ringPlace(int i) {
-  static constexpr RingPlace kNear[] = {{0, 1},   {0, -1},  {9, 0},    {-9, 0},   {7.5, 1},  {7.5, -1}, {-7.5, 1},
-                                        {-7.5, -1}, {15, 1}, {15, -1}, {17, 0},  {-15, 1},  {-15, -1}, {-17, 0}};
+  static constexpr RingPlace kNear[] = {{0, 1},     {0, -1}, {9, 0},   {-9, 0}, {7.5, 1}, {7.5, -1}, {-7.5, 1},
+                                        {-7.5, -1}, {15, 1}, {15, -1}, {17, 0}, {-15, 1}, {-15, -1}, {-17, 0}};
   constexpr int kCount = static_cast<int>(sizeof(kNear) / sizeof(kNear[0]));
   if (i < kCount) return kNear[i];
   const int row = (i - kCount) / 6 + 1;
@@ -86,7 +86,8 @@ std::vector<TrafficVehicle> Traffic::update(const Road& road, const Terrain& ter
     }
     members.erase(std::remove_if(members.begin(), members.end(),
                                  [&](const Stream& member) {
-                                   return member.s_m < s_begin_m - kVanish_m || member.s_m > s_begin_m + kAppear_m + 30.0;
+                                   return member.s_m < s_begin_m - kVanish_m ||
+                                          member.s_m > s_begin_m + kAppear_m + 30.0;
                                  }),
                   members.end());
   };
@@ -111,7 +112,8 @@ std::vector<TrafficVehicle> Traffic::update(const Road& road, const Terrain& ter
     const VehicleShape shape = i % 5 == 4 ? VehicleShape::kTruck : i % 3 == 1 ? VehicleShape::kVan : VehicleShape::kCar;
     const bool fits = shape != VehicleShape::kTruck || std::abs(ring.along_m) > 12.0;
     vehicles.push_back(place(road, terrain, fits ? shape : VehicleShape::kVan, s_begin_m + along(t_s),
-                             s_end_m + along(t_s + dt_s), -road.laneOffset(s_begin_m) + kRingLane_m * ring.lane, false));
+                             s_end_m + along(t_s + dt_s), -road.laneOffset(s_begin_m) + kRingLane_m * ring.lane,
+                             false));
   }
   return vehicles;
 }

@@ -29,7 +29,8 @@ void addNiche(SceneChunk& chunk, double s, double side, double wall_m) {
   chunk.addRibbon(s, end, kNicheLength_m, {back, -0.2}, {back, kWallHeight_m}, Material::kConcrete);
   chunk.addRibbon(s, end, kNicheLength_m, {side * wall_m, 0.18}, {back, 0.18}, Material::kConcrete);
   for (double along : {s, end}) {
-    chunk.mesh.addQuad(chunk.place(along, side * wall_m, -0.2).translation(), chunk.place(along, back, -0.2).translation(),
+    chunk.mesh.addQuad(chunk.place(along, side * wall_m, -0.2).translation(),
+                       chunk.place(along, back, -0.2).translation(),
                        chunk.place(along, back, kWallHeight_m).translation(),
                        chunk.place(along, side * wall_m, kWallHeight_m).translation(), Material::kConcrete);
   }

@@ -74,8 +74,7 @@ Pose VehicleDrive::T_world_base() const {
 
 double VehicleDrive::roadHeight(const Terrain& terrain, double forward_m, double left_m) const {
   const double c = std::cos(state_.yaw_rad), s = std::sin(state_.yaw_rad);
-  const Eigen::Vector2d p =
-      state_.position + Eigen::Vector2d(c * forward_m - s * left_m, s * forward_m + c * left_m);
+  const Eigen::Vector2d p = state_.position + Eigen::Vector2d(c * forward_m - s * left_m, s * forward_m + c * left_m);
   return terrain.height(p) + terrain.roadRoughness(p);
 }
 
@@ -127,7 +126,8 @@ void VehicleDrive::moveOnPlane(double slope, double bank) {
   const double vx = state_.forward_mps;
   const double old_left_mps = state_.left_mps;
   // the driver's command is what he feels: he compensates slope and resistance up to the friction limit
-  const double resistance = kAirDrag_kg_per_m * vx * std::abs(vx) / car.mass_kg + (vx > 0.0 ? kRolling * kGravity : 0.0);
+  const double resistance =
+      kAirDrag_kg_per_m * vx * std::abs(vx) / car.mass_kg + (vx > 0.0 ? kRolling * kGravity : 0.0);
   const double traction = std::clamp(state_.command_mps2 + resistance + kGravity * slope, -params_.friction * kGravity,
                                      0.5 * params_.friction * kGravity);
   double forward_mps2 = traction - resistance - kGravity * slope;
@@ -181,8 +181,8 @@ void VehicleDrive::moveOnSprings(const Eigen::Vector4d& ground_m) {
     const double static_n = 0.5 * car.mass_kg * kGravity * (front ? l_r : l_f) / car.wheelbase_m();
     const double spring = front ? car.spring_front_n_per_m : car.spring_rear_n_per_m;
     const double damper = front ? car.damper_front_ns_per_m : car.damper_rear_ns_per_m;
-    const double force = std::max(0.0, static_n + spring * (ground_m[k] + car.cog_height_m - corner_m) +
-                                           damper * (ground_mps - corner_mps));
+    const double force = std::max(
+        0.0, static_n + spring * (ground_m[k] + car.cog_height_m - corner_m) + damper * (ground_mps - corner_mps));
     state_.wheel_loads_n[k] = force;
     lift_n += force;
     pitch_nm -= forward[i] * force;
@@ -192,8 +192,8 @@ void VehicleDrive::moveOnSprings(const Eigen::Vector4d& ground_m) {
   // inertia acts above the axes; what is not taken by the springs goes through the links, straight into the wheels
   pitch_nm -= car.mass_kg * car.cog_above_pitch_axis_m * state_.forward_mps2;
   roll_nm += car.mass_kg * car.cog_above_roll_axis_m * state_.left_mps2;
-  const double link_pitch_n = car.mass_kg * (car.cog_height_m - car.cog_above_pitch_axis_m) * state_.forward_mps2 /
-                              (2.0 * car.wheelbase_m());
+  const double link_pitch_n =
+      car.mass_kg * (car.cog_height_m - car.cog_above_pitch_axis_m) * state_.forward_mps2 / (2.0 * car.wheelbase_m());
   const double link_roll_n =
       car.mass_kg * (car.cog_height_m - car.cog_above_roll_axis_m) * state_.left_mps2 / (2.0 * car.track_front_m);
   for (Eigen::Index i = 0; i < 4; ++i) {

@@ -15,17 +15,17 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
-constexpr double kStartTilt = 0.1;           // rad: mount and slope at the start
+constexpr double kStartTilt = 0.1;  // rad: mount and slope at the start
 constexpr double kRangeEdges_m[] = {7.0, 10.0, 14.0, 20.0};
-constexpr float kMaxNormalZ = 0.26f;         // 15 deg: steeper surfaces are not meant to be upright
+constexpr float kMaxNormalZ = 0.26f;  // 15 deg: steeper surfaces are not meant to be upright
 constexpr float kMinLineZ = 0.96f;
-constexpr float kLineShape = 10.0f;          // largest over middle eigenvalue
-constexpr float kSurfaceShape = 5.0f;        // middle over smallest
+constexpr float kLineShape = 10.0f;    // largest over middle eigenvalue
+constexpr float kSurfaceShape = 5.0f;  // middle over smallest
 constexpr float kMaxLineSigma_m = 0.12f;
 constexpr double kMaxLineError = 4.0 * kDegree;
-constexpr double kLineErrorShare = 0.45;     // of a trunk: its width is no noise, all beams see the same near half
+constexpr double kLineErrorShare = 0.45;  // of a trunk: its width is no noise, all beams see the same near half
 constexpr double kKernelSigmas = 2.0;
-constexpr double kMinTrust = 0.3;            // mean robust weight below which the tilt is let go
+constexpr double kMinTrust = 0.3;  // mean robust weight below which the tilt is let go
 constexpr double kLetGo = 1.0 * kDegree;
 constexpr std::size_t kMinUprights = 6;
 

@@ -19,7 +19,7 @@ constexpr std::size_t kPeriodsNeeded = 3;
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
 constexpr double kFieldLimitPeriods = 2.5;           // two revolutions in one cloud are still timed by their field
 constexpr double kCoarsestFieldResolution_s = 1e-3;  // an absolute time in a float
-constexpr double kZeroTolerance = 0.1;  // of the spread: a packet's points lie to both sides of its stamp
+constexpr double kZeroTolerance = 0.1;               // of the spread: a packet's points lie to both sides of its stamp
 
 /// Of the sweep's period, counted from its start.
 double positionInSweep(StampReference reference) {
@@ -40,8 +40,7 @@ StampReference referenceFromSign(double low, double high) {
 /// atan on [-1, 1], minimax of degree 9, error 1.2e-5 rad.
 PointBlock::Array atanUnit(const PointBlock::Array& r) {
   const PointBlock::Array r2 = r * r;
-  return r * (0.999866329f +
-              r2 * (-0.330304786f + r2 * (0.180159295f + r2 * (-0.0851563508f + r2 * 0.0208451142f))));
+  return r * (0.999866329f + r2 * (-0.330304786f + r2 * (0.180159295f + r2 * (-0.0851563508f + r2 * 0.0208451142f))));
 }
 
 /// atan2(y, x) without a branch: with r = (|y| - |x|)/(|y| + |x|), atan2(|y|, |x|) = pi/4 + atan(r).
@@ -102,9 +101,8 @@ void SweepTimingParams::validate() const {
       stamp_reference == "auto" || stamp_reference == "start" || stamp_reference == "mid" || stamp_reference == "end",
       "stamp_reference", stamp_reference, "start, mid, end or auto");
   requireWithin("start_azimuth_deg", start_azimuth_deg, -360.0, 360.0);
-  requireParameter(
-      sweep_period_s == 0.0 || (sweep_period_s >= kShortestPeriod_s && sweep_period_s <= kLongestPeriod_s),
-      "sweep_period_s", sweep_period_s, "0 (measured) or in [0.02, 1]");
+  requireParameter(sweep_period_s == 0.0 || (sweep_period_s >= kShortestPeriod_s && sweep_period_s <= kLongestPeriod_s),
+                   "sweep_period_s", sweep_period_s, "0 (measured) or in [0.02, 1]");
   requirePositive("min_field_spread_s", min_field_spread_s);
 }
 

@@ -19,8 +19,9 @@ Pose at(double x, double y, double z = 0.0, double yaw_rad = 0.0) {
 
 std::vector<Pose> curve() {
   std::vector<Pose> poses;
-  for (int i = 0; i < 40; ++i)
+  for (int i = 0; i < 40; ++i) {
     poses.push_back(at(i, std::sin(0.2 * i), 0.1 * std::cos(0.3 * i), 0.2 * std::cos(0.2 * i)));
+  }
   return poses;
 }
 

@@ -15,14 +15,16 @@ FailAwareEpisode withEta(int sweeps, int fails_at) {
 }
 
 TEST(FailAwareCalibration, EtasThresholdIsItsValueWhereThatShareFailed) {
-  const std::vector<FailAwareEpisode> episodes = {withEta(100, 20), withEta(100, 40), withEta(100, 60), withEta(100, 80)};
+  const std::vector<FailAwareEpisode> episodes = {withEta(100, 20), withEta(100, 40), withEta(100, 60),
+                                                  withEta(100, 80)};
   EXPECT_NEAR(etaThreshold(episodes, 0.25).value(), 20e-5, 1e-12);
   EXPECT_NEAR(etaThreshold(episodes, 0.5).value(), 40e-5, 1e-12);
   EXPECT_NEAR(etaThreshold(episodes, 0.51).value(), 60e-5, 1e-12);
 }
 
 TEST(FailAwareCalibration, EpisodesWithoutAFailureCountAsFarAsTheyWereWatched) {
-  const std::vector<FailAwareEpisode> episodes = {withEta(100, 20), withEta(31, -1), withEta(100, 60), withEta(100, -1)};
+  const std::vector<FailAwareEpisode> episodes = {withEta(100, 20), withEta(31, -1), withEta(100, 60),
+                                                  withEta(100, -1)};
   // 1/4 failed at 20, of the two left after 30 one at 60: 1 - 3/4 * 1/2
   EXPECT_NEAR(etaThreshold(episodes, 0.3).value(), 60e-5, 1e-12);
   EXPECT_NEAR(etaThreshold(episodes, 0.625).value(), 60e-5, 1e-12);
@@ -41,9 +43,12 @@ TEST(FailAwareCalibration, AQuietThresholdIsPassedByFewThatNeverFailed) {
 TEST(FailAwareCalibration, TheLargestAlarmConfidenceThatIsSeldomUp) {
   // the alarm is up from sweep 100 (1 - confidence) on; of 100 sweeps without a failure
   const auto episodes_with = [](double confidence) {
-    std::vector<FailAwareEpisode> episodes = {madeUpEpisode("XXXXXXXXXXXXXXXX", 12), madeUpEpisode(std::string(101, 'o'), -1)};
+    std::vector<FailAwareEpisode> episodes = {madeUpEpisode("XXXXXXXXXXXXXXXX", 12),
+                                              madeUpEpisode(std::string(101, 'o'), -1)};
     for (std::size_t i = 0; i <= 100; ++i) {
-      if (static_cast<double>(i) >= 100.0 * (1.0 - confidence)) episodes[1].sweeps[i].output.state = FailAwareState::kFailed;
+      if (static_cast<double>(i) >= 100.0 * (1.0 - confidence)) {
+        episodes[1].sweeps[i].output.state = FailAwareState::kFailed;
+      }
     }
     return episodes;
   };
@@ -59,7 +64,8 @@ TEST(FailAwareCalibration, TheSmallestConfidenceThatIsSeldomLate) {
     for (int k = 1; k <= 10; ++k) {
       FailAwareEpisode episode = madeUpEpisode(std::string(200, 'o'), 10 + 10 * k);
       episode.sweeps.resize(11);  // judged at 1 s only, k s before the failure
-      episode.sweeps[10].output.time_to_failure_covariance = TimeToFailure::fromSeconds(10.4 * (1.0 - confidence), 60.0);
+      episode.sweeps[10].output.time_to_failure_covariance =
+          TimeToFailure::fromSeconds(10.4 * (1.0 - confidence), 60.0);
       episodes.push_back(episode);
     }
     return episodes;

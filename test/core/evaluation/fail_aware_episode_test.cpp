@@ -58,8 +58,7 @@ TEST(FailAwareEpisode, HoldsTheErrorAndWhatTheMonitorSaid) {
 }
 
 TEST(FailAwareEpisode, JudgedAtOneThreeFiveAndEverySecondBeforeTheFailure) {
-  EXPECT_EQ(judgedSweeps(madeUpEpisode(std::string(85, 'o'), -1)),
-            (std::vector<std::size_t>{10, 30, 50, 60, 70, 80}));
+  EXPECT_EQ(judgedSweeps(madeUpEpisode(std::string(85, 'o'), -1)), (std::vector<std::size_t>{10, 30, 50, 60, 70, 80}));
   EXPECT_EQ(judgedSweeps(madeUpEpisode(std::string(85, 'o'), 60)), (std::vector<std::size_t>{10, 30, 50}));
   EXPECT_TRUE(judgedSweeps(madeUpEpisode("oooo", -1)).empty());
   FailAwareEpisode gap = madeUpEpisode(std::string(85, 'o'), -1);

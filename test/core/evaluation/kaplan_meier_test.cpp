@@ -14,7 +14,7 @@ TEST(KaplanMeier, WithoutCensoringItIsTheOrdinaryQuantile) {
 
 TEST(KaplanMeier, TheTextbooksProduct) {
   // S: 6 -> 6/7, 7 (after the loss at 6.5) -> 6/7 * 4/5, 10 -> * 2/3 (loss at 9); losses move the median from 7 to 10
-  const std::vector<CensoredValue> values = {{6.0, true},  {6.5, false}, {7.0, true},  {9.0, false},
+  const std::vector<CensoredValue> values = {{6.0, true},  {6.5, false},  {7.0, true},  {9.0, false},
                                              {10.0, true}, {11.0, false}, {12.0, false}};
   EXPECT_DOUBLE_EQ(kaplanMeierQuantile(values, 0.31).value(), 7.0);   // 1 - 24/35 = 0.314
   EXPECT_DOUBLE_EQ(kaplanMeierQuantile(values, 0.32).value(), 10.0);  // 1 - 48/105 = 0.543

@@ -20,9 +20,8 @@ TEST(PredictionStatistics, LateIsLongerThanTheTruth) {
 }
 
 TEST(PredictionStatistics, WithoutAFailureOnlyShorterPredictionsAreDecided) {
-  const LateStatistics s = lateStatistics({{1.0, 10.0, false, seconds(9.0)},
-                                           {1.0, 10.0, false, seconds(11.0)},
-                                           {1.0, 10.0, true, seconds(11.0)}});
+  const LateStatistics s = lateStatistics(
+      {{1.0, 10.0, false, seconds(9.0)}, {1.0, 10.0, false, seconds(11.0)}, {1.0, 10.0, true, seconds(11.0)}});
   EXPECT_EQ(s.decided, 2u);
   EXPECT_EQ(s.failing_decided, 1u);
   EXPECT_DOUBLE_EQ(s.lateShare(), 0.5);
@@ -67,11 +66,11 @@ TEST(PredictionStatistics, BeyondTheHorizonStaysThere) {
 }
 
 TEST(PredictionStatistics, ReliabilityByHand) {
-  const std::vector<JudgedPrediction> predictions = {{1.0, 3.0, true, seconds(4.0)},     // failed within
-                                                     {1.0, 8.0, true, seconds(4.0)},     // did not
-                                                     {1.0, 9.0, false, seconds(4.0)},    // did not
-                                                     {1.0, 2.0, false, seconds(4.0)},    // not known
-                                                     {1.0, 30.0, true, seconds(1e9)},    // last bin: failed within
+  const std::vector<JudgedPrediction> predictions = {{1.0, 3.0, true, seconds(4.0)},   // failed within
+                                                     {1.0, 8.0, true, seconds(4.0)},   // did not
+                                                     {1.0, 9.0, false, seconds(4.0)},  // did not
+                                                     {1.0, 2.0, false, seconds(4.0)},  // not known
+                                                     {1.0, 30.0, true, seconds(1e9)},  // last bin: failed within
                                                      {1.0, 1.0, true, TimeToFailure::unknown()}};
   const std::vector<ReliabilityBin> bins = reliabilityCurve(predictions, {0.0, 5.0, 60.0});
   ASSERT_EQ(bins.size(), 2u);

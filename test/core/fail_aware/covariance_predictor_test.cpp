@@ -93,7 +93,8 @@ TEST(CovariancePredictor, AgreesWithTheAccumulatedCovarianceOnACurve) {
 
 TEST(ConfidenceRadius, LineCircleAndBetween) {
   EXPECT_NEAR(ConfidenceRadius(0.95)(Eigen::Vector2d(4.0, 0.0).asDiagonal()), 2.0 * 1.959964, 1e-4);
-  EXPECT_NEAR(ConfidenceRadius(0.95)(Eigen::Vector2d(9.0, 9.0).asDiagonal()), 3.0 * std::sqrt(-2.0 * std::log(0.05)), 1e-9);
+  EXPECT_NEAR(ConfidenceRadius(0.95)(Eigen::Vector2d(9.0, 9.0).asDiagonal()), 3.0 * std::sqrt(-2.0 * std::log(0.05)),
+              1e-9);
   EXPECT_EQ(ConfidenceRadius(0.95)(Eigen::Matrix2d::Zero()), 0.0);
   const Eigen::Matrix2d R = Eigen::Rotation2Dd(0.7).toRotationMatrix();
   std::mt19937_64 random(4);
@@ -103,7 +104,9 @@ TEST(ConfidenceRadius, LineCircleAndBetween) {
     for (const double probability : {0.5, 0.9, 0.99}) {
       const double radius = ConfidenceRadius(probability)(root * root.transpose());
       int inside = 0;
-      for (int i = 0; i < 40000; ++i) inside += (root * Eigen::Vector2d(normal(random), normal(random))).norm() <= radius;
+      for (int i = 0; i < 40000; ++i) {
+        inside += (root * Eigen::Vector2d(normal(random), normal(random))).norm() <= radius;
+      }
       EXPECT_NEAR(inside / 40000.0, probability, 0.01) << ratio;
     }
   }
@@ -206,8 +209,13 @@ TEST(CovariancePredictor, NeverNan) {
   std::uniform_int_distribution<int> kind(0, 9);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> exponent(-8.0, 8.0);
-  const double strange[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 0.0,
-                            -std::numeric_limits<double>::infinity(), 1e12, -1e12, 1e308};
+  const double strange[] = {std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::infinity(),
+                            0.0,
+                            -std::numeric_limits<double>::infinity(),
+                            1e12,
+                            -1e12,
+                            1e308};
   const auto number = [&]() {
     return kind(random) == 0 ? strange[kind(random) % 7] : normal(random) * std::pow(10.0, exponent(random));
   };

@@ -97,7 +97,7 @@ TEST(StateHysteresis, RecoversToTheWorstOfTheRow) {
 
 TEST(StateHysteresis, Unknown) {
   StateHysteresis hysteresis(2);
-  EXPECT_EQ(hysteresis.update(State::kFailed), State::kFailed);  // unknown is left at once
+  EXPECT_EQ(hysteresis.update(State::kFailed), State::kFailed);   // unknown is left at once
   EXPECT_EQ(hysteresis.update(State::kUnknown), State::kFailed);  // but does not hide a failure at once
   EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown);
   EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);

@@ -48,8 +48,8 @@ class Road {
   int sweep_ = 0;
 };
 
-/// The closed forms below are those of sweeps whose errors know nothing of each other, one confidence for both times and
-/// the article's threshold.
+/// The closed forms below are those of sweeps whose errors know nothing of each other, one confidence for both times
+/// and the article's threshold.
 MonitorParameters independentSweeps() {
   MonitorParameters params;
   params.drift = DriftModel::Params::independent();
@@ -66,10 +66,9 @@ MonitorOutput drive(FailAwareMonitor& monitor, Road& road, int sweeps, const Swe
 }
 
 void expectFinite(const MonitorOutput& output) {
-  for (const double value :
-       {output.stamp_s, output.time_to_failure.seconds, output.time_to_failure_indicator.seconds,
-        output.time_to_failure_covariance.seconds, output.eta, output.eta_rate_per_s, output.sigma_yaw_rad,
-        output.sigma_x_m, output.sigma_y_m}) {
+  for (const double value : {output.stamp_s, output.time_to_failure.seconds, output.time_to_failure_indicator.seconds,
+                             output.time_to_failure_covariance.seconds, output.eta, output.eta_rate_per_s,
+                             output.sigma_yaw_rad, output.sigma_x_m, output.sigma_y_m}) {
     EXPECT_TRUE(std::isfinite(value)) << value;
   }
 }
@@ -396,8 +395,7 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   EXPECT_NE(refused([](MonitorParameters& p) { p.min_information_share = 1.1; }).find("min_information_share"),
             std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.rate_window_s = kNan; }).find("rate_window_s"), std::string::npos);
-  EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"),
-            std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"), std::string::npos);
 }
 
 TEST(FailAwareMonitor, ASweepThatComesTooLateTellsOfMissingOnes) {
@@ -428,8 +426,8 @@ TEST(FailAwareMonitor, APoseThatIsSetIsANewT1OnceItServes) {
   monitor.start();
   const double sigma_before_m = drive(monitor, road, 50).sigma_x_m;
   EXPECT_GT(sigma_before_m, 0.0);
-  const Pose T_new_old = Pose(Eigen::Translation3d(300.0, -40.0, 0.0)) *
-                         Pose(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ()));
+  const Pose T_new_old =
+      Pose(Eigen::Translation3d(300.0, -40.0, 0.0)) * Pose(Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ()));
   for (int i = 0; i < 10; ++i) {
     state = road.next();
     state.T_odom_cog = T_new_old * state.T_odom_cog;

@@ -154,8 +154,8 @@ TEST(Coasting, AMeasuredSpeedForgetsTheErrorBefore) {
   // a scalar Kalman step: P+ = kept P-
   EXPECT_LT(coasting.speedError().kept, 1.0);
   EXPECT_GT(coasting.speedError().kept, 0.5);
-  EXPECT_NEAR(coasting.speedError().variance_m2_s2,
-              coasting.speedError().kept * unmeasured.speedError().variance_m2_s2, 1e-12);
+  EXPECT_NEAR(coasting.speedError().variance_m2_s2, coasting.speedError().kept * unmeasured.speedError().variance_m2_s2,
+              1e-12);
 }
 
 TEST(Coasting, TheYawRateCoastsLikewise) {

@@ -418,9 +418,11 @@ TEST(PoseFilter, APoseThatIsSetMovesOdomUnderTheVehicleAndNothingElse) {
     EXPECT_LT(angle(moved.prediction.T_odom_cog, T_new_old * expected.prediction.T_odom_cog), 1e-7) << i;
     EXPECT_LT(distance(moved.state.T_odom_cog, T_new_old * expected.state.T_odom_cog), 1e-6) << i;
     EXPECT_NEAR(moved.state.sigma_yaw_rad, expected.state.sigma_yaw_rad, 1e-8) << i;
-    EXPECT_NEAR(moved.state.covariance.diagonal().head(2).sum(), expected.state.covariance.diagonal().head(2).sum(), 1e-8)
+    EXPECT_NEAR(moved.state.covariance.diagonal().head(2).sum(), expected.state.covariance.diagonal().head(2).sum(),
+                1e-8)
         << i;
-    EXPECT_LT((moved.state.increment_covariance - expected.state.increment_covariance).cwiseAbs().maxCoeff(), 1e-8) << i;
+    EXPECT_LT((moved.state.increment_covariance - expected.state.increment_covariance).cwiseAbs().maxCoeff(), 1e-8)
+        << i;
   }
 }
 

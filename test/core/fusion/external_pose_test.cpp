@@ -62,7 +62,8 @@ TEST(ExternalPose, IsMovedAlongTheVehiclesCurveBothWaysInTime) {
     return T_odom_cog_at_7 * expSe3((stamp_s - 7.0) * twist_cog) * kBaseCog.inverse();
   };
   for (const double stamp_s : {6.92, 7.0, 7.07}) {
-    const Measurement m = externalMeasurement(gps(stamp_s, baseAt(stamp_s)), 7.0, Pose::Identity(), twist_cog, kBaseCog);
+    const Measurement m =
+        externalMeasurement(gps(stamp_s, baseAt(stamp_s)), 7.0, Pose::Identity(), twist_cog, kBaseCog);
     EXPECT_TRUE(m.T_odom_cog.isApprox(T_odom_cog_at_7, 1e-9)) << stamp_s;
     const double motion_m = std::abs(stamp_s - 7.0) * twist_cog.head<3>().norm();
     EXPECT_GE(m.covariance(0, 0), 0.25 + 0.01 * motion_m * motion_m - 1e-12) << "what the motion adds";

@@ -29,9 +29,7 @@ Measurement measurementAt(const Vector6d& state, const Matrix6d& covariance) {
   return m;
 }
 
-Matrix6d diagonal(double xy, double z, double angle) {
-  return vector6(xy, xy, z, angle, angle, angle).asDiagonal();
-}
+Matrix6d diagonal(double xy, double z, double angle) { return vector6(xy, xy, z, angle, angle, angle).asDiagonal(); }
 
 MeasurementFusion literalFusion() {
   MeasurementFusion::Params params;
@@ -90,8 +88,7 @@ TEST(MeasurementFusionLiteral, TheEllipsesEdge) {
 
 TEST(MeasurementFusionLiteral, NeverOverrulesThePrediction) {
   const Measurement far = measurementAt(vector6(5, 0, 0, 0, 0, 0), diagonal(0.01, 0.01, 0.01));
-  const FusionResult r =
-      literalFusion().fuse(Vector6d::Zero(), diagonal(0.01, 0.01, 0.01), inputsOf({far, far}));
+  const FusionResult r = literalFusion().fuse(Vector6d::Zero(), diagonal(0.01, 0.01, 0.01), inputsOf({far, far}));
   EXPECT_FALSE(r.has_measurement);
   EXPECT_TRUE(r.all_gated_out);
 }
@@ -293,9 +290,9 @@ TEST(MeasurementFusion, AbsentAndUnusableInputs) {
   const Measurement locked = measurementAt(vector6(0, 0, 0, 0, M_PI / 2, 0), good);
   const Measurement ok = measurementAt(vector6(0.1, 0, 0, 0, 0, 0), good);
 
-  std::vector<FusionInput> inputs = {{"absent", nullptr},          {"failed", &failed},
-                                     {"nan_pose", &nan_pose},      {"nan_covariance", &nan_covariance},
-                                     {"indefinite", &indefinite},  {"locked", &locked}};
+  std::vector<FusionInput> inputs = {{"absent", nullptr},         {"failed", &failed},
+                                     {"nan_pose", &nan_pose},     {"nan_covariance", &nan_covariance},
+                                     {"indefinite", &indefinite}, {"locked", &locked}};
   const FusionResult none = defaultFusion().fuse(Vector6d::Zero(), good, inputs);
   EXPECT_FALSE(none.has_measurement);
   EXPECT_FALSE(none.all_gated_out);

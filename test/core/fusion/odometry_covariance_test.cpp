@@ -198,8 +198,8 @@ TEST(OdometryCovariance, UnusableIncrementsChangeNothing) {
 }
 
 // Straight on along odom's x, 1 m and 0.1 s a step. The speed, where it is not observed, wanders by `wander` (m^2/s^3).
-DriftState driveStraight(OdometryCovariance& odometry, int steps, const Matrix6d& covariance, const Matrix6d& unobserved,
-                         Pose T = Pose::Identity(), double wander = 0.0) {
+DriftState driveStraight(OdometryCovariance& odometry, int steps, const Matrix6d& covariance,
+                         const Matrix6d& unobserved, Pose T = Pose::Identity(), double wander = 0.0) {
   for (int i = 0; i < steps; ++i) {
     const Pose next = T * planarPose(1.0, 0.0, 0.0);
     OdometryIncrement increment{covariance, unobserved, 0.1, {}};

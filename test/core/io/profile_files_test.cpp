@@ -96,8 +96,8 @@ TEST_F(ProfileFilesTest, TheDefaultProfileIsTheDefaultsInCode) {
   const ParameterMap in_file = toMap(read);
   ASSERT_EQ(in_file.size(), in_code.size());
   for (const auto& [key, value] : in_code) {
-    EXPECT_TRUE(in_file.at(key) == value) << "file: " << formatYaml({{key, in_file.at(key)}})
-                                          << "code: " << formatYaml({{key, value}});
+    EXPECT_TRUE(in_file.at(key) == value)
+        << "file: " << formatYaml({{key, in_file.at(key)}}) << "code: " << formatYaml({{key, value}});
   }
 }
 

@@ -42,8 +42,9 @@ class Scanner {
         const double range = cast(T_world_lidar.translation(), T_world_lidar.linear() * ray);
         if (range > 100.0) continue;
         double noise = -6.0;
-        for (int i = 0; i < 12; ++i)
+        for (int i = 0; i < 12; ++i) {
           noise += static_cast<double>(static_cast<std::uint32_t>(generator())) / 4294967296.0;
+        }
         points.push_back(((range + 0.02 * noise) * ray).cast<float>());
         rings.push_back(static_cast<std::uint16_t>(ring));
       }
@@ -106,7 +107,8 @@ TEST(CornerExtraction, findsTheCornerOfAnLShapedWallWithinThreeCentimetres) {
     EXPECT_GT(corner.normals[1].dot(Eigen::Vector3d(-1, 0, 0)), 0.9999);
     EXPECT_NEAR(corner.plane_rms_m[0], 0.02, 0.01);
     EXPECT_GT(corner.points(), 2000);
-    // the walls: 8 m along x and 10 m along y, and the ground in line with them as far as their last cell goes; from the ground, or near it, to 6 m or to where the highest beam is
+    // the walls: 8 m along x and 10 m along y, and the ground in line with them as far as their last cell goes; from
+    // the ground, or near it, to 6 m or to where the highest beam is
     const Corner::Rectangle &along_x = corner.rectangles[0], &along_y = corner.rectangles[1];
     for (const Corner::Rectangle* rectangle : {&along_x, &along_y}) {
       EXPECT_GT(rectangle->low.z(), -kSensorHeight - 0.2);

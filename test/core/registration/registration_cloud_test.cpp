@@ -70,8 +70,9 @@ TEST(RegistrationCloud, thinsIntoTheVehiclesFrame) {
 
 TEST(RegistrationCloud, rangesAreMeasuredFromTheLidar) {
   CorrectedSweep sweep;
-  for (const float x : {-25.0f, -19.9f, -3.1f, -2.9f, 2.9f, 3.1f, 19.9f, 20.1f})
+  for (const float x : {-25.0f, -19.9f, -3.1f, -2.9f, 2.9f, 3.1f, 19.9f, 20.1f}) {
     sweep.points_lidar.emplace_back(x, 0.0f, 0.0f);
+  }
   Pose T_cog_lidar = Pose::Identity();
   T_cog_lidar.translation().x() = 10.0;
   RegistrationCloud cloud;

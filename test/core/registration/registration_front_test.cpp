@@ -258,8 +258,8 @@ TEST(RegistrationFront, aSweepThatCouldNotBeRegisteredDoesNotJoinTheMapAtOnce) {
   const std::size_t points = front.map().points().size();
   for (int sweep = 1; sweep <= 11; ++sweep) {
     const double stamp_s = 0.1 * sweep;
-    const SweepPrediction prediction =
-        predictionOf(stamp_s, 0.1, drive.pose(stamp_s - 0.1), drive.pose(stamp_s - 0.1).inverse() * drive.pose(stamp_s), true);
+    const SweepPrediction prediction = predictionOf(stamp_s, 0.1, drive.pose(stamp_s - 0.1),
+                                                    drive.pose(stamp_s - 0.1).inverse() * drive.pose(stamp_s), true);
     ASSERT_TRUE(front.prepare(drive.sweep(stamp_s, 2), prediction, drive.T_cog_lidar));
     front.place(stateOf(prediction, prediction.T_odom_cog, false));
     if (sweep <= 10) {
@@ -295,7 +295,9 @@ TEST(RegistrationFront, inAnotherOdomTheReferenceStartsAnewWithTheSweepThatIsPla
     if (state_was_heard) {
       front.place(state);
       Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-      for (const Eigen::Vector3d& p : front.map().points()) mean += p / static_cast<double>(front.map().points().size());
+      for (const Eigen::Vector3d& p : front.map().points()) {
+        mean += p / static_cast<double>(front.map().points().size());
+      }
       EXPECT_LT((mean - state.T_odom_cog.translation()).norm(), 25.0) << "nothing is left of the other odom";
     }
     prediction = predictionOf(0.2, 0.1, state.T_odom_cog, drive.pose(0.1).inverse() * drive.pose(0.2), true);

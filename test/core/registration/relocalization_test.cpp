@@ -49,8 +49,8 @@ TEST(Relocalization, NothingWhereLittleFits) {
   const VoxelMap map = mapOf(sampleScene(street(), 6.0, kNoise_m, 3), Pose::Identity());
   const std::vector<Eigen::Vector3d> elsewhere = sampleScene(room(), 20.0, kNoise_m, 5);
   const Pose T_predicted = poseOf(30.0, 25.0, 6.0, 0.0, 0.0, 30.0);
-  EXPECT_FALSE(Relocalization({}, {}).find(seenFrom(elsewhere, Pose::Identity()), map, T_predicted,
-                                           covarianceOf(1.0, 2.0)));
+  EXPECT_FALSE(
+      Relocalization({}, {}).find(seenFrom(elsewhere, Pose::Identity()), map, T_predicted, covarianceOf(1.0, 2.0)));
 }
 
 TEST(Relocalization, OnlyIfThePredictionIsUncertain) {

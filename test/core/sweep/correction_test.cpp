@@ -196,17 +196,16 @@ TEST(SweepCorrection, WithoutTimesOrMotionPointsComeOutAsTheyCameIn) {
     Pose end;
     double dt_s;
     SweepCorrectionParams params;
-  } cases[] = {
-      {CorrectionStatus::kOff, {}, b, 0.1, {}},
-      {CorrectionStatus::kOff, times_s, b, 0.1, disabled},
-      {CorrectionStatus::kBadTimes, {0.1f}, b, 0.1, {}},
-      {CorrectionStatus::kBadTimes, {0.1f, nan}, b, 0.1, {}},
-      {CorrectionStatus::kNoMotion, times_s, b, 0.0, {}},
-      {CorrectionStatus::kNoMotion, times_s, b, -0.1, {}},
-      {CorrectionStatus::kNoMotion, times_s, b, std::nan(""), {}},
-      {CorrectionStatus::kNoMotion, times_s, broken, 0.1, {}},
-      {CorrectionStatus::kNoMotion, times_s, absurd, 0.1, {}},
-      {CorrectionStatus::kNoMotion, times_s, broken_rotation, 0.1, {}}};
+  } cases[] = {{CorrectionStatus::kOff, {}, b, 0.1, {}},
+               {CorrectionStatus::kOff, times_s, b, 0.1, disabled},
+               {CorrectionStatus::kBadTimes, {0.1f}, b, 0.1, {}},
+               {CorrectionStatus::kBadTimes, {0.1f, nan}, b, 0.1, {}},
+               {CorrectionStatus::kNoMotion, times_s, b, 0.0, {}},
+               {CorrectionStatus::kNoMotion, times_s, b, -0.1, {}},
+               {CorrectionStatus::kNoMotion, times_s, b, std::nan(""), {}},
+               {CorrectionStatus::kNoMotion, times_s, broken, 0.1, {}},
+               {CorrectionStatus::kNoMotion, times_s, absurd, 0.1, {}},
+               {CorrectionStatus::kNoMotion, times_s, broken_rotation, 0.1, {}}};
   for (const auto& c : cases) {
     CorrectedSweep out;
     out.points_lidar.resize(9);
@@ -236,8 +235,7 @@ TEST(SweepCorrection, RecorrectTakesOutTheResidualMotion) {
 
   const SweepCorrection correction;
   CorrectedSweep out;
-  const CorrectionResult result =
-      correction.correct(moving.sweep, times_s, begin, end, 0.1, drive.T_cog_lidar, out);
+  const CorrectionResult result = correction.correct(moving.sweep, times_s, begin, end, 0.1, drive.T_cog_lidar, out);
   EXPECT_TRUE(result.twist_lidar.isApprox(true_twist - error, 1e-9));
   EXPECT_GT(worstError(out.points_lidar, moving.truth_lidar), 0.04);
 

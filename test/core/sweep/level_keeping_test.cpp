@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
-/// Sensor frame, level sensor: walls ahead, behind and beside, and poles; each leans by `lean_rad` away from the sensor.
+/// Sensor frame, level sensor: walls ahead, behind and beside, and poles; each leans by `lean_rad` away from the
+/// sensor.
 std::vector<Eigen::Vector3f> street(std::mt19937& random, double lean_rad = 0.0) {
   std::normal_distribution<double> noise(0.0, 0.01);
   std::uniform_real_distribution<double> place(-20.0, 20.0);
@@ -28,7 +29,9 @@ std::vector<Eigen::Vector3f> street(std::mt19937& random, double lean_rad = 0.0)
     const double x = place(random), y = place(random);
     const bool frontal = wall % 2 == 0;
     for (double along = 0.0; along < 4.0; along += 0.1) {
-      for (double z = -1.1; z < 0.5; z += 0.15) add(frontal ? Eigen::Vector3d(x, y + along, z) : Eigen::Vector3d(x + along, y, z));
+      for (double z = -1.1; z < 0.5; z += 0.15) {
+        add(frontal ? Eigen::Vector3d(x, y + along, z) : Eigen::Vector3d(x + along, y, z));
+      }
     }
   }
   for (int pole = 0; pole < 6; ++pole) {

@@ -42,7 +42,8 @@ TEST(SweepCheck, HalfASweepAndABlankedSectorAreIncompleteAtOnce) {
   for (const double from_deg : {-180.0, -90.0, 0.0, 17.0}) {
     SweepCheck check{SweepCheckParams()};
     Sweep sweep = streetSweep(0);
-    keepOnly(sweep, [&](const Eigen::Vector3f& p) { return std::fmod(azimuthDeg(p) - from_deg + 720.0, 360.0) < 180.0; });
+    keepOnly(sweep,
+             [&](const Eigen::Vector3f& p) { return std::fmod(azimuthDeg(p) - from_deg + 720.0, 360.0) < 180.0; });
     const SweepFindings findings = check.check(sweep);
     EXPECT_TRUE(findings.incomplete) << from_deg;
     EXPECT_NEAR(findings.azimuth_coverage, 0.5, 0.03) << from_deg;

@@ -82,8 +82,8 @@ TEST(SweepCorrector, MovesEveryPointToTheStamp) {
     MovingSweep moving = scan(3.0, position);
     EXPECT_GT(worstError(moving.sweep.points_lidar, moving.truth_lidar), 0.5);
     CorrectedSweep corrected;
-    const SweepCorrectorReport report = makeCorrector(timingParams(reference))
-                                            .correct(moving.sweep, predictionAt(3.0, 0.107), kT_cog_lidar, corrected);
+    const SweepCorrectorReport report =
+        makeCorrector(timingParams(reference)).correct(moving.sweep, predictionAt(3.0, 0.107), kT_cog_lidar, corrected);
     EXPECT_TRUE(report.timing.ok());
     EXPECT_TRUE(report.correction.corrected());
     EXPECT_EQ(corrected.stamp_s, 3.0);
@@ -92,8 +92,7 @@ TEST(SweepCorrector, MovesEveryPointToTheStamp) {
     EXPECT_NEAR(corrected.times_s.front(), -position * kPeriod_s, 1e-3);
     EXPECT_NEAR(report.middle_s, (0.5 - position) * kPeriod_s, 1e-3);
     EXPECT_LT(worstError(corrected.points_lidar, moving.truth_lidar), 2e-3) << reference;
-    EXPECT_TRUE(report.correction.twist_lidar.isApprox(
-        lidarTwist(cogAt(0.0), cogAt(1.0), kT_cog_lidar, 1.0), 1e-6));
+    EXPECT_TRUE(report.correction.twist_lidar.isApprox(lidarTwist(cogAt(0.0), cogAt(1.0), kT_cog_lidar, 1.0), 1e-6));
   }
 }
 

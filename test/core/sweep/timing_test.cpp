@@ -69,8 +69,8 @@ TEST(SweepTiming, AzimuthAgreesWithAtan2ForAnyStartAndDirection) {
 
 TEST(SweepTiming, AzimuthIsFiniteAndInTheSweepAtTheOriginAndOnTheAxes) {
   Sweep sweep;
-  sweep.points_lidar = {{0, 0, 0}, {0, 0, 3}, {-0.0f, -0.0f, 3}, {0, 2, 0}, {0, -2, 0}, {-2, 0, 0}, {2, -0.0f, 0},
-                        {1e-20f, -1e-20f, 0}, {3e4f, -3e4f, 0}, {3e38f, 3e38f, 0}};
+  sweep.points_lidar = {{0, 0, 0},  {0, 0, 3},     {-0.0f, -0.0f, 3},    {0, 2, 0},        {0, -2, 0},
+                        {-2, 0, 0}, {2, -0.0f, 0}, {1e-20f, -1e-20f, 0}, {3e4f, -3e4f, 0}, {3e38f, 3e38f, 0}};
   std::vector<float> times_s;
   SweepTiming(paramsWith("azimuth", "start")).assign(sweep, times_s);
   for (const float t : times_s) EXPECT_TRUE(t >= 0.0f && t <= static_cast<float>(kPeriod_s)) << t;
@@ -101,11 +101,10 @@ TEST(SweepTiming, FieldOfEitherSignSetsTheReferenceOrIsShiftedToTheOneGiven) {
     std::vector<float> field;
     StampReference automatic;
     double zero;
-  } fields[] = {
-      {{0.0f, 0.4f * T, T}, StampReference::kStart, 0.0},
-      {{-T, -0.6f * T, 0.0f}, StampReference::kEnd, 1.0},
-      {{-T, -0.6f * T, 0.001f}, StampReference::kEnd, 1.0},  // points of the last packet, after its stamp
-      {{-0.5f * T, -0.1f * T, 0.5f * T}, StampReference::kMid, 0.5}};
+  } fields[] = {{{0.0f, 0.4f * T, T}, StampReference::kStart, 0.0},
+                {{-T, -0.6f * T, 0.0f}, StampReference::kEnd, 1.0},
+                {{-T, -0.6f * T, 0.001f}, StampReference::kEnd, 1.0},  // points of the last packet, after its stamp
+                {{-0.5f * T, -0.1f * T, 0.5f * T}, StampReference::kMid, 0.5}};
   const struct {
     const char* name;
     StampReference reference;
@@ -145,26 +144,23 @@ TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
     std::vector<float> field;
     double stamp_s;
     TimeField expected;
-  } cases[] = {
-      {{0.0f, 5e7f, 1e8f}, 100.0, TimeField::kBadScale},            // ns
-      {{0.0f, 5e4f, 1e5f}, 100.0, TimeField::kBadScale},            // us
-      {{0.0f, 50.0f, 100.0f}, 100.0, TimeField::kBadScale},         // ms
-      {{7.0f, 7.05f, 7.1f}, 100.0, TimeField::kBadScale},           // neither relative nor near the stamp
-      {{1.3e9f, 1.3e9f, 1.3e9f + 128.0f}, 1.3e9, TimeField::kBadScale},
-      {{1e5f, 1e5f + 0.0469f, 1e5f + 0.1016f}, 1e5, TimeField::kBadScale},  // a float's steps there are 8 ms
-      {{0.0f, 0.0f, 0.0f}, 100.0, TimeField::kNoSpread},
-      {{0.02f, 0.02f, 0.0205f}, 100.0, TimeField::kNoSpread},
-      {{0.0f, nan, 0.1f}, 100.0, TimeField::kNotFinite},
-      {{-inf, 0.0f, 0.1f}, 100.0, TimeField::kNotFinite}};
+  } cases[] = {{{0.0f, 5e7f, 1e8f}, 100.0, TimeField::kBadScale},     // ns
+               {{0.0f, 5e4f, 1e5f}, 100.0, TimeField::kBadScale},     // us
+               {{0.0f, 50.0f, 100.0f}, 100.0, TimeField::kBadScale},  // ms
+               {{7.0f, 7.05f, 7.1f}, 100.0, TimeField::kBadScale},    // neither relative nor near the stamp
+               {{1.3e9f, 1.3e9f, 1.3e9f + 128.0f}, 1.3e9, TimeField::kBadScale},
+               {{1e5f, 1e5f + 0.0469f, 1e5f + 0.1016f}, 1e5, TimeField::kBadScale},  // a float's steps there are 8 ms
+               {{0.0f, 0.0f, 0.0f}, 100.0, TimeField::kNoSpread},
+               {{0.02f, 0.02f, 0.0205f}, 100.0, TimeField::kNoSpread},
+               {{0.0f, nan, 0.1f}, 100.0, TimeField::kNotFinite},
+               {{-inf, 0.0f, 0.1f}, 100.0, TimeField::kNotFinite}};
   for (const auto& c : cases) {
     std::vector<float> times_s = {1.0f};
-    const TimingResult strict =
-        SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), times_s);
+    const TimingResult strict = SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), times_s);
     EXPECT_EQ(strict.status, TimingStatus::kNoField);
     EXPECT_EQ(strict.field, c.expected) << toString(strict.field) << " for " << c.field.back();
     EXPECT_TRUE(times_s.empty());
-    const TimingResult automatic =
-        SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), times_s);
+    const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), times_s);
     EXPECT_TRUE(automatic.ok());
     EXPECT_EQ(automatic.source, TimingSource::kAzimuth);
     EXPECT_EQ(automatic.field, c.expected);

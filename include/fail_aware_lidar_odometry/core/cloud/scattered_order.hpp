@@ -1,8 +1,8 @@
 // Every index of [0, n) once, in an order as if shuffled, the same every time.
 //
-// A sweep's points come in the order in which the head turns. What takes the first point of a cell would take the one on
-// the side where the beam came in, always the same, and a map made of such points turns slowly against the sweeps: some
-// 0.2 deg per km. Cost: a counter through a bijective mix of its bits, at most twice n times.
+// A sweep's points come in the order in which the head turns. What takes the first point of a cell would take the one
+// on the side where the beam came in, always the same, and a map made of such points turns slowly against the sweeps:
+// some 0.2 deg per km. Cost: a counter through a bijective mix of its bits, at most twice n times.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@ namespace fail_aware {
 /// A sweep's points. `points_lidar` (m, sensor frame) is always there and finite; the other arrays are empty or as
 /// long as `points_lidar`.
 struct Sweep {
-  double stamp_s = 0.0;                       ///< header stamp, s; which instant it means: sweep timing's `stamp_reference`
+  double stamp_s = 0.0;                       ///< header stamp, s; its instant: sweep timing's `stamp_reference`
   std::vector<Eigen::Vector3f> points_lidar;  ///< m
   std::vector<float> intensities;             ///< sensor units
   std::vector<float> times_s;                 ///< as the driver gave them: s relative to some instant of the sweep

@@ -1,4 +1,5 @@
-// Downsampling: one point a voxel, the first met - of a sweep in an order that prefers no direction (scattered_order.hpp).
+// Downsampling: one point a voxel, the first met - of a sweep in an order that prefers no direction
+// (scattered_order.hpp).
 //
 // Keeping a measured point (no centroid) leaves surfaces unmixed and keeps the point's time. Cost: one probe of a flat
 // table a point, about 10 ns; nothing is allocated once the buffers have grown. Not thread-safe: one filter a thread.

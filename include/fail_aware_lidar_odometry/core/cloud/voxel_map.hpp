@@ -2,10 +2,11 @@
 // point to point) and a plane fitted to all that fell into it (for point to plane).
 //
 // A voxel's points and statistics are floats relative to its own centre, so precision does not depend on how far the
-// vehicle has driven. Statistics are summed over every inserted point until `max_samples`, then frozen. Early freezing and
-// large voxels leave a bias: what is seen first is the side that faces the oncoming vehicle, later points lie deeper, and
-// the estimate falls short along the way (0.2 m per km at 1 m and 200 samples). Insertion costs about 40 ns a point, a
-// plane query one to eight probes of about 15 ns, a nearest-point query one to eight and the distances in their voxels.
+// vehicle has driven. Statistics are summed over every inserted point until `max_samples`, then frozen. Early freezing
+// and large voxels leave a bias: what is seen first is the side that faces the oncoming vehicle, later points lie
+// deeper, and the estimate falls short along the way (0.2 m per km at 1 m and 200 samples). Insertion costs about 40 ns
+// a point, a plane query one to eight probes of about 15 ns, a nearest-point query one to eight and the distances in
+// their voxels.
 // Reading from several threads at once is safe; inserting is not.
 #pragma once
 
@@ -24,21 +25,21 @@ namespace fail_aware {
 struct PlanePatch {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();    ///< m, relative to the voxel's centre
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, odom axes
-  float variance = 0.0f;    ///< m^2, of the points along the normal
-  float samples = 0.0f;     ///< points fitted; 0: no plane here
-  bool post = false;        ///< no plane but thin and upright: a post, a trunk, an edge of a house
+  float variance = 0.0f;                             ///< m^2, of the points along the normal
+  float samples = 0.0f;                              ///< points fitted; 0: no plane here
+  bool post = false;  ///< no plane but thin and upright: a post, a trunk, an edge of a house
 };
 
 class VoxelMap {
  public:
   struct Params {
     double voxel_size_m = 0.8;
-    int max_points = 12;               ///< kept a voxel for nearest-point queries
+    int max_points = 12;  ///< kept a voxel for nearest-point queries
     double min_point_spacing_m = 0.15;
     int min_plane_samples = 6;
-    int max_samples = 1000;            ///< statistics are frozen from here on
-    double max_plane_sigma_m = 0.12;   ///< thicker patches are no planes
-    double min_plane_flatness = 5.0;   ///< middle over smallest eigenvalue: a line is no plane
+    int max_samples = 1000;           ///< statistics are frozen from here on
+    double max_plane_sigma_m = 0.12;  ///< thicker patches are no planes
+    double min_plane_flatness = 5.0;  ///< middle over smallest eigenvalue: a line is no plane
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -69,11 +70,11 @@ class VoxelMap {
   std::size_t size() const { return voxels_.size(); }
 
   struct PlaneMatch {
-    float distance_m;         ///< signed, along the normal: n . (query - mean)
-    Eigen::Vector3f normal;   ///< odom axes
-    float variance;           ///< m^2 along the normal
+    float distance_m;        ///< signed, along the normal: n . (query - mean)
+    Eigen::Vector3f normal;  ///< odom axes
+    float variance;          ///< m^2 along the normal
     float samples;
-    std::uint32_t voxel;      ///< index, valid until the map changes
+    std::uint32_t voxel;  ///< index, valid until the map changes
   };
   /// The plane of the query's own voxel, or, if that has none, of the nearest of the neighbours that share a face
   /// with the query's octant (3 voxels). False when there is none.
@@ -82,7 +83,7 @@ class VoxelMap {
   struct PointMatch {
     Eigen::Vector3f offset_m;  ///< neighbour - query
     float distance2_m2;
-    std::uint32_t voxel;       ///< that the neighbour is in; index, valid until the map changes
+    std::uint32_t voxel;  ///< that the neighbour is in; index, valid until the map changes
   };
   /// The nearest stored point within max_distance_m; exact for distances up to half a voxel, beyond that among the
   /// eight voxels nearest to the query.
@@ -120,7 +121,7 @@ class VoxelMap {
   double inverse_size_;
   tsl::robin_map<VoxelKey, std::uint32_t, VoxelHash> index_;
   std::vector<Voxel> voxels_;
-  std::vector<Eigen::Vector3f> points_;      ///< max_points a voxel, in the order of voxels_
+  std::vector<Eigen::Vector3f> points_;     ///< max_points a voxel, in the order of voxels_
   std::vector<std::uint8_t> point_counts_;  ///< of these in use; apart from voxels_, so that queries stay in the cache
   std::vector<std::uint32_t> touched_;
 };

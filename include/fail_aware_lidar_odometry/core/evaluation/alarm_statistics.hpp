@@ -33,8 +33,8 @@ struct AlarmStatistics {
   double watched_s = 0.0, alarm_s = 0.0, unknown_s = 0.0;
   std::vector<LeadTime> leads;
 
-  double missedShare() const;      ///< of the failing episodes; 0 without any
-  double alarmShare() const;       ///< of the watched time
+  double missedShare() const;  ///< of the failing episodes; 0 without any
+  double alarmShare() const;   ///< of the watched time
   double availableShare() const;
   double falseAlarmsPerHour() const;
   /// Share of all failing episodes whose lead time suffices for a stop; a missed one does not.

@@ -16,7 +16,7 @@
 namespace fail_aware {
 
 struct SurvivalSample {
-  double time_s = 0.0;    ///< to the failure, or, if there was none, as far as it was watched
+  double time_s = 0.0;  ///< to the failure, or, if there was none, as far as it was watched
   bool failed = false;
   std::size_t group = 0;
 };

@@ -20,8 +20,8 @@ std::optional<double> normalisedErrorSquared(const Eigen::VectorXd& error, const
 struct Consistency {
   std::size_t samples = 0;
   double mean_per_dof = 0.0;
-  double median_over_expected = 0.0;          ///< median of d^2 over the chi-square median: outliers do not count
-  std::array<double, 3> within_sigma{};       ///< share with d <= 1, 2, 3
+  double median_over_expected = 0.0;     ///< median of d^2 over the chi-square median: outliers do not count
+  std::array<double, 3> within_sigma{};  ///< share with d <= 1, 2, 3
 };
 
 /// Nothing for an empty list.

@@ -1,12 +1,13 @@
 // The thresholds of the times to failure, from recorded episodes with truth.
 //
-// Eta's threshold, by either of two rules: the value of eta by which a share of the episodes has failed (passed the alert
-// limit), those that never failed counted as far as they were watched (Kaplan and Meier): the article's meaning; or the
-// value that all but a share of the episodes that never failed stay below: where eta says little of the error, at least
-// it does not cry wolf.
+// Eta's threshold, by either of two rules: the value of eta by which a share of the episodes has failed (passed the
+// alert limit), those that never failed counted as far as they were watched (Kaplan and Meier): the article's meaning;
+// or the value that all but a share of the episodes that never failed stay below: where eta says little of the error,
+// at least it does not cry wolf.
 // The predictor's confidence: the smallest at which at most `late_share` of the judged predictions of the covariance's
 // time come late. 1 - confidence is that share where the covariance is true.
-// Its alarm confidence: the largest at which the alarm is up at most `alarm_share` of the time of episodes that never fail.
+// Its alarm confidence: the largest at which the alarm is up at most `alarm_share` of the time of episodes that never
+// fail.
 #pragma once
 
 #include <functional>
@@ -25,13 +26,11 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
 
 /// `episodes_with(confidence)`: the episodes replayed with that confidence. Found by bisection between the limits, to
 /// 0.005; nothing if even the largest is late too often.
-std::optional<double> confidenceForLateShare(
-    const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with, double late_share, double smallest = 0.5,
-    double largest = 0.995);
+std::optional<double> confidenceForLateShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                             double late_share, double smallest = 0.5, double largest = 0.995);
 
 /// Likewise with the alarm confidence; nothing if even the smallest is up too long.
-std::optional<double> confidenceForAlarmShare(
-    const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with, double alarm_share, double smallest,
-    double largest);
+std::optional<double> confidenceForAlarmShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                              double alarm_share, double smallest, double largest);
 
 }  // namespace fail_aware

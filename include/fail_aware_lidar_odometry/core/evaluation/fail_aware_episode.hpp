@@ -27,7 +27,7 @@ struct FailAwareEpisode {
   std::size_t run = 0;  ///< of which recorded run: set by the caller
   double begin_s = 0.0;
   bool failed = false;
-  double time_s = 0.0;              ///< to the failure, or to the run's end
+  double time_s = 0.0;  ///< to the failure, or to the run's end
   double alert_limit_m = 0.0;
   std::vector<FailAwareSweep> sweeps;  ///< from t1 (the first has since_start_s = 0) to the run's end
 

@@ -1,5 +1,5 @@
-// The minimum of a function of a few variables without derivatives: Nelder and Mead's simplex, begun anew from its result
-// until that no longer helps. Deterministic. For calibration, not for a sweep.
+// The minimum of a function of a few variables without derivatives: Nelder and Mead's simplex, begun anew from its
+// result until that no longer helps. Deterministic. For calibration, not for a sweep.
 #pragma once
 
 #include <functional>

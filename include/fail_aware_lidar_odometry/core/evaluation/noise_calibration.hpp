@@ -1,10 +1,11 @@
-// The noise parameters under which recorded errors are most likely (Gaussian maximum likelihood). Since all of them scale
-// variances, the NEES per degree of freedom over the data is 1 at the optimum; whether it is elsewhere is for other data
-// to say.
+// The noise parameters under which recorded errors are most likely (Gaussian maximum likelihood). Since all of them
+// scale variances, the NEES per degree of freedom over the data is 1 at the optimum; whether it is elsewhere is for
+// other data to say.
 //
 // Increments: error ~ N(0, scale * modelled + floors), floors as in filter/pose_filter.hpp.
-// Drift: horizontal errors since t1, `every_s` apart up to `until_s`, against fusion/odometry_covariance.hpp's covariance;
-// errors of one episode are treated as independent (a composite likelihood), which does not bias the estimate.
+// Drift: horizontal errors since t1, `every_s` apart up to `until_s`, against fusion/odometry_covariance.hpp's
+// covariance; errors of one episode are treated as independent (a composite likelihood), which does not bias the
+// estimate.
 // Runs where the odometry is lost say nothing about either: leave them out.
 #pragma once
 
@@ -17,8 +18,8 @@
 namespace fail_aware {
 
 struct IncrementSample {
-  Vector6d error = Vector6d::Zero();       ///< evaluation/consistency.hpp's motionError
-  Matrix6d modelled = Matrix6d::Zero();    ///< the covariance with increment_scale 1 and no floors
+  Vector6d error = Vector6d::Zero();     ///< evaluation/consistency.hpp's motionError
+  Matrix6d modelled = Matrix6d::Zero();  ///< the covariance with increment_scale 1 and no floors
   double distance_m = 0.0;
 };
 
@@ -38,7 +39,8 @@ struct DriftFitOptions {
   double episode_every_s = 5.0, every_s = 5.0, until_s = 60.0;
 };
 
-/// `others` with position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws InputError without data.
+/// `others` with position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws InputError without
+/// data.
 DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
                             const DriftFitOptions& options = {});
 

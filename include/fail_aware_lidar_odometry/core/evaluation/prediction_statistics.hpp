@@ -25,7 +25,7 @@ struct JudgedPrediction {
 };
 
 struct LateStatistics {
-  std::size_t decided = 0;          ///< it is known whether the prediction was late
+  std::size_t decided = 0;  ///< it is known whether the prediction was late
   std::size_t late = 0;
   std::size_t failing_decided = 0;  ///< of them in failing episodes
   double lateShare() const;         ///< of all decided

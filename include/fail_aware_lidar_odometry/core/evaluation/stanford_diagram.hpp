@@ -13,7 +13,13 @@
 
 namespace fail_aware {
 
-enum class IntegrityRegion : std::size_t { kNominal = 0, kMisleading, kHazardous, kUnavailable, kUnavailableMisleading };
+enum class IntegrityRegion : std::size_t {
+  kNominal = 0,
+  kMisleading,
+  kHazardous,
+  kUnavailable,
+  kUnavailableMisleading
+};
 constexpr std::size_t kIntegrityRegions = 5;
 
 const char* toString(IntegrityRegion region);

@@ -1,5 +1,5 @@
-// Beyond the paper: the time at which the horizontal error since t1 passes the alert limit with a given probability, from
-// the accumulated covariance and its present growth.
+// Beyond the paper: the time at which the horizontal error since t1 passes the alert limit with a given probability,
+// from the accumulated covariance and its present growth.
 //
 // The error (x, y) is Gaussian; with variances a >= b along its axes and c = 1 - b/a it is within r with probability
 //   p = 1 - 1/(2 pi) integral over phi of exp(-r^2 / (2 a (1 - c sin^2 phi)))
@@ -8,12 +8,13 @@
 // Growth: at constant speed v and yaw rate, the error (x, y, yaw) in the frame at t1 with heading bias h, scale bias s
 // and speed error w (fusion/odometry_covariance.hpp), u how little of the speed is observed, th the course:
 //   x' = -v sin th yaw + (v s + u w) cos th,  y' = v cos th yaw + (v s + u w) sin th,  yaw' = v h
-// driven by white noise: Q on (x, y, yaw), about the body's axes, and on w. Integrated in steps of constant course (exact
-// for straight driving), the crossing found inside its step by bisection.
+// driven by white noise: Q on (x, y, yaw), about the body's axes, and on w. Integrated in steps of constant course
+// (exact for straight driving), the crossing found inside its step by bisection.
 //
-// Two times. To the alarm: until a failure has a probability of 1 - alarm_confidence. To the failure: what has not failed by
-// now (probability 1 - p) fails before it with 1 - confidence, so until p has grown to p + (1 - confidence)(1 - p); or the
-// time to the alarm if that is sooner. The second says how soon, the first whether the pose can be used at all.
+// Two times. To the alarm: until a failure has a probability of 1 - alarm_confidence. To the failure: what has not
+// failed by now (probability 1 - p) fails before it with 1 - confidence, so until p has grown to
+// p + (1 - confidence)(1 - p); or the time to the alarm if that is sooner. The second says how soon, the first whether
+// the pose can be used at all.
 //
 // Inputs: m, rad, s. Failure: input not finite or not a covariance -> unknown. Cost: horizon_s / step_s 6x6 products.
 #pragma once
@@ -58,7 +59,7 @@ struct CovarianceGrowth {
   Eigen::Matrix3d rate = Eigen::Matrix3d::Zero();        ///< per second, (x, y, yaw) about the body's axes
   double course_rad = 0.0;                               ///< direction of travel in the frame at t1
   double speed_mps = 0.0;
-  double yaw_rate_rps = 0.0;                             ///< 0: as if driving on straight
+  double yaw_rate_rps = 0.0;  ///< 0: as if driving on straight
 
   Eigen::Matrix3d drivers = Eigen::Matrix3d::Zero();  ///< of heading bias (rad/m), scale bias, speed error (m/s)
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();    ///< (x, y, yaw) against the drivers
@@ -69,8 +70,8 @@ struct CovarianceGrowth {
 
 struct CovariancePrediction {
   TimeToFailure time_to_failure;
-  TimeToFailure time_to_alarm;    ///< later, or the same
-  double radius_m = -1.0;         ///< the radius now with `confidence`; -1: unknown
+  TimeToFailure time_to_alarm;       ///< later, or the same
+  double radius_m = -1.0;            ///< the radius now with `confidence`; -1: unknown
   double failed_probability = -1.0;  ///< that the error is past the limit now; -1: unknown
 };
 
@@ -93,7 +94,7 @@ class CovariancePredictor {
  public:
   struct Params {
     double alert_limit_m = 0.6;
-    double confidence = 0.96;        ///< of the published time: what works now fails sooner with a probability of 1 - confidence
+    double confidence = 0.96;       ///< that what works now does not fail before the published time
     double alarm_confidence = 0.5;  ///< of the time that the state acts on: a lower one gives fewer false alarms
     double horizon_s = 60.0;
     double step_s = 0.25;

@@ -24,24 +24,24 @@ enum class FailAwareState : std::uint8_t { kUnknown = 0, kOk = 1, kDegraded = 2,
 const char* toString(FailAwareState state);
 
 enum ReasonBit : std::uint32_t {
-  kReasonStale = 1u << 0,                 ///< no filter state for several sweep periods
-  kReasonNoMeasurement = 1u << 1,         ///< no algorithm gave a usable measurement
-  kReasonPredictionOnly = 1u << 2,        ///< the estimate is the prediction, for whatever cause
-  kReasonPredictionOverruled = 1u << 3,   ///< the measurements agreed that the prediction was wrong
+  kReasonStale = 1u << 0,                ///< no filter state for several sweep periods
+  kReasonNoMeasurement = 1u << 1,        ///< no algorithm gave a usable measurement
+  kReasonPredictionOnly = 1u << 2,       ///< the estimate is the prediction, for whatever cause
+  kReasonPredictionOverruled = 1u << 3,  ///< the measurements agreed that the prediction was wrong
   kReasonMeasurementsDisagree = 1u << 4,
-  kReasonWeakDirection = 1u << 5,         ///< some horizontal direction is hardly observable
-  kReasonSweepIncomplete = 1u << 6,       ///< part of the revolution is missing
+  kReasonWeakDirection = 1u << 5,    ///< some horizontal direction is hardly observable
+  kReasonSweepIncomplete = 1u << 6,  ///< part of the revolution is missing
   kReasonSweepEmpty = 1u << 7,
   kReasonMissingIcpPoint = 1u << 8,
   kReasonMissingIcpPlane = 1u << 9,
-  kReasonMissingCorners = 1u << 10,       ///< usual away from buildings: information, does not degrade
-  kReasonEtaThreshold = 1u << 11,         ///< eta is past its threshold: explains, the time to failure decides
-  kReasonCovarianceLimit = 1u << 12,      ///< the confidence radius is past the alert limit; likewise
-  kReasonFrozenCloud = 1u << 13,          ///< the sensor repeats itself
+  kReasonMissingCorners = 1u << 10,   ///< usual away from buildings: information, does not degrade
+  kReasonEtaThreshold = 1u << 11,     ///< eta is past its threshold: explains, the time to failure decides
+  kReasonCovarianceLimit = 1u << 12,  ///< the confidence radius is past the alert limit; likewise
+  kReasonFrozenCloud = 1u << 13,      ///< the sensor repeats itself
   kReasonTimeJump = 1u << 14,
   kReasonDroppedSweeps = 1u << 15,
-  kReasonLowVisibility = 1u << 16,        ///< ranges cut short (fog, spray)
-  kReasonNoAnswer = 1u << 17              ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
+  kReasonLowVisibility = 1u << 16,  ///< ranges cut short (fog, spray)
+  kReasonNoAnswer = 1u << 17        ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
 };
 
 constexpr std::uint32_t kFailedReasons = kReasonStale;
@@ -55,7 +55,7 @@ constexpr std::uint32_t kDegradedReasons =
 std::string reasonText(std::uint32_t reasons);
 
 struct FailureThresholds {
-  double failing_s = 3.0;    ///< a safe stop must start now
+  double failing_s = 3.0;  ///< a safe stop must start now
   double degraded_s = 10.0;
 
   template <class Self, class Visitor>

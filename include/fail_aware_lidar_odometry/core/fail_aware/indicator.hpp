@@ -11,10 +11,11 @@
 // sweep rate.
 //
 //
-// Sweep by sweep the sum is made of the jitter of s, whatever the road; and a heading error becomes a position error by the
-// distance driven. So, beyond the article, (t_k, s_k) may be means over average_s, and each term is then weighted with
-// v_k / reference_speed_mps, the mean speed of that time. 0 of either: the article's sum (profile paper). While the sensor
-// is gone sigma leaps and comes back, which says nothing of the road: such sweeps are left out (measured_only).
+// Sweep by sweep the sum is made of the jitter of s, whatever the road; and a heading error becomes a position error by
+// the distance driven. So, beyond the article, (t_k, s_k) may be means over average_s, and each term is then weighted
+// with v_k / reference_speed_mps, the mean speed of that time. 0 of either: the article's sum (profile paper). While
+// the sensor is gone sigma leaps and comes back, which says nothing of the road: such sweeps are left out
+// (measured_only).
 //
 // eta_rate = (eta_k - eta_k-n) / (t_k - t_k-n), n = rate_window_samples (article: 1); time to failure =
 // (threshold - eta) / eta_rate. Three samples after t1 are needed; before: unknown. eta >= threshold: reached.
@@ -44,13 +45,13 @@ const char* toString(IndicatorStatus status);
 class FailAwareIndicator {
  public:
   struct Params {
-    double threshold = 0.0004;        ///< rad, on the scale above
+    double threshold = 0.0004;  ///< rad, on the scale above
     int rate_window_samples = 10;
     double horizon_s = 60.0;
     double reference_period_s = 0.1;  ///< T above: the sweep period that the threshold belongs to
     double min_interval_s = 0.01;
     double max_gap_s = 1.0;
-    double average_s = 1.0;            ///< 0: a sample is a sweep
+    double average_s = 1.0;             ///< 0: a sample is a sweep
     double reference_speed_mps = 10.0;  ///< 0: not weighted with the speed
     bool measured_only = true;          ///< sweeps whose pose is a prediction count as missing
 
@@ -79,8 +80,8 @@ class FailAwareIndicator {
 
   IndicatorStatus update(double stamp_s, double sigma_yaw_rad, double speed_mps = 0.0);
 
-  double eta() const { return eta_; }                ///< rad; 0 until three samples came
-  std::optional<double> etaRate() const;             ///< rad/s, >= 0; nothing: unknown
+  double eta() const { return eta_; }     ///< rad; 0 until three samples came
+  std::optional<double> etaRate() const;  ///< rad/s, >= 0; nothing: unknown
   TimeToFailure timeToFailure() const;
 
  private:

@@ -18,13 +18,13 @@ namespace fail_aware {
 struct MonitorParameters {
   FailAwareIndicator::Params indicator;
   CovariancePredictor::Params predictor;
-  DriftModel::Params drift;       ///< also of the published odometry's covariance
+  DriftModel::Params drift;  ///< also of the published odometry's covariance
   FailureThresholds thresholds;
-  double rate_window_s = 3.0;     ///< over which the increments' covariance rate is averaged
+  double rate_window_s = 3.0;  ///< over which the increments' covariance rate is averaged
   int sweeps_to_recover = 10;
-  double disagreement_m = 0.3;    ///< measurements farther apart than this disagree
+  double disagreement_m = 0.3;          ///< measurements farther apart than this disagree
   double min_information_share = 0.01;  ///< less in the weakest horizontal direction: reason WEAK_DIRECTION
-  double gap_ratio = 1.7;  ///< a sweep that comes after so many times the usual period: sweeps are missing
+  double gap_ratio = 1.7;               ///< a sweep that comes after so many times the usual period: sweeps are missing
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -43,13 +43,13 @@ struct MonitorParameters {
 
 /// What is known of a sweep beside the filter's state.
 struct SweepCondition {
-  bool empty = false;         ///< no usable point
-  bool incomplete = false;    ///< part of the revolution is missing
+  bool empty = false;       ///< no usable point
+  bool incomplete = false;  ///< part of the revolution is missing
   bool low_visibility = false;
-  bool frozen = false;        ///< the sensor repeats itself
-  bool time_jump = false;     ///< of the stamps, back or ahead
-  bool no_answer = false;     ///< of a stage of the live graph, by the deadline
-  int dropped_before = 0;     ///< sweeps lost since the last one
+  bool frozen = false;     ///< the sensor repeats itself
+  bool time_jump = false;  ///< of the stamps, back or ahead
+  bool no_answer = false;  ///< of a stage of the live graph, by the deadline
+  int dropped_before = 0;  ///< sweeps lost since the last one
   bool point_missing = false;
   bool plane_missing = false;
   bool corners_missing = false;
@@ -74,7 +74,7 @@ struct SweepCondition {
 
 struct MonitorOutput {
   double stamp_s = 0.0;
-  double t1_stamp_s = -1.0;      ///< -1: does not serve
+  double t1_stamp_s = -1.0;  ///< -1: does not serve
   FailAwareState state = FailAwareState::kUnknown;
   std::uint32_t reasons = 0;
   TimeToFailure time_to_failure;             ///< what the planner acts on: the earlier of the two
@@ -86,15 +86,15 @@ struct MonitorOutput {
   double sigma_x_m = 0.0;        ///< accumulated since t1, in the frame at t1
   double sigma_y_m = 0.0;
   Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
-  double protection_level_m = -1.0;  ///< the horizontal error is within this with the predictor's confidence; -1: unknown
+  double protection_level_m = -1.0;  ///< bounds the horizontal error, with the predictor's confidence; -1: unknown
 };
 
 class FailAwareMonitor {
  public:
   explicit FailAwareMonitor(const MonitorParameters& params);
 
-  /// t1 = the stamp of the next update(). Once it serves, a pose set from outside (FilterState::odom_epoch) is a new t1:
-  /// what went wrong before is mended by it.
+  /// t1 = the stamp of the next update(). Once it serves, a pose set from outside (FilterState::odom_epoch) is a new
+  /// t1: what went wrong before is mended by it.
   void start() { start_pending_ = true; }
   bool started() const { return indicator_.started() || start_pending_; }
 

@@ -3,8 +3,8 @@
 // Poses along an unobserved direction are predictions; derivatives taken from them would feed on themselves. So there
 // velocity v and acceleration a have a Kalman filter of their own (a: first-order Markov, standard deviation
 // `acceleration_mps2`, correlation time `acceleration_time_s`). What a sweep's fused measurement says of the velocity
-// counts by its covariance R, as one of covariance 2 R / dt^2; directions in which it says nothing are left out. The yaw
-// rate is treated alike.
+// counts by its covariance R, as one of covariance 2 R / dt^2; directions in which it says nothing are left out. The
+// yaw rate is treated alike.
 // A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
 // speedError() tells the accumulated covariance how large the error along the road is and how much of it stays.
 // Vectors: m, m/s, rad/s, axes of the body now (x forward, y left, z up). Cost: about 2 us.
@@ -28,8 +28,8 @@ class Coasting {
     double acceleration_time_s = 1.5;
     double yaw_acceleration_rad_s2 = 0.1;
     double yaw_acceleration_time_s = 0.5;
-    double max_measured_sigma_m = 1.0;        ///< a measurement less sure than this says nothing of the speed
-    double max_measured_sigma_deg = 3.0;      ///< nor of the yaw rate
+    double max_measured_sigma_m = 1.0;    ///< a measurement less sure than this says nothing of the speed
+    double max_measured_sigma_deg = 3.0;  ///< nor of the yaw rate
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -98,7 +98,7 @@ class Coasting {
   void correctYawRate(const Measured& measured, double dt_s, Motion& motion);
 
   Params params_;
-  Matrix6d S_ = Matrix6d::Zero();  ///< of (velocity, acceleration)
+  Matrix6d S_ = Matrix6d::Zero();                    ///< of (velocity, acceleration)
   Eigen::Matrix2d S_yaw_ = Eigen::Matrix2d::Zero();  ///< of (yaw rate, yaw acceleration)
   int observed_in_a_row_ = 0;
   double kept_ = 0.0;  ///< of the last sweep's error along the vehicle

@@ -7,8 +7,8 @@
 // themselves and run away. So without a measurement the last road plane and derivatives stay, the latter without their
 // accelerations, and roll and pitch gain no more than one step's process noise; and where
 // the measurement does not observe the motion on the road, the velocity coasts (coasting.hpp).
-// The motion's feedback: a sweep corrected for a speed that is e too high and whose stamp is middle_s from its middle is
-// measured -e middle_s too far on. Speeds taken from such poses would answer an error by an error, swinging up by
+// The motion's feedback: a sweep corrected for a speed that is e too high and whose stamp is middle_s from its middle
+// is measured -e middle_s too far on. Speeds taken from such poses would answer an error by an error, swinging up by
 // themselves. What the correction does not move is the pose in the sweep's middle: the derivatives come from those.
 // Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
@@ -31,13 +31,13 @@ namespace fail_aware {
 
 struct SweepPrediction {
   double stamp_s = 0.0;
-  double dt_s = 0.0;                           ///< since the last estimate; 0 in the first sweep
+  double dt_s = 0.0;                            ///< since the last estimate; 0 in the first sweep
   Pose T_odom_cog_previous = Pose::Identity();  ///< last estimate
   Pose T_odom_cog = Pose::Identity();           ///< prediction at the stamp
   Matrix6d covariance = Matrix6d::Identity();   ///< of the prediction, geometry/pose.hpp's convention
   double sigma_yaw_rad = 0.0;
-  bool motion_known = false;                    ///< false: the vehicle's speed is not known yet
-  int odom_epoch = 0;                           ///< as FilterState's
+  bool motion_known = false;  ///< false: the vehicle's speed is not known yet
+  int odom_epoch = 0;         ///< as FilterState's
 };
 
 struct FilterState {
@@ -48,11 +48,11 @@ struct FilterState {
   double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
   bool corrected = false;                      ///< false: the estimate is the prediction
   FusionResult fusion;
-  double filter_nis = 0.0;                     ///< of the fused measurement, 6 degrees of freedom
-  Pose T_previous_now = Pose::Identity();      ///< increment of the centre of gravity
-  Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
+  double filter_nis = 0.0;                            ///< of the fused measurement, 6 degrees of freedom
+  Pose T_previous_now = Pose::Identity();             ///< increment of the centre of gravity
+  Matrix6d increment_covariance = Matrix6d::Zero();   ///< of the increment, about the previous body's axes
   Matrix6d unobserved_covariance = Matrix6d::Zero();  ///< the part of it that no measurement contradicts
-  SpeedError speed_error;  ///< along the vehicle, where it coasts
+  SpeedError speed_error;                             ///< along the vehicle, where it coasts
   int odom_epoch = 0;  ///< counts setPose(): references placed under another number are in another odom
 };
 
@@ -61,16 +61,16 @@ OdometryIncrement incrementOf(const FilterState& state);
 class PoseFilter {
  public:
   struct Params {
-    double initial_speed_sigma_mps = 15.0;    ///< until a motion is known
-    double initial_sigma_m = 1e-3;            ///< of the start pose
+    double initial_speed_sigma_mps = 15.0;  ///< until a motion is known
+    double initial_sigma_m = 1e-3;          ///< of the start pose
     double initial_sigma_deg = 0.01;
-    double max_speed_mps = 80.0;              ///< derivatives are cut to these
+    double max_speed_mps = 80.0;  ///< derivatives are cut to these
     double max_yaw_rate_rps = 3.0;
-    double increment_scale = 0.7;             ///< on the covariance that one sweep adds to the odometry
-    double increment_floor_m = 0.0005;        ///< standard deviation a sweep, at least, and per metre driven:
+    double increment_scale = 0.7;       ///< on the covariance that one sweep adds to the odometry
+    double increment_floor_m = 0.0005;  ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.02;
-    double lasting_disagreement_m = 0.15;     ///< measurements that stay farther apart than this: the rest is an error, too
+    double lasting_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
     Coasting::Params coasting;
 
     template <class Self, class Visitor>
@@ -136,7 +136,7 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
-  std::deque<double> disagreements_m_;  ///< of the last sweeps
+  std::deque<double> disagreements_m_;                      ///< of the last sweeps
   int corrected_sweeps_ = 0;
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };

@@ -7,7 +7,8 @@
 //     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
 //     Unknown and constant; they make the error grow with distance squared and distance.
-//   - the error of a speed that is not observed: how large and how lasting it is, the filter knows (filter/coasting.hpp);
+//   - the error of a speed that is not observed: how large and how lasting it is, the filter knows
+//   (filter/coasting.hpp);
 //     here, how much of it goes into an increment
 //
 // Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
@@ -20,11 +21,11 @@ namespace fail_aware {
 class DriftModel {
  public:
   struct Params {
-    double measured_share = 0.0;              ///< of the observed part's variance, that adds up too
+    double measured_share = 0.0;  ///< of the observed part's variance, that adds up too
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.02;
     double heading_per_root_metre_deg = 0.0014;
-    double heading_bias_deg_per_m = 0.00005;   ///< standard deviation of the constant
+    double heading_bias_deg_per_m = 0.00005;  ///< standard deviation of the constant
     double scale_bias = 0.0002;               ///< likewise: metres per metre
 
     template <class Self, class Visitor>

@@ -26,9 +26,9 @@ struct ExternalPose {
 /// Why it cannot be used; empty if it can.
 std::string unusableReason(const ExternalPose& pose);
 
-/// The centre of gravity at stamp_s, the vehicle moving on with this twist (m/s, rad/s; of the centre of gravity, in its
-/// own axes); the motion between counts as known to speed_sigma of its length. A rotation that was not measured is the
-/// predicted one, with a variance that no fusion listens to.
+/// The centre of gravity at stamp_s, the vehicle moving on with this twist (m/s, rad/s; of the centre of gravity, in
+/// its own axes); the motion between counts as known to speed_sigma of its length. A rotation that was not measured is
+/// the predicted one, with a variance that no fusion listens to.
 Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
                                 const Vector6d& twist_cog, const Pose& T_base_cog, double speed_sigma = 0.1);
 

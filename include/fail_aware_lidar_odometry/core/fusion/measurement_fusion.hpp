@@ -33,17 +33,17 @@ struct FusionInput {
 
 struct FusionResult {
   bool has_measurement = false;
-  Vector6d z = Vector6d::Zero();         ///< m, rad
-  Matrix6d R = Matrix6d::Identity();     ///< covariance of z
-  std::vector<double> weights;           ///< per input, 0..1 before normalisation; 0: gated out or absent
-  std::vector<double> nis;               ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
-  bool all_gated_out = false;            ///< there were usable measurements, none inside the gate
-  bool prediction_overruled = false;     ///< all gated out, but a group that agrees with itself was taken
-  bool prediction_invalid = false;       ///< predicted state or covariance not usable
-  double disagreement_m = 0.0;           ///< largest horizontal distance between two usable measurements
+  Vector6d z = Vector6d::Zero();      ///< m, rad
+  Matrix6d R = Matrix6d::Identity();  ///< covariance of z
+  std::vector<double> weights;        ///< per input, 0..1 before normalisation; 0: gated out or absent
+  std::vector<double> nis;            ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
+  bool all_gated_out = false;         ///< there were usable measurements, none inside the gate
+  bool prediction_overruled = false;  ///< all gated out, but a group that agrees with itself was taken
+  bool prediction_invalid = false;    ///< predicted state or covariance not usable
+  double disagreement_m = 0.0;        ///< largest horizontal distance between two usable measurements
   double disagreement_yaw_rad = 0.0;
   int valid_inputs = 0;
-  int invalid_inputs = 0;                ///< said ok, but unusable
+  int invalid_inputs = 0;  ///< said ok, but unusable
 };
 
 class MeasurementFusion {

@@ -1,18 +1,18 @@
 // The covariance of the accumulated odometry (not in the paper): what is published as odometry.pose.covariance. The
-// filter's P settles to a steady level; this one adds up what drift_model.hpp says stays of each sweep's uncertainty, so
-// that it grows with distance and a heading error turns into a position error over the distance driven after it.
+// filter's P settles to a steady level; this one adds up what drift_model.hpp says stays of each sweep's uncertainty,
+// so that it grows with distance and a heading error turns into a position error over the distance driven after it.
 //
 // Beside the pose's error (6) it carries, with their correlations: heading bias per metre, scale bias (both constant),
-// and the error of the speed along the vehicle's axis where the measurements do not observe the motion along it (a tunnel:
-// successive errors are then alike, not independent); it is forgotten where they do.
+// and the error of the speed along the vehicle's axis where the measurements do not observe the motion along it (a
+// tunnel: successive errors are then alike, not independent); it is forgotten where they do.
 //
 // Convention: geometry/pose.hpp's (m, rad; rotation about fixed axes).
 // The position's part may rightly shrink: driving back to the start undoes a heading error's effect there. What never
 // shrinks is the covariance referred to a fixed point of odom - but for this:
-// Gaps. A pose that is a prediction (sensor gone for a moment) is uncertain; once the sweep is registered to the map from
-// before the gap, it is not any longer. So from a gap on the error since the last measured pose is kept apart, and a
-// measurement that a second one confirms is a Kalman step on it. What that measurement does not observe stays, and all
-// of it does if the prediction was too uncertain for a nearest-point search, or nothing confirms it in time.
+// Gaps. A pose that is a prediction (sensor gone for a moment) is uncertain; once the sweep is registered to the map
+// from before the gap, it is not any longer. So from a gap on the error since the last measured pose is kept apart, and
+// a measurement that a second one confirms is a Kalman step on it. What that measurement does not observe stays, and
+// all of it does if the prediction was too uncertain for a nearest-point search, or nothing confirms it in time.
 // Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 9x9 products.
 #pragma once
 
@@ -57,7 +57,8 @@ class OdometryCovariance {
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
-    return propagate(T_odom_base_previous, T_odom_base_now, OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}});
+    return propagate(T_odom_base_previous, T_odom_base_now,
+                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}});
   }
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
@@ -93,9 +94,9 @@ class OdometryCovariance {
   DriftState since_mark_;
   Matrix6d covariance_ = Matrix6d::Zero();
   Matrix6d since_mark_covariance_ = Matrix6d::Zero();
-  Matrix6d passing_base_ = Matrix6d::Zero();  ///< jitter of the newest pose, about its own axes
+  Matrix6d passing_base_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
   Matrix6d largest_passing_base_ = Matrix6d::Zero();  ///< no less than any so far
-  double speed_variance_ = 0.0;               ///< of the newest speed's error
+  double speed_variance_ = 0.0;                       ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
   std::optional<Gap> gap_;
 };
@@ -105,7 +106,6 @@ class OdometryCovariance {
 std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s);
 
 /// Covariance of that twist, to first order; `increment_covariance` about the previous body's axes.
-std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now,
-                                        double dt_s);
+std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now, double dt_s);
 
 }  // namespace fail_aware

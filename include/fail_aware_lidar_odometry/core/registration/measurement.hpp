@@ -25,13 +25,13 @@ struct Measurement {
   MeasurementStatus status = MeasurementStatus::kNoReference;
   Pose T_odom_cog = Pose::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< geometry/pose.hpp's convention, m and rad, about odom's axes
-  double rms_residual_m = 0.0;    ///< of the inliers, at the solution
-  double inlier_share = 0.0;      ///< of the points used
+  double rms_residual_m = 0.0;                 ///< of the inliers, at the solution
+  double inlier_share = 0.0;                   ///< of the points used
   std::size_t inliers = 0;
   int iterations = 0;
-  double seed_spread_m = 0.0;     ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
-  int weak_directions = 0;        ///< directions left at the prediction, of 6
-  double min_information_share = 0.0;  ///< weakest horizontal direction's share of a well-conditioned sweep's information, 0..1
+  double seed_spread_m = 0.0;          ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
+  int weak_directions = 0;             ///< directions left at the prediction, of 6
+  double min_information_share = 0.0;  ///< of a well-conditioned sweep's, in the weakest horizontal direction; 0..1
 
   bool ok() const { return status == MeasurementStatus::kOk; }
 };

@@ -1,14 +1,15 @@
 // The first motion. Until two sweeps have been registered nothing is known of the speed: a car at 30 m/s moves 3 m
 // between the first two sweeps, far beyond any correspondence distance. Not in the article.
 //
-// Forward speeds and yaw rates are tried in steps: the second sweep is moved accordingly and scored by its points' distances to the
-// first one. Both are uncorrected, hence bent alike. What would tell a wrong story is left out or kept small:
+// Forward speeds and yaw rates are tried in steps: the second sweep is moved accordingly and scored by its points'
+// distances to the first one. Both are uncorrected, hence bent alike. What would tell a wrong story is left out or kept
+// small:
 // - ground, slopes too, whose pattern of scan lines travels with the sensor and fits best at standstill: only points
 //   that stand `min_height_m` above the lowest of their column are used;
 // - walls and rails along the road, which fit at any speed but, thinned, best at standstill: the sweeps are kept dense;
 // - a car ahead that keeps its distance: one vote a cell, so that scenery outvotes it.
-// Limit: where scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins; the front doubts that
-// (`standstill_share`).
+// Limit: where scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins; the front doubts
+// that (`standstill_share`).
 // Cost: about 150 ms, on the second sweep only.
 #pragma once
 
@@ -32,13 +33,14 @@ class MotionInitialization {
     double step_yaw_rate_rps = 0.1;
     double max_lateral_acceleration_mps2 = 8.0;
     double max_range_m = 60.0;
-    double thinning_m = 0.1;    ///< voxel size of the sweeps
-    double kernel_m = 0.3;      ///< Geman-McClure scale of the distance to the nearest point; half of it at last
-    double cell_m = 3.0;        ///< horizontal cells, one vote each
-    double column_m = 0.5;      ///< horizontal size of the columns in which height is measured
+    double thinning_m = 0.1;  ///< voxel size of the sweeps
+    double kernel_m = 0.3;    ///< Geman-McClure scale of the distance to the nearest point; half of it at last
+    double cell_m = 3.0;      ///< horizontal cells, one vote each
+    double column_m = 0.5;    ///< horizontal size of the columns in which height is measured
     double min_height_m = 0.4;
-    /// While the speed is unknown, a sweep that has moved less than this is taken to stand only if its weakest horizontal
-    /// direction has at least this share of the information: what travels with the vehicle makes it seem to stand.
+    /// While the speed is unknown, a sweep that has moved less than this is taken to stand only if its weakest
+    /// horizontal direction has at least this share of the information: what travels with the vehicle makes it seem to
+    /// stand.
     double standstill_m = 0.1;
     double standstill_share = 0.15;
 

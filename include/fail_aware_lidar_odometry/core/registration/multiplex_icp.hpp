@@ -37,28 +37,28 @@ struct SeedTrack {
 class MultiplexIcp {
  public:
   struct Params {
-    int seeds = 8;                       ///< 8: +- over x, y, z, yaw; 1: the prediction alone
-    double spread = 1.0;                 ///< seeds lie that many sigma from the prediction
-    double min_spread_m = 0.05;          ///< but at least that far, and
+    int seeds = 8;               ///< 8: +- over x, y, z, yaw; 1: the prediction alone
+    double spread = 1.0;         ///< seeds lie that many sigma from the prediction
+    double min_spread_m = 0.05;  ///< but at least that far, and
     double min_spread_deg = 0.1;
-    double max_spread_m = 1.0;           ///< at most that far
+    double max_spread_m = 1.0;  ///< at most that far
     double max_spread_deg = 3.0;
-    int thinned_points = 500;            ///< points used while seeds descend together
-    double max_distance_m = 0.5;         ///< cut-off of correspondences
-    double kernel_m = 0.2;                   ///< Geman-McClure scale at the end
-    double initial_kernel_m = 0.4;           ///< and at the start; halved every iteration
-    double merge_translation_m = 0.02;   ///< seeds nearer than both are one
+    int thinned_points = 500;           ///< points used while seeds descend together
+    double max_distance_m = 0.5;        ///< cut-off of correspondences
+    double kernel_m = 0.2;              ///< Geman-McClure scale at the end
+    double initial_kernel_m = 0.4;      ///< and at the start; halved every iteration
+    double merge_translation_m = 0.02;  ///< seeds nearer than both are one
     double merge_rotation_deg = 0.1;
     int max_joint_iterations = 12;
     int max_refined_seeds = 3;
     int max_iterations = 30;
-    double step_translation_m = 2e-3;       ///< converged below both steps; at the last iteration
-    double step_rotation_deg = 0.02;        ///< `usable_steps` times as much will do, at R's cost
+    double step_translation_m = 2e-3;  ///< converged below both steps; at the last iteration
+    double step_rotation_deg = 0.02;   ///< `usable_steps` times as much will do, at R's cost
     double usable_steps = 10.0;
     double min_inlier_share = 0.3;
     int min_inliers = 100;
-    bool surface_information = true;      ///< false: a pair informs alike in all directions
-    double correlation_inflation = 7.0;   ///< R is that much larger than for independent residuals
+    bool surface_information = true;     ///< false: a pair informs alike in all directions
+    double correlation_inflation = 7.0;  ///< R is that much larger than for independent residuals
     InformationSupport::Params support;
     ObservabilityParams observability;
 

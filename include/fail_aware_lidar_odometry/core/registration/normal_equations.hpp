@@ -11,12 +11,12 @@
 namespace fail_aware {
 
 struct ObservabilityParams {
-  double lever_m = 10.0;              ///< a rotation dr moves points at this distance by lever_m * dr
+  double lever_m = 10.0;                ///< a rotation dr moves points at this distance by lever_m * dr
   double min_information_share = 0.01;  ///< a direction with a smaller share of the total weight is not observed
   /// Where an observed direction has less than this, steps, too, are made of the information alone: sliding residuals
   /// would outweigh it.
   double min_sliding_share = 0.03;
-  double weak_sigma_m = 3.0;          ///< standard deviation put into R along an unobserved direction
+  double weak_sigma_m = 3.0;  ///< standard deviation put into R along an unobserved direction
   double weak_sigma_deg = 5.0;
 
   template <class Self, class Visitor>
@@ -34,15 +34,15 @@ struct ObservabilityParams {
 struct NormalEquations {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
-  double weight = 0.0;        ///< sum of w / sigma^2
+  double weight = 0.0;  ///< sum of w / sigma^2
   /// What the data say of each direction, where H says more: the nearest of a plane's points slides along it, so a
   /// pair's H has directions that it does not observe. Without `has_information`: H itself.
   bool has_information = false;
-  bool slides = false;                        ///< H has more than the information (else it is the same, discounted)
+  bool slides = false;  ///< H has more than the information (else it is the same, discounted)
   Matrix6d information = Matrix6d::Zero();
   Vector6d information_b = Vector6d::Zero();  ///< b of the same residuals
   double information_weight = 0.0;
-  double squared_error = 0.0;  ///< sum of w r^2, m^2
+  double squared_error = 0.0;    ///< sum of w r^2, m^2
   double weight_unscaled = 0.0;  ///< sum of w
   std::size_t inliers = 0;
 };

@@ -7,8 +7,8 @@
 // patches only, z, roll and pitch are unobservable: `keep_ground` also keeps ground-like patches.
 //
 // A head whose beams are off by an elevation error e sees flat ground as a cone of slope e; matched at distance d that
-// turns into a false pitch of about 2 e / d a metre driven, the same way on every metre. So ground counts less than walls
-// (`ground_weight`), and what is far counts more (`range_weight_m`): the lever is longer.
+// turns into a false pitch of about 2 e / d a metre driven, the same way on every metre. So ground counts less than
+// walls (`ground_weight`), and what is far counts more (`range_weight_m`): the lever is longer.
 //
 // Directions that the patches do not observe stay at the prediction and get `weak_sigma` in R (status says how many).
 #pragma once
@@ -28,22 +28,22 @@ class NormalFilteredIcp {
  public:
   struct Params {
     bool filter_normals = true;
-    double heading_tolerance_deg = 45.0;     ///< floor of the tolerance; 45 keeps every vertical patch
+    double heading_tolerance_deg = 45.0;  ///< floor of the tolerance; 45 keeps every vertical patch
     bool keep_ground = true;
-    double ground_tolerance_deg = 30.0;      ///< a patch is ground-like if its normal is that near to the vertical
-    double vertical_tolerance_deg = 30.0;    ///< a patch is wall-like if its normal is that near to the horizontal
-    double max_distance_m = 0.5;             ///< correspondences farther from their plane are left out
-    double kernel_m = 0.1;                   ///< Geman-McClure scale at the end
-    double initial_kernel_m = 0.4;           ///< and at the start; halved every iteration
-    double point_sigma_m = 0.03;             ///< of one point along the normal, added to the patch's own scatter
-    double ground_weight = 0.1;              ///< of ground-like patches against the others, see below
-    double range_weight_m = 20.0;            ///< weights grow as range / this; 0: all alike
+    double ground_tolerance_deg = 30.0;    ///< a patch is ground-like if its normal is that near to the vertical
+    double vertical_tolerance_deg = 30.0;  ///< a patch is wall-like if its normal is that near to the horizontal
+    double max_distance_m = 0.5;           ///< correspondences farther from their plane are left out
+    double kernel_m = 0.1;                 ///< Geman-McClure scale at the end
+    double initial_kernel_m = 0.4;         ///< and at the start; halved every iteration
+    double point_sigma_m = 0.03;           ///< of one point along the normal, added to the patch's own scatter
+    double ground_weight = 0.1;            ///< of ground-like patches against the others, see below
+    double range_weight_m = 20.0;          ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;
-    double step_translation_m = 1e-3;       ///< converged below both steps; at the last iteration
-    double step_rotation_deg = 0.01;        ///< `usable_steps` times as much will do, at R's cost
+    double step_translation_m = 1e-3;  ///< converged below both steps; at the last iteration
+    double step_rotation_deg = 0.01;   ///< `usable_steps` times as much will do, at R's cost
     double usable_steps = 10.0;
     int min_inliers = 100;
-    double correlation_inflation = 20.0;     ///< R is that much larger than for independent residuals
+    double correlation_inflation = 20.0;  ///< R is that much larger than for independent residuals
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};
 

@@ -3,8 +3,10 @@
 // Offline one front serves both ICPs; on the vehicle each ICP nodelet holds its own and, since everything here is a
 // function of the corrected sweeps and the filter's states alone, both hold the same.
 // When odom was moved under the vehicle (FilterState::odom_epoch) the reference starts anew from the next placed sweep.
-// Where the filter coasts (filter/coasting.hpp), the front looks for the speed in the road's relief (road_relief.hpp) and adds what it finds to the point-to-plane measurement.
-// After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not join it.
+// Where the filter coasts (filter/coasting.hpp), the front looks for the speed in the road's relief (road_relief.hpp)
+// and adds what it finds to the point-to-plane measurement.
+// After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not
+// join it.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
 #pragma once
@@ -67,7 +69,7 @@ class RegistrationFront {
   RoadRelief relief_;
   bool refine_correction_;
   RegistrationCloud cloud_;
-  RegistrationCloud first_cloud_;     ///< the only sweep in the reference so far, at T_odom_cog_first_
+  RegistrationCloud first_cloud_;  ///< the only sweep in the reference so far, at T_odom_cog_first_
   Pose T_odom_cog_first_ = Pose::Identity();
   bool only_first_placed_ = false;
   bool lost_ = false;        ///< after a gap, not found again yet
@@ -77,14 +79,14 @@ class RegistrationFront {
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
   std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep
-  double searched_sigma_m_ = 0.0;  ///< of the start pose, if the search gave it; else 0
+  double searched_sigma_m_ = 0.0;                  ///< of the start pose, if the search gave it; else 0
   Pose T_odom_cog_previous_ = Pose::Identity();
   double dt_s_ = 0.0;
-  bool speed_observed_ = false;  ///< the filter does not coast
-  bool speed_known_ = false;     ///< it was so once
+  bool speed_observed_ = false;   ///< the filter does not coast
+  bool speed_known_ = false;      ///< it was so once
   double speed_sigma_mps_ = 0.0;  ///< of the last estimate's, 0 where it is observed
-  bool last_measured_ = false;  ///< the last estimate is no mere prediction
-  int odom_epoch_ = 0;          ///< of the reference
+  bool last_measured_ = false;    ///< the last estimate is no mere prediction
+  int odom_epoch_ = 0;            ///< of the reference
 };
 
 }  // namespace fail_aware

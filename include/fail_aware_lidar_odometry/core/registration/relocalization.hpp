@@ -2,7 +2,8 @@
 // reaches. The multiplex ICP once more, with wider seeds and correspondences that narrow, finds the start pose for the
 // measurements (not in the paper). What it finds counts if as much of the sweep fits there as usual.
 //
-// Input as MultiplexIcp::align's. Failure: nothing, if it does not converge or too little fits; the prediction has to do.
+// Input as MultiplexIcp::align's. Failure: nothing, if it does not converge or too little fits; the prediction has to
+// do.
 // Cost: that of some eight registrations; only after a gap.
 #pragma once
 
@@ -17,11 +18,11 @@ class Relocalization {
  public:
   struct Params {
     bool enabled = true;
-    double min_sigma_m = 0.1;      ///< of the predicted position; below it the usual search reaches
-    double max_spread_m = 2.0;     ///< of the seeds, at most
-    double max_distance_m = 1.5;   ///< cut-off of correspondences, no more than voxels reach
-    double min_inlier_share = 0.5; ///< of the sweep, within the usual distance
-    double narrow_m = 0.3;         ///< the kernel that ends the search: what fits by less counts
+    double min_sigma_m = 0.1;       ///< of the predicted position; below it the usual search reaches
+    double max_spread_m = 2.0;      ///< of the seeds, at most
+    double max_distance_m = 1.5;    ///< cut-off of correspondences, no more than voxels reach
+    double min_inlier_share = 0.5;  ///< of the sweep, within the usual distance
+    double narrow_m = 0.3;          ///< the kernel that ends the search: what fits by less counts
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

@@ -1,15 +1,16 @@
 // The vehicle's speed from the relief of the road, where nothing else stands across it (a tunnel). Not in the article.
 //
-// A road is not even: its unevenness, millimetres high and about a metre long, is seen again in the next sweeps, shifted
-// by the way driven. It lies far below a point's noise and the errors of the beams, but
+// A road is not even: its unevenness, millimetres high and about a metre long, is seen again in the next sweeps,
+// shifted by the way driven. It lies far below a point's noise and the errors of the beams, but
 // - tens of thousands of points see it, at grazing incidence, where range noise hardly enters the height;
-// - what travels with the sensor (errors of beams, a vehicle ahead, the crown of the road) is the same in every sweep in
-//   the same direction from the sensor; its mean over the last sweeps is taken off, direction by direction.
+// - what travels with the sensor (errors of beams, a vehicle ahead, the crown of the road) is the same in every sweep
+//   in the same direction from the sensor; its mean over the last sweeps is taken off, direction by direction.
 // What is left is put on a grid, freed of waves longer than `smoothing_m`, and the sweeps of the last two seconds are
 // laid over each other for speeds v and accelerations a: E(v, a) = sum over cells of (S^2 - sum_k S_k^2) / (W + 1/s^2),
 // S_k, W_k: sums of w * height and w of sweep k, s: `relief_sigma_m`; products of different sweeps only. The peak is
-// taken if it stands out; the better the opposite motion fits, the less it is trusted: what changes slowly in the sensor's
-// own frame (a vehicle that pitches) fits both alike. The shape of the path (heading) comes from the odometry's own estimates.
+// taken if it stands out; the better the opposite motion fits, the less it is trusted: what changes slowly in the
+// sensor's own frame (a vehicle that pitches) fits both alike. The shape of the path (heading) comes from the
+// odometry's own estimates.
 //
 // Failure: nothing, if there are too few sweeps, too little road, no relief (or a vehicle that stands still: then the
 // relief is part of the mean).
@@ -36,22 +37,22 @@ class RoadRelief {
     bool enabled = true;
     int window_sweeps = 20;
     int min_sweeps = 10;
-    double min_range_m = 3.0;           ///< of the points used, horizontal, from the lidar
+    double min_range_m = 3.0;  ///< of the points used, horizontal, from the lidar
     double max_range_m = 16.0;
-    double half_width_m = 4.0;          ///< of the strip of road used
-    double direction_elevation_deg = 0.1;   ///< size of the bins in which the mean is taken
+    double half_width_m = 4.0;             ///< of the strip of road used
+    double direction_elevation_deg = 0.1;  ///< size of the bins in which the mean is taken
     double direction_azimuth_deg = 0.5;
-    double max_height_m = 0.03;         ///< what stands out more is no road
+    double max_height_m = 0.03;  ///< what stands out more is no road
     double cell_m = 0.25;
     double smoothing_m = 1.5;
     double relief_sigma_m = 0.002;
     double min_speed_mps = -5.0;
     double max_speed_mps = 45.0;
     double max_acceleration_mps2 = 4.0;
-    double min_correlation = 0.1;       ///< of sweeps laid over each other at the peak
-    double max_second_peak = 0.7;       ///< share of the highest, in a search over all speeds
-    double speed_sigma_mps = 0.6;       ///< of a result; errors of consecutive ones are alike, so more than theirs (0.2)
-    double mirrored_sigma_mps = 8.0;    ///< on top, times the share of the energy that the opposite motion has
+    double min_correlation = 0.1;     ///< of sweeps laid over each other at the peak
+    double max_second_peak = 0.7;     ///< share of the highest, in a search over all speeds
+    double speed_sigma_mps = 0.6;     ///< of a result; consecutive errors are alike, so more than theirs (0.2)
+    double mirrored_sigma_mps = 8.0;  ///< on top, times the share of the energy that the opposite motion has
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -79,7 +80,7 @@ class RoadRelief {
   };
 
   struct Speed {
-    double speed_mps = 0.0;           ///< at the newest sweep's stamp
+    double speed_mps = 0.0;  ///< at the newest sweep's stamp
     double acceleration_mps2 = 0.0;
     double sigma_mps = 0.0;
     double correlation = 0.0;

@@ -1,7 +1,7 @@
 // The faults a drive can have, and their text form KIND[:START[:DURATION[:SEVERITY]]].
 //
-// START and DURATION in s from the drive's start (0 or left out DURATION: the kind's own; "inf": to the end). SEVERITY in
-// the kind's own unit, see faultTraits. Failure: ParameterError naming the text and what is wrong with it.
+// START and DURATION in s from the drive's start (0 or left out DURATION: the kind's own; "inf": to the end). SEVERITY
+// in the kind's own unit, see faultTraits. Failure: ParameterError naming the text and what is wrong with it.
 #pragma once
 
 #include <string>
@@ -34,7 +34,7 @@ struct FaultTraits {
   const char* meaning;  ///< of it and of its severity, for people
   double severity;      ///< default, and limits
   double min_severity, max_severity;
-  double duration_s;    ///< default
+  double duration_s;  ///< default
 };
 
 const std::vector<FaultTraits>& faultTraits();

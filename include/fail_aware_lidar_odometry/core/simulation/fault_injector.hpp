@@ -1,8 +1,8 @@
 // Applies a drive's faults to its sweeps, one after the other: those on single sweeps (sweep_faults.hpp) and those on
 // their sequence. Dense traffic is not here but in the scene: vehiclesAround (fault.hpp).
 //
-// Give every sweep in order to apply(), which returns what arrives in its place: nothing, one or several; flush() at the
-// end. Truth and begin stay those of the points' sweep; only sweep.stamp_s is what a fault makes of it.
+// Give every sweep in order to apply(), which returns what arrives in its place: nothing, one or several; flush() at
+// the end. Truth and begin stay those of the points' sweep; only sweep.stamp_s is what a fault makes of it.
 // Deterministic in seed and input. No failure modes. Cost: that of the faults' passes over the points.
 #pragma once
 

@@ -1,5 +1,5 @@
-// A spinning lidar's geometry and errors: by default a Velodyne HDL-64E as KITTI has it (DESIGN's conventions: clockwise
-// from the rear, 10 Hz, 2083 columns).
+// A spinning lidar's geometry and errors: by default a Velodyne HDL-64E as KITTI has it (DESIGN's conventions:
+// clockwise from the rear, 10 Hz, 2083 columns).
 //
 // 64 beams: 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg. A head's
 // calibration is never perfect: each beam has a range bias and an elevation error, constant over a drive, drawn from
@@ -26,7 +26,7 @@ class LidarModel {
     double range_noise_m = 0.015;
     double range_bias_m = 0.025;        ///< standard deviation over the beams
     double elevation_error_deg = 0.08;  ///< likewise
-    double dropout = 0.01;             ///< share of pulses lost at random
+    double dropout = 0.01;              ///< share of pulses lost at random
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -59,7 +59,8 @@ class LidarModel {
     float intensity;  ///< 0..1
   };
   /// What the sensor reports for this hit: none if the pulse is lost. `random_key`: unique to the pulse.
-  std::optional<Return> measure(std::size_t beam, double azimuth_rad, const RayHit& hit, std::uint64_t random_key) const;
+  std::optional<Return> measure(std::size_t beam, double azimuth_rad, const RayHit& hit,
+                                std::uint64_t random_key) const;
 
  private:
   struct Beam {

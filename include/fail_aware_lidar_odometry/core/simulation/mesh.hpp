@@ -18,11 +18,11 @@ enum class Material : std::uint8_t {
   kWall,
   kGlass,
   kConcrete,
-  kPaint,    ///< cars
+  kPaint,  ///< cars
   kMetal,
   kBark,
   kFoliage,
-  kSign,     ///< retroreflective
+  kSign,  ///< retroreflective
 };
 
 struct MaterialProperties {

@@ -1,5 +1,6 @@
 // Randomness as a function of a key: the simulator's noise is the same whatever the order or the thread it is asked in.
-// Integer arithmetic throughout (SplitMix64's mixing), so that machines agree. No failure modes. Cost: a few ns a number.
+// Integer arithmetic throughout (SplitMix64's mixing), so that machines agree. No failure modes. Cost: a few ns a
+// number.
 #pragma once
 
 #include <cstdint>

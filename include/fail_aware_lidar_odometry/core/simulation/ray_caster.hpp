@@ -1,7 +1,7 @@
 // Casts the lidar's rays into the scene's triangles, with Embree.
 //
-// Static meshes stand at their origins (world, double precision; kept near the sensor inside, so float is exact far from
-// the world's origin). Moving ones are instances of shapes whose pose goes linearly from begin to end of the time
+// Static meshes stand at their origins (world, double precision; kept near the sensor inside, so float is exact far
+// from the world's origin). Moving ones are instances of shapes whose pose goes linearly from begin to end of the time
 // interval, in which each ray has its own instant. commit() must follow every change. cast() may be called from
 // several threads at once. Results do not depend on threads.
 // Failure: std::runtime_error if Embree cannot be set up. Cost: about 0.2 us a ray, some 0.1 ms for a commit.

@@ -15,18 +15,18 @@ const char* toString(SceneKind kind);
 
 /// What the road and its traffic are like. Lengths in m, angles in rad.
 struct RoadCharacter {
-  double speed_mps;              ///< limit
-  double half_width_m;           ///< of the asphalt
-  double lane_offset_m;          ///< own lane's centre, to the right of the road's
-  double grade;                  ///< hills: root mean square of the slope
+  double speed_mps;      ///< limit
+  double half_width_m;   ///< of the asphalt
+  double lane_offset_m;  ///< own lane's centre, to the right of the road's
+  double grade;          ///< hills: root mean square of the slope
   double straight_min_m, straight_max_m;
   double bend_radius_min_m, bend_radius_max_m;
   double bend_angle_min_rad, bend_angle_max_rad;
-  double right_angle_share;      ///< of the bends, those at street corners
-  double stop_spacing_m;         ///< mean distance of the stops (lights, junctions); 0: none
-  double verge_roughness_m;      ///< height of the ground's bumps beside the road
+  double right_angle_share;  ///< of the bends, those at street corners
+  double stop_spacing_m;     ///< mean distance of the stops (lights, junctions); 0: none
+  double verge_roughness_m;  ///< height of the ground's bumps beside the road
   double oncoming_per_km, same_way_per_km;
-  bool car_ahead;                ///< a car that keeps its distance
+  bool car_ahead;  ///< a car that keeps its distance
 };
 
 const RoadCharacter& roadCharacter(SceneKind kind);

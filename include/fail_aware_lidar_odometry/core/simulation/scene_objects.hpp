@@ -10,7 +10,8 @@ namespace fail_aware {
 
 using Place = Eigen::Isometry3d;
 
-/// `place`: the middle of the front, which faces -y (`depth` > 0) or +y (`depth` < 0). Windows, a door, balconies, a roof.
+/// `place`: the middle of the front, which faces -y (`depth` > 0) or +y (`depth` < 0). Windows, a door, balconies, a
+/// roof.
 void addHouse(Mesh& mesh, const Place& place, double length, double depth, double height, RandomStream& random);
 void addShed(Mesh& mesh, const Place& place, double length, double depth, double height);
 

@@ -1,7 +1,7 @@
 // How fast the driver wants to go: the limit, bends ahead, and stops at which he waits.
 //
-// Bends are taken at `lateral_mps2`, speed is reduced before them at `brake_mps2`. Stops lie where the scene's character
-// has them; he stands there for 2 to 6 s. No failure modes. Cost: about 50 look-ups of the road a call.
+// Bends are taken at `lateral_mps2`, speed is reduced before them at `brake_mps2`. Stops lie where the scene's
+// character has them; he stands there for 2 to 6 s. No failure modes. Cost: about 50 look-ups of the road a call.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace fail_aware {
 class SpeedProfile {
  public:
   struct Params {
-    double speed_mps = 0.0;       ///< 0: the scene's own
+    double speed_mps = 0.0;  ///< 0: the scene's own
     double lateral_mps2 = 2.2;
     double brake_mps2 = 1.8;
 

@@ -1,5 +1,5 @@
-// Other vehicles: oncoming ones, ones that go the same way, a car ahead that keeps its distance, and, as a fault, a ring
-// of vehicles close around the car that move with it.
+// Other vehicles: oncoming ones, ones that go the same way, a car ahead that keeps its distance, and, as a fault, a
+// ring of vehicles close around the car that move with it.
 //
 // They follow the road at their place across it; none touches the car. Poses are those of the ground under them, x
 // forward, world frame. Deterministic in the seed and in the sequence of updates. Cost: some us an update.
@@ -28,8 +28,8 @@ class Traffic {
 
   /// Where everyone is during [t, t + dt], in which the car goes from s_begin to s_end along the road.
   /// `around`: vehicles in the ring around the car, 0 for none.
-  std::vector<TrafficVehicle> update(const Road& road, const Terrain& terrain, double t_s, double dt_s, double s_begin_m,
-                                     double s_end_m, int around);
+  std::vector<TrafficVehicle> update(const Road& road, const Terrain& terrain, double t_s, double dt_s,
+                                     double s_begin_m, double s_end_m, int around);
 
  private:
   struct Stream {

@@ -51,11 +51,11 @@ class VehicleDrive {
     double s_m = 0.0;                                    ///< along the road
     Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the centre of gravity
     double yaw_rad = 0.0, yaw_rate_rps = 0.0;
-    double forward_mps = 0.0, left_mps = 0.0;            ///< of the centre of gravity
-    double forward_mps2 = 0.0, left_mps2 = 0.0;          ///< inertial
-    double height_m = 0.0, height_rate_mps = 0.0;        ///< of the centre of gravity, world
-    double pitch_rad = 0.0, pitch_rate_rps = 0.0;        ///< about left: nose down > 0
-    double roll_rad = 0.0, roll_rate_rps = 0.0;          ///< about forward: left side up > 0
+    double forward_mps = 0.0, left_mps = 0.0;      ///< of the centre of gravity
+    double forward_mps2 = 0.0, left_mps2 = 0.0;    ///< inertial
+    double height_m = 0.0, height_rate_mps = 0.0;  ///< of the centre of gravity, world
+    double pitch_rad = 0.0, pitch_rate_rps = 0.0;  ///< about left: nose down > 0
+    double roll_rad = 0.0, roll_rate_rps = 0.0;    ///< about forward: left side up > 0
     double steering_rad = 0.0;
     double command_mps2 = 0.0;
     Eigen::Vector4d wheel_loads_n = Eigen::Vector4d::Zero();  ///< front left, front right, rear left, rear right

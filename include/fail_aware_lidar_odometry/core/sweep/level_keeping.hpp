@@ -2,15 +2,15 @@
 //
 // The beams of a real head point a little off. Level road then looks bent; matched against a map that is bent alike
 // it turns into a false pitch of the same sign on every metre: most of what lidar odometry drifts in height. The road
-// cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre are
-// the same to a matcher. But house walls, trunks and poles stand upright; elevation errors do not lean them over.
+// cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
+// are the same to a matcher. But house walls, trunks and poles stand upright; elevation errors do not lean them over.
 //
 // From a sweep, every `look_every_m`, columns are taken: a wall's normal n, a trunk's direction u. In odom, tilted by
 // (d_x, d_y) against gravity,
 //   n_z = d_x n_y - d_y n_x + lean(r),   u_xy = (d_y, -d_x) + lean(r) e,   e: away from the sensor
 // where lean(r), of whatever is at range r, comes of the beams' range errors. How far a column's lean can be trusted is
-// its standard error: thickness over height, by the number of beams that hit it. A Kalman filter over the way s holds d,
-// its value at the start, the drift of pitch, the leans, and what leans alike at one place and is another
+// its standard error: thickness over height, by the number of beams that hit it. A Kalman filter over the way s holds
+// d, its value at the start, the drift of pitch, the leans, and what leans alike at one place and is another
 // `place_length_m` on (without it many columns that err together would be believed too much):
 //   dd/ds = (drift - response bend) lateral axis + noise
 // Sweeps are bent by `bend` (z += bend h min(h, bend_range) / 2) so that the drift ends and what has come of it slowly
@@ -34,29 +34,29 @@ namespace fail_aware {
 struct LevelKeepingParams {
   bool enabled = true;
   double look_every_m = 3.0;
-  double column_m = 1.0;                      ///< side of a column
+  double column_m = 1.0;  ///< side of a column
   double min_range_m = 4.0;
   double max_range_m = 30.0;
-  double min_height_m = -1.2;                 ///< of a column's points above the sensor; the ground must be below
+  double min_height_m = -1.2;  ///< of a column's points above the sensor; the ground must be below
   double max_height_m = 3.0;
-  int min_points = 12;                        ///< in a column
-  double min_extent_m = 0.7;                  ///< height from a column's lowest to its highest point
-  double beam_step_deg = 0.4;                 ///< beams nearer to each other count as one
-  double max_standard_error_deg = 3.0;        ///< of the lean of a surface; larger ones say nothing
-  double sigma_surface_deg = 0.05;            ///< how upright surfaces stand, beside their standard error
-  double sigma_line_deg = 1.0;                ///< likewise trunks and poles, towards the sensor and away, from range errors
-  double sigma_lean_deg = 1.0;                ///< apparent lean at a range, likewise
-  double sigma_place_deg = 0.3;               ///< what all at one place leans alike
+  int min_points = 12;                  ///< in a column
+  double min_extent_m = 0.7;            ///< height from a column's lowest to its highest point
+  double beam_step_deg = 0.4;           ///< beams nearer to each other count as one
+  double max_standard_error_deg = 3.0;  ///< of the lean of a surface; larger ones say nothing
+  double sigma_surface_deg = 0.05;      ///< how upright surfaces stand, beside their standard error
+  double sigma_line_deg = 1.0;          ///< likewise trunks and poles, along the beam, from range errors
+  double sigma_lean_deg = 1.0;          ///< apparent lean at a range, likewise
+  double sigma_place_deg = 0.3;         ///< what all at one place leans alike
   double place_length_m = 6.0;
-  double sigma_drift_deg_per_m = 0.005;       ///< of pitch, to begin with
-  double drift_walk_deg_per_m = 4.5e-5;       ///< its change: sigma after one metre, grows with the root of the way
-  double tilt_walk_deg = 0.02;                ///< of the tilt beside the drift, likewise
-  double correlation_inflation = 2.0;         ///< neighbouring looks see the same columns
-  double response = 0.66;                     ///< of pitch to a bend, against what ground alone would give: walls hold
+  double sigma_drift_deg_per_m = 0.005;  ///< of pitch, to begin with
+  double drift_walk_deg_per_m = 4.5e-5;  ///< its change: sigma after one metre, grows with the root of the way
+  double tilt_walk_deg = 0.02;           ///< of the tilt beside the drift, likewise
+  double correlation_inflation = 2.0;    ///< neighbouring looks see the same columns
+  double response = 0.66;                ///< of pitch to a bend, against what ground alone would give: walls hold
   double tilt_gain_per_m = 0.04;
   double drift_gain = 1.0;
   double max_bend_deg_per_m = 0.008;
-  double bend_range_m = 40.0;                 ///< farther out the bend goes on straight
+  double bend_range_m = 40.0;  ///< farther out the bend goes on straight
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -95,11 +95,11 @@ class LevelKeeping {
 
   struct Report {
     std::size_t looks = 0;
-    std::size_t surfaces = 0;             ///< in the last look
+    std::size_t surfaces = 0;  ///< in the last look
     std::size_t lines = 0;
-    double tilt_deg = 0.0;                ///< of pitch, since the start
+    double tilt_deg = 0.0;  ///< of pitch, since the start
     double tilt_sigma_deg = 0.0;
-    double drift_deg_per_m = 0.0;         ///< of pitch, if nothing were bent
+    double drift_deg_per_m = 0.0;  ///< of pitch, if nothing were bent
     double drift_sigma_deg_per_m = 0.0;
     double bend_deg_per_m = 0.0;
   };

@@ -1,8 +1,8 @@
 // The time between two stamps, in whole microseconds.
 //
 // Seconds of today's clocks in a double have steps of 0.24 us. Registration decides (this point, this seed, one more
-// iteration), so such a difference grows to centimetres within some hundred sweeps. Rounded, the same drive gives the same
-// bits whatever its clock's zero is: a folder that begins at 0, the bag made of it, the live graph.
+// iteration), so such a difference grows to centimetres within some hundred sweeps. Rounded, the same drive gives the
+// same bits whatever its clock's zero is: a folder that begins at 0, the bag made of it, the live graph.
 // 1 us is 25 um at 25 m/s. Stamps themselves must be of whole microseconds for this, as KITTI's and kitti2bag's are.
 #pragma once
 

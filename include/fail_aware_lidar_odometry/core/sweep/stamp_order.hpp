@@ -1,7 +1,8 @@
 // How a sweep's stamp stands to the newest one's: the one rule of the live graph and of the offline runner.
 //
-// A stamp that does not advance is refused; one that lies further back than what gets out of order on the way means that
-// the clock was set back, or that a recording begins again: there a drive begins. A difference that is no number is refused.
+// A stamp that does not advance is refused; one that lies further back than what gets out of order on the way means
+// that the clock was set back, or that a recording begins again: there a drive begins. A difference that is no number
+// is refused.
 #pragma once
 
 namespace fail_aware {

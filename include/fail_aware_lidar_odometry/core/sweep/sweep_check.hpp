@@ -22,9 +22,9 @@ namespace fail_aware {
 struct SweepCheckParams {
   double min_azimuth_coverage = 0.75;  ///< share of the sectors; 0: off, as for a lidar that does not look all around
   double visible_range_m = 15.0;
-  double min_far_share = 0.02;         ///< 0: off
-  int frozen_sweeps = 3;               ///< repetitions in a row; 0: off
-  double max_gap_s = 0.5;              ///< between stamps
+  double min_far_share = 0.02;  ///< 0: off
+  int frozen_sweeps = 3;        ///< repetitions in a row; 0: off
+  double max_gap_s = 0.5;       ///< between stamps
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -49,7 +49,8 @@ struct SweepFindings {
   double middle_s = 0.0;          ///< SweepCorrectorReport's; not found by SweepCheck
 };
 
-/// Keeps stamp and fingerprint of the last sweep: give it every sweep, in order, also the first after stamps jumped back.
+/// Keeps stamp and fingerprint of the last sweep: give it every sweep, in order, also the first after stamps jumped
+/// back.
 class SweepCheck {
  public:
   using Params = SweepCheckParams;

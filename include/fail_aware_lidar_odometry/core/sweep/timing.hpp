@@ -38,7 +38,7 @@ enum class TimingStatus {
 
 /// What was found of the driver's field.
 enum class TimeField {
-  kNotRead,    ///< `source` is none or azimuth, or the sweep is empty
+  kNotRead,  ///< `source` is none or azimuth, or the sweep is empty
   kUsed,
   kAbsent,     ///< none, or not one per point
   kNotFinite,  ///< NaN or infinite values
