@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "json.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -96,7 +96,7 @@ double quantile(std::vector<double> values, double share) {
   return values[index];
 }
 
-nlohmann::ordered_json statistics(const std::vector<double>& ms) {
+Json statistics(const std::vector<double>& ms) {
   return {{"mean_ms", mean(ms)},
           {"median_ms", quantile(ms, 0.5)},
           {"p95_ms", quantile(ms, 0.95)},
@@ -104,7 +104,7 @@ nlohmann::ordered_json statistics(const std::vector<double>& ms) {
           {"p99_over_mean", quantile(ms, 0.99) / mean(ms)}};
 }
 
-void print(const char* title, const nlohmann::ordered_json& s) {
+void print(const char* title, const Json& s) {
   std::printf("%-44s mean %7.2f ms  median %7.2f  p95 %7.2f  p99 %7.2f  p99/mean %.2f\n", title,
               s["mean_ms"].get<double>(), s["median_ms"].get<double>(), s["p95_ms"].get<double>(),
               s["p99_ms"].get<double>(), s["p99_over_mean"].get<double>());
@@ -145,7 +145,7 @@ int run(const Options& options) {
     }
   }
 
-  nlohmann::ordered_json result;
+  Json result;
   result["sequence"] = options.kitti;
   result["sweeps"] = odometry_ms.size();
   result["threads"] = options.threads;
@@ -168,7 +168,7 @@ int run(const Options& options) {
   }
   if (!options.json.empty()) {
     std::ofstream file(options.json);
-    file << result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
+    file << result.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
     if (!file.flush()) throw InputError("cannot write " + options.json);
   }
   return kExitDone;

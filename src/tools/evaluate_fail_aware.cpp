@@ -8,6 +8,7 @@
 
 #include "fail_aware_report.hpp"
 #include "fail_aware_run.hpp"
+#include "json.hpp"
 #include "plot_script.hpp"
 #include "result_files.hpp"
 #include "tool_support.hpp"
@@ -16,7 +17,6 @@ namespace {
 
 using namespace fail_aware;
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kName = "evaluate_fail_aware";
 
@@ -86,9 +86,8 @@ int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
         "Judges the time to failure of recorded runs against ground truth. The monitor is replayed for a start (t1) "
-        "every "
-        "few seconds; predictions 1, 3, 5 s after t1 and every further second before the failure are compared with the "
-        "true remaining time. Prints a table.\nExit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+        "every few seconds; predictions 1, 3, 5 s after t1 and every further second before the failure are compared "
+        "with the true remaining time. Prints a table.\nExit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);
     Options options;
     addOptions(app, options);

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "json.hpp"
 #include "plot_script.hpp"
 #include "result_files.hpp"
 #include "tool_support.hpp"
@@ -22,7 +22,6 @@
 namespace fail_aware {
 namespace {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "evaluate_trajectory";

@@ -14,12 +14,12 @@
 #include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/stanford_diagram.hpp"
+#include "json.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Predicted = std::optional<double>;
 
 constexpr double kIntervalLevel = 0.95;

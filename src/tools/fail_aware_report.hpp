@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <ostream>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/evaluation/fail_aware_episode.hpp"
 #include "fail_aware_run.hpp"
+#include "json.hpp"
 
 namespace fail_aware {
 
@@ -18,14 +18,13 @@ struct ReportOptions {
 };
 
 /// What is said about the time to failure; the predictors and baselines by name.
-nlohmann::ordered_json predictionReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options);
+Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options);
 
 /// Covariances against true errors: increments, accumulated position, innovations.
-nlohmann::ordered_json consistencyReport(const std::vector<const FailAwareRun*>& runs,
-                                         const std::vector<FailAwareEpisode>& episodes);
+Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::vector<FailAwareEpisode>& episodes);
 
 /// One column a report, in order of `json`'s keys.
-void printTable(std::ostream& out, const nlohmann::ordered_json& reports_by_name);
+void printTable(std::ostream& out, const Json& reports_by_name);
 
 /// One row a second of every episode: what the plots are made of.
 void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,

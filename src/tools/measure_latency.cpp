@@ -13,7 +13,6 @@
 #include <fstream>
 #include <iostream>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -22,6 +21,7 @@
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "json.hpp"
 #include "process_monitor.hpp"
 #include "sweep_account.hpp"
 #include "tool_support.hpp"
@@ -134,8 +134,8 @@ class ProcessWatch {
     max_rss_mb_ = std::max(max_rss_mb_, sample->rss_mb);
   }
 
-  nlohmann::ordered_json figures() const {
-    nlohmann::ordered_json json;
+  Json figures() const {
+    Json json;
     json["node"] = node_;
     if (!first_ || last_s_ <= first_s_) return json;
     json["cpu_percent_of_one_core"] = 100.0 * (last_->cpu_s - first_->cpu_s) / (last_s_ - first_s_);
@@ -152,10 +152,10 @@ class ProcessWatch {
   double first_s_ = 0.0, last_s_ = 0.0, max_rss_mb_ = 0.0;
 };
 
-nlohmann::ordered_json latencyOf(const std::vector<double>& latencies_s, std::size_t skip) {
+Json latencyOf(const std::vector<double>& latencies_s, std::size_t skip) {
   std::vector<double> ms;
   for (std::size_t i = skip; i < latencies_s.size(); ++i) ms.push_back(1e3 * latencies_s[i]);
-  nlohmann::ordered_json json;
+  Json json;
   json["sweeps"] = ms.size();
   if (ms.empty()) ms.push_back(0.0);
   json["mean"] = std::accumulate(ms.begin(), ms.end(), 0.0) / static_cast<double>(ms.size());
@@ -166,8 +166,8 @@ nlohmann::ordered_json latencyOf(const std::vector<double>& latencies_s, std::si
   return json;
 }
 
-nlohmann::ordered_json figuresOf(const Observer::View& view, const ProcessWatch& watch, std::size_t skip) {
-  nlohmann::ordered_json json;
+Json figuresOf(const Observer::View& view, const ProcessWatch& watch, std::size_t skip) {
+  Json json;
   json["duration_s"] = view.last_s - view.first_s;
   json["clouds"] = view.account.clouds();
   json["odometries"] = view.account.odometries();
@@ -180,7 +180,7 @@ nlohmann::ordered_json figuresOf(const Observer::View& view, const ProcessWatch&
   return json;
 }
 
-void printTable(const nlohmann::ordered_json& json) {
+void printTable(const Json& json) {
   const auto count = [&](const char* key) { return json[key].get<std::size_t>(); };
   const auto& latency = json["latency_ms"];
   const auto& process = json["process"];
@@ -231,7 +231,7 @@ int run(const Options& options) {
   spinner.stop();
 
   const Observer::View view = observer.view();
-  const nlohmann::ordered_json json = figuresOf(view, watch, options.skip);
+  const Json json = figuresOf(view, watch, options.skip);
   printTable(json);
   if (!options.json.empty() && !(std::ofstream(options.json) << json.dump(2) << "\n").flush()) {
     throw std::runtime_error("cannot write " + options.json);

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +21,7 @@
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
 #include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#include "json.hpp"
 #endif
 
 namespace {
@@ -98,7 +98,7 @@ double maxRssMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-nlohmann::ordered_json levelSummary(const LevelKeeping::Report& report) {
+Json levelSummary(const LevelKeeping::Report& report) {
   return {{"looks", report.looks},
           {"tilt_deg", report.tilt_deg},
           {"tilt_sigma_deg", report.tilt_sigma_deg},
@@ -112,11 +112,11 @@ struct BadScan {
 };
 
 /// What a reader of per_sweep.csv needs to know of the run. `t1_stamp_s`: none if the run ended before t1.
-nlohmann::ordered_json describeRun(const PipelineParameters& params, long first, std::optional<double> t1_stamp_s) {
+Json describeRun(const PipelineParameters& params, long first, std::optional<double> t1_stamp_s) {
   const MonitorParameters& monitor = params.profile.monitor;
-  nlohmann::ordered_json json;
+  Json json;
   json["first"] = first;
-  json["t1_stamp_s"] = t1_stamp_s ? nlohmann::ordered_json(*t1_stamp_s) : nlohmann::ordered_json(nullptr);
+  json["t1_stamp_s"] = t1_stamp_s ? Json(*t1_stamp_s) : Json(nullptr);
   json["eta_threshold_rad"] = monitor.indicator.threshold;
   json["horizon_s"] = monitor.indicator.horizon_s;
   json["alert_limit_m"] = monitor.predictor.alert_limit_m;
@@ -211,10 +211,10 @@ int run(const Options& options) {
   writeTumTrajectory((output / "trajectory_tum.txt").string(), base_trajectory);
   saveYaml((output / "parameters.yaml").string(), params);
 
-  nlohmann::ordered_json summary = log.summary();
+  Json summary = log.summary();
   summary["sweeps"] = lidar_trajectory.size();
   summary["dropped"] = bad_scans.size();
-  summary["bad_scans"] = nlohmann::ordered_json::array();
+  summary["bad_scans"] = Json::array();
   for (const BadScan& bad : bad_scans) summary["bad_scans"].push_back({{"file", bad.file}, {"reason", bad.reason}});
   summary["points_not_finite_or_zero"] = points_dropped;
   summary["max_rss_mb"] = maxRssMb();
@@ -223,7 +223,7 @@ int run(const Options& options) {
   summary["profile"] = options.profile;
   summary["run"] = describeRun(params, options.first, t1_stamp_s);
   // a file's name need not be UTF-8
-  const std::string json = summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  const std::string json = summary.dump(2, ' ', false, Json::error_handler_t::replace);
   std::ofstream file(output / "summary.json");
   file << json << "\n";
   if (!file.flush()) throw std::runtime_error("cannot write " + (output / "summary.json").string());

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
 #include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
+#include "json.hpp"
 #endif
 
 namespace {
@@ -122,7 +122,7 @@ void writeNotes(const Options& options, const std::vector<Fault>& faults, std::s
           << fault.severity << '\n';
   }
   writeText(sideFile(options, "faults.csv"), table.str());
-  nlohmann::ordered_json notes;
+  Json notes;
   notes["scene"] = options.simulation.scene;
   notes["duration_s"] = options.simulation.duration_s;
   notes["seed"] = options.simulation.seed;

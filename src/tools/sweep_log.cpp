@@ -10,6 +10,7 @@
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "json.hpp"
 
 namespace fail_aware {
 
@@ -80,10 +81,10 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   ++by_status_[static_cast<std::size_t>(r.status)];
 }
 
-nlohmann::ordered_json SweepLog::summary() const {
+Json SweepLog::summary() const {
   std::vector<double> sorted = total_ms_;
   std::sort(sorted.begin(), sorted.end());
-  nlohmann::ordered_json json;
+  Json json;
   const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
   json["sweeps"] = sorted.size();
   json["mean_ms"] = sorted.empty() ? 0.0 : sum / static_cast<double>(sorted.size());

@@ -6,11 +6,11 @@
 
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "json.hpp"
 
 namespace fail_aware {
 
@@ -22,7 +22,7 @@ class SweepLog {
   void add(double stamp_s, const SweepResult& result);
 
   /// mean_ms, median_ms, p95_ms, p99_ms and counts by status.
-  nlohmann::ordered_json summary() const;
+  Json summary() const;
 
   /// Throws std::runtime_error if the file could not be completed.
   void close();
