@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "fail_aware_lidar_odometry/core/arena_size.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
@@ -85,7 +86,7 @@ struct OdometryPipeline::Stages {
         corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                            p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
-        arena(std::min(threads, tbb::this_task_arena::max_concurrency())) {
+        arena(arenaSize(threads)) {
     filter.reset(T_base_cog);  // odom begins at base_link
   }
 

@@ -86,13 +86,7 @@ int run(const Options& options) {
           confidence.value_or(runs.front().params.profile.monitor.predictor.confidence)),
       "the alarm is up too long whatever it is");
   if (list.empty()) return kExitFailed;
-  const std::string yaml = formatYaml(list);
-  std::cout << yaml << std::flush;
-  if (!options.output.empty()) {
-    std::ofstream file = createFile(options.output);
-    file << yaml;
-    finishFile(file, options.output);
-  }
+  printAndKeep(formatYaml(list), options.output);
   return kExitDone;
 }
 
@@ -102,8 +96,7 @@ int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
         "Fits monitor.indicator.threshold (eta), monitor.predictor.confidence and alarm_confidence to recorded runs "
-        "with ground truth. Judge "
-        "the result on other runs: evaluate_fail_aware --parameters FILE.\n"
+        "with ground truth. Judge the result on other runs: evaluate_fail_aware --parameters FILE.\n"
         "Exit codes: 0 done, 1 the work failed (too few failures), 2 bad usage or input.",
         kName);
     Options options;

@@ -40,13 +40,7 @@ int run(const Options& options) {
     const bool increment = key.rfind("filter.increment_", 0) == 0, drift = key.rfind("monitor.drift.", 0) == 0;
     if (increment || drift) list.emplace_back(key, value);
   }
-  const std::string yaml = formatYaml(list);
-  std::cout << yaml << std::flush;
-  if (!options.output.empty()) {
-    std::ofstream file = createFile(options.output);
-    file << yaml;
-    finishFile(file, options.output);
-  }
+  printAndKeep(formatYaml(list), options.output);
   return kExitDone;
 }
 
@@ -56,10 +50,8 @@ int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
         "Fits filter.increment_* and monitor.drift.* to recorded runs with ground truth, by maximum likelihood. Use "
-        "runs "
-        "on which the odometry was not lost, and judge the result on others: evaluate_fail_aware --parameters FILE "
-        "shows "
-        "the drift's effect at once; the increments' is seen after offline_odometry ran anew.\n"
+        "runs on which the odometry was not lost, and judge the result on others: evaluate_fail_aware --parameters "
+        "FILE shows the drift's effect at once; the increments' is seen after offline_odometry ran anew.\n"
         "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);
     Options options;

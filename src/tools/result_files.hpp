@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 #include <stdexcept>
 #include <string>
 
@@ -28,6 +29,15 @@ inline std::ofstream createFile(const std::filesystem::path& path) {
 inline void finishFile(std::ofstream& file, const std::filesystem::path& path) {
   file.close();
   if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+}
+
+/// On the standard output, and in the file if one is named.
+inline void printAndKeep(const std::string& text, const std::filesystem::path& path) {
+  std::cout << text << std::flush;
+  if (path.empty()) return;
+  std::ofstream file = createFile(path);
+  file << text;
+  finishFile(file, path);
 }
 
 }  // namespace fail_aware

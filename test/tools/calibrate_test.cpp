@@ -1,14 +1,13 @@
 // Runs the built calibrators on made-up runs; CALIBRATE_NOISE and CALIBRATE_FAIL_AWARE are their paths (compile
 // definitions).
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "../support/tool_run.hpp"
 #include "made_up_run.hpp"
 
 namespace fail_aware {
@@ -26,23 +25,10 @@ class Calibrate : public ::testing::Test {
     return " --ground-truth '" + path + "/poses.txt' --run '" + path + "'";
   }
 
-  void run(const std::string& tool, const std::string& arguments) {
-    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command = "'" + tool + "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
-    const int status = std::system(command.c_str());
-    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    stdout_ = content(out);
-    stderr_ = content(err);
-  }
-
-  static std::string content(const fs::path& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  void run(const std::string& tool, const std::string& arguments) { result_ = runProgram(tool, arguments, folder_); }
 
   fs::path folder_ = fs::path(::testing::TempDir()) / ("calibrate_" + std::to_string(getpid()));
-  int exit_code_ = -1;
-  std::string stdout_, stderr_;
+  ToolRun result_;
 };
 
 TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
@@ -60,9 +46,9 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   made_up.write(folder_ / "run", params);
   const fs::path yaml = folder_ / "noise.yaml";
   run(CALIBRATE_NOISE, options("run") + " --output '" + yaml.string() + "'");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  EXPECT_EQ(stderr_, "");
-  EXPECT_EQ(stdout_, content(yaml));
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.err, "");
+  EXPECT_EQ(result_.out, contentOf(yaml));
   ProfileParameters fitted;
   loadYaml(yaml.string(), fitted, MissingKeys::kKeep);
   const PoseFilter::Params& filter = fitted.filter;
@@ -70,8 +56,8 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   const double floor_rad = filter.increment_floor_deg * M_PI / 180.0;
   EXPECT_NEAR(std::sqrt(filter.increment_scale * 0.04 * 0.04 + floor_m * floor_m), 0.02, 1e-3);
   EXPECT_NEAR(std::sqrt(filter.increment_scale * 4e-6 + floor_rad * floor_rad), 1e-3, 5e-5);
-  EXPECT_NE(stdout_.find("heading_per_root_metre_deg"), std::string::npos);
-  EXPECT_EQ(stdout_.find("threshold"), std::string::npos) << "only what was fitted";
+  EXPECT_NE(result_.out.find("heading_per_root_metre_deg"), std::string::npos);
+  EXPECT_EQ(result_.out.find("threshold"), std::string::npos) << "only what was fitted";
 }
 
 TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
@@ -80,9 +66,9 @@ TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
   article.profile.monitor.indicator.average_s = article.profile.monitor.indicator.reference_speed_mps = 0.0;
   good.write(folder_ / "good", article);
   run(CALIBRATE_FAIL_AWARE, options("good") + " --eta-passed-by 0");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   ProfileParameters fitted;
-  std::ofstream(folder_ / "fitted.yaml") << stdout_;
+  std::ofstream(folder_ / "fitted.yaml") << result_.out;
   loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
   // sigma alternates by 1e-6 rad: 2e-6 a sweep from the third on, over the 400 sweeps of the first episode
   EXPECT_NEAR(fitted.monitor.indicator.threshold, 2e-6 * 398, 1e-9);
@@ -91,24 +77,24 @@ TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
 TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   for (const std::string tool : {CALIBRATE_NOISE, CALIBRATE_FAIL_AWARE}) {
     run(tool, "--run a --ground-truth b");
-    EXPECT_EQ(exit_code_, 2) << tool;
-    EXPECT_NE(stderr_.find("a/monitor_log.csv: cannot be read"), std::string::npos) << stderr_;
-    EXPECT_EQ(stdout_, "");
+    EXPECT_EQ(result_.exit_code, 2) << tool;
+    EXPECT_NE(result_.err.find("a/monitor_log.csv: cannot be read"), std::string::npos) << result_.err;
+    EXPECT_EQ(result_.out, "");
     run(tool, "");
-    EXPECT_EQ(exit_code_, 2) << tool;
+    EXPECT_EQ(result_.exit_code, 2) << tool;
     run(tool, "--help");
-    EXPECT_EQ(exit_code_, 0) << tool;
-    EXPECT_NE(stdout_.find("--ground-truth"), std::string::npos);
+    EXPECT_EQ(result_.exit_code, 0) << tool;
+    EXPECT_NE(result_.out.find("--ground-truth"), std::string::npos);
   }
   MadeUpRun tiny;
   tiny.sweeps = 5;
   tiny.write(folder_ / "tiny");
   run(CALIBRATE_NOISE, options("tiny"));
-  EXPECT_EQ(exit_code_, 2);
-  EXPECT_NE(stderr_.find("too few sweeps"), std::string::npos) << stderr_;
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("too few sweeps"), std::string::npos) << result_.err;
   run(CALIBRATE_FAIL_AWARE, options("tiny") + " --late 2");
-  EXPECT_EQ(exit_code_, 2);
-  EXPECT_NE(stderr_.find("--late"), std::string::npos) << stderr_;
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("--late"), std::string::npos) << result_.err;
 }
 
 }  // namespace

@@ -1,14 +1,13 @@
 // Runs the built tool on made-up runs; EVALUATE_FAIL_AWARE is its path (compile definition).
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "../support/tool_run.hpp"
 #include "made_up_run.hpp"
 
 namespace fail_aware {
@@ -27,34 +26,22 @@ class EvaluateFailAware : public ::testing::Test {
   }
 
   void run(const std::string& arguments) {
-    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command = "FAIL_AWARE_SCRIPTS_DIR=/nowhere '" EVALUATE_FAIL_AWARE "' " + arguments + " >'" +
-                                out.string() + "' 2>'" + err.string() + "'";
-    const int status = std::system(command.c_str());
-    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    stdout_ = content(out);
-    stderr_ = content(err);
+    result_ = runProgram(EVALUATE_FAIL_AWARE, arguments, folder_, "FAIL_AWARE_SCRIPTS_DIR=/nowhere");
   }
 
-  static std::string content(const fs::path& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-
-  nlohmann::json report() const { return nlohmann::json::parse(content(folder_ / "result" / "fail_aware.json")); }
+  nlohmann::json report() const { return nlohmann::json::parse(contentOf(folder_ / "result" / "fail_aware.json")); }
 
   void expectRefused(const std::string& arguments, const std::string& reason) {
     run(arguments);
-    EXPECT_EQ(exit_code_, 2) << arguments;
-    EXPECT_EQ(stdout_, "");
-    EXPECT_EQ(stderr_.rfind("evaluate_fail_aware: error: ", 0), 0u) << stderr_;
-    EXPECT_NE(stderr_.find(reason), std::string::npos) << stderr_;
-    EXPECT_EQ(stderr_.find('\n'), stderr_.size() - 1) << stderr_;
+    EXPECT_EQ(result_.exit_code, 2) << arguments;
+    EXPECT_EQ(result_.out, "");
+    EXPECT_EQ(result_.err.rfind("evaluate_fail_aware: error: ", 0), 0u) << result_.err;
+    EXPECT_NE(result_.err.find(reason), std::string::npos) << result_.err;
+    EXPECT_EQ(result_.err.find('\n'), result_.err.size() - 1) << result_.err;
   }
 
   fs::path folder_ = fs::path(::testing::TempDir()) / ("evaluate_fail_aware_" + std::to_string(getpid()));
-  int exit_code_ = -1;
-  std::string stdout_, stderr_;
+  ToolRun result_;
 };
 
 TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
@@ -63,8 +50,8 @@ TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   good.write(folder_ / "good");
   bad.write(folder_ / "bad");
   run(options("good") + options("bad") + " --resamples 50 --output '" + (folder_ / "result").string() + "'");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  EXPECT_EQ(stderr_, "evaluate_fail_aware: no plots: plot_fail_aware was not found\n");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.err, "evaluate_fail_aware: no plots: plot_fail_aware was not found\n");
   const nlohmann::json json = report();
   EXPECT_EQ(json["good"]["episodes"], 8);
   EXPECT_EQ(json["good"]["failing"], 0);
@@ -82,9 +69,9 @@ TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   EXPECT_TRUE(json["good"]["eta_threshold_p50_s"].is_null()) << "the heading's sigma is all but steady";
   for (const char* name : {"combination", "eta", "covariance"}) EXPECT_TRUE(json["bad"]["times"].contains(name));
 
-  EXPECT_NE(stdout_.find("concordance combination"), std::string::npos);
-  EXPECT_EQ(stdout_.find("nan"), std::string::npos);
-  const std::string csv = content(folder_ / "result" / "predictions.csv");
+  EXPECT_NE(result_.out.find("concordance combination"), std::string::npos);
+  EXPECT_EQ(result_.out.find("nan"), std::string::npos);
+  const std::string csv = contentOf(folder_ / "result" / "predictions.csv");
   EXPECT_EQ(csv.rfind("run,begin_s,failed,since_start_s,remaining_s,", 0), 0u);
   EXPECT_NE(csv.find("\nbad,30,1,0,6,"), std::string::npos);
 }
@@ -100,7 +87,7 @@ TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
   run_.write(folder_ / "modest");
   run(options("true") + options("modest") + " --resamples 1 --episode-every 100 --output '" +
       (folder_ / "result").string() + "'");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   const nlohmann::json json = report();
   EXPECT_NEAR(json["true"]["consistency"]["increment_horizontal"]["mean_per_dof"].get<double>(), 1.0, 0.08);
   EXPECT_NEAR(json["modest"]["consistency"]["increment_horizontal"]["mean_per_dof"].get<double>(), 0.25, 0.02);
@@ -114,11 +101,11 @@ TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   made_up.write(folder_ / "run", article);
   const std::string output = " --resamples 1 --output '" + (folder_ / "result").string() + "'";
   run(options("run") + output + " --set monitor.indicator.threshold=1.0e9 --set monitor.predictor.alert_limit_m=1.0e9");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(report()["run"]["missed"], 7) << "nothing is ever near such limits";
   std::ofstream(folder_ / "strict.yaml") << "monitor:\n  indicator:\n    threshold: 1.0e-12\n";
   run(options("run") + output + " --parameters '" + (folder_ / "strict.yaml").string() + "'");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(report()["run"]["missed"], 0);
   EXPECT_GT(report()["run"]["lead_p50_s"].get<double>(), 4.0);
 }
@@ -142,10 +129,10 @@ TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
 
 TEST_F(EvaluateFailAware, HelpListsTheOptions) {
   run("--help");
-  EXPECT_EQ(exit_code_, 0);
+  EXPECT_EQ(result_.exit_code, 0);
   for (const char* option : {"--ground-truth", "--run", "--calib", "--output", "--set", "--parameters", "--resamples",
                              "--seed", "--early"}) {
-    EXPECT_NE(stdout_.find(option), std::string::npos) << option;
+    EXPECT_NE(result_.out.find(option), std::string::npos) << option;
   }
 }
 

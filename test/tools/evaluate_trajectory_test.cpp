@@ -1,16 +1,17 @@
 // Runs the built tool; EVALUATE_TRAJECTORY is its path, PLOT_SCRIPTS the folder of plot_trajectory (compile
 // definitions).
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "../support/tool_run.hpp"
+
+namespace fail_aware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -28,41 +29,29 @@ class EvaluateTrajectory : public ::testing::Test {
   }
 
   void run(const std::string& arguments, const std::string& scripts = "/nowhere") {
-    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command = "FAIL_AWARE_SCRIPTS_DIR='" + scripts + "' '" EVALUATE_TRAJECTORY "' " + arguments +
-                                " >'" + out.string() + "' 2>'" + err.string() + "'";
-    const int status = std::system(command.c_str());
-    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    stdout_ = content(out);
-    stderr_ = content(err);
-  }
-
-  static std::string content(const fs::path& path) {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
+    result_ = runProgram(EVALUATE_TRAJECTORY, arguments, folder_, "FAIL_AWARE_SCRIPTS_DIR='" + scripts + "'");
   }
 
   void expectRefused(const std::string& arguments, const std::string& reason) {
     run(arguments);
-    EXPECT_EQ(exit_code_, 2) << arguments;
-    EXPECT_EQ(stdout_, "");
-    EXPECT_EQ(stderr_.rfind("evaluate_trajectory: error: ", 0), 0u) << stderr_;
-    EXPECT_NE(stderr_.find(reason), std::string::npos) << stderr_;
-    EXPECT_EQ(stderr_.find('\n'), stderr_.size() - 1) << stderr_;
+    EXPECT_EQ(result_.exit_code, 2) << arguments;
+    EXPECT_EQ(result_.out, "");
+    EXPECT_EQ(result_.err.rfind("evaluate_trajectory: error: ", 0), 0u) << result_.err;
+    EXPECT_NE(result_.err.find(reason), std::string::npos) << result_.err;
+    EXPECT_EQ(result_.err.find('\n'), result_.err.size() - 1) << result_.err;
   }
 
   fs::path folder_ = fs::path(::testing::TempDir()) / ("evaluate_trajectory_" + std::to_string(getpid()));
-  int exit_code_ = -1;
-  std::string stdout_, stderr_;
+  ToolRun result_;
 };
 
 TEST_F(EvaluateTrajectory, ReportsTheMetricOfAOnePercentScaleError) {
   const std::string truth = straight("truth", 301, 1.0 + 1e-9),
                     estimate = straight("estimate", 301, 1.01 * (1.0 + 1e-9));
   run("--ground-truth " + truth + " --estimate " + estimate);
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  EXPECT_EQ(stderr_, "");
-  const nlohmann::json json = nlohmann::json::parse(stdout_);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.err, "");
+  const nlohmann::json json = nlohmann::json::parse(result_.out);
   EXPECT_NEAR(json["t_err_percent"].get<double>(), 1.0, 1e-6);
   EXPECT_NEAR(json["r_err_deg_per_m"].get<double>(), 0.0, 1e-9);
   EXPECT_EQ(json["segments"], 21 + 11 + 1);
@@ -82,20 +71,20 @@ TEST_F(EvaluateTrajectory, ReportsTheMetricOfAOnePercentScaleError) {
 TEST_F(EvaluateTrajectory, ShortRunsAreMeasuredOverShortLengthsUnlessToldOtherwise) {
   const std::string files = "--ground-truth " + straight("truth", 51, 1.0) + " --estimate " + straight("est", 51, 1.0);
   run(files);
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  nlohmann::json json = nlohmann::json::parse(stdout_);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  nlohmann::json json = nlohmann::json::parse(result_.out);
   EXPECT_EQ(json["lengths_m"], (std::vector<double>{5, 10, 20, 40, 80}));
   EXPECT_EQ(json["step"], 1);
   EXPECT_EQ(json["segments"], 45 + 40 + 30 + 10);
 
   run(files + " --lengths 7,30 --step 5");
-  json = nlohmann::json::parse(stdout_);
+  json = nlohmann::json::parse(result_.out);
   EXPECT_EQ(json["lengths_m"], (std::vector<double>{7, 30}));
   EXPECT_EQ(json["step"], 5);
 
   run(files + " --lengths 100");
-  json = nlohmann::json::parse(stdout_);
-  EXPECT_EQ(exit_code_, 0);
+  json = nlohmann::json::parse(result_.out);
+  EXPECT_EQ(result_.exit_code, 0);
   EXPECT_EQ(json["segments"], 0);
   EXPECT_TRUE(json["t_err_percent"].is_null());
 }
@@ -107,8 +96,8 @@ TEST_F(EvaluateTrajectory, CalibrationAppliesToTheGroundTruth) {
   std::ofstream(folder_ / "calib.txt") << "Tr: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n";
   run("--ground-truth " + (folder_ / "camera").string() + " --calib " + (folder_ / "calib.txt").string() +
       " --estimate " + straight("estimate", 31, 1.0));
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  EXPECT_NEAR(nlohmann::json::parse(stdout_)["ate_max_m"].get<double>(), 0.0, 1e-9);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NEAR(nlohmann::json::parse(result_.out)["ate_max_m"].get<double>(), 0.0, 1e-9);
 }
 
 TEST_F(EvaluateTrajectory, UnusableInputIsRefusedInOneLine) {
@@ -131,10 +120,10 @@ TEST_F(EvaluateTrajectory, UnusableInputIsRefusedInOneLine) {
 
 TEST_F(EvaluateTrajectory, HelpListsTheOptions) {
   run("--help");
-  EXPECT_EQ(exit_code_, 0);
-  EXPECT_EQ(stderr_, "");
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_EQ(result_.err, "");
   for (const char* option : {"--ground-truth", "--estimate", "--calib", "--output", "--lengths", "--step"}) {
-    EXPECT_NE(stdout_.find(option), std::string::npos) << option;
+    EXPECT_NE(result_.out.find(option), std::string::npos) << option;
   }
 }
 
@@ -142,10 +131,10 @@ TEST_F(EvaluateTrajectory, OutputHoldsTheSameJsonAndIsCompleteWithoutPlots) {
   const std::string files = "--ground-truth " + straight("truth", 31, 1.0) + " --estimate " + straight("est", 31, 1.1);
   const fs::path out = folder_ / "deep" / "out";
   run(files + " --output " + out.string());
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  EXPECT_EQ(stderr_, "evaluate_trajectory: no plots: plot_trajectory was not found\n");
-  EXPECT_EQ(content(out / "evaluation.json"), stdout_);
-  const std::string csv = content(out / "trajectory.csv");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.err, "evaluate_trajectory: no plots: plot_trajectory was not found\n");
+  EXPECT_EQ(contentOf(out / "evaluation.json"), result_.out);
+  const std::string csv = contentOf(out / "trajectory.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 32);
 }
 
@@ -153,11 +142,12 @@ TEST_F(EvaluateTrajectory, PlotsAreDrawnOrTheirAbsenceIsExplained) {
   const std::string files = "--ground-truth " + straight("truth", 31, 1.0) + " --estimate " + straight("est", 31, 1.1);
   const fs::path out = folder_ / "out";
   run(files + " --output " + out.string(), PLOT_SCRIPTS);
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  if (stderr_.find("no plots: ") != std::string::npos) GTEST_SKIP() << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  if (result_.err.find("no plots: ") != std::string::npos) GTEST_SKIP() << result_.err;
   for (const char* name : {"trajectory.png", "error_per_length.png", "position_error.png"}) {
     EXPECT_GT(fs::file_size(out / name), 1000u) << name;
   }
 }
 
 }  // namespace
+}  // namespace fail_aware

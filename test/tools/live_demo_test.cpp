@@ -14,20 +14,12 @@
 #include <string>
 #include <vector>
 
+#include "../support/tool_run.hpp"
+
+namespace fail_aware {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::size_t countOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
 
 /// Processes whose environment or arguments name this folder, but for this one.
 std::vector<std::string> processesOf(const fs::path& folder) {
@@ -36,9 +28,9 @@ std::vector<std::string> processesOf(const fs::path& folder) {
     const std::string pid = entry.path().filename().string();
     if (!std::all_of(pid.begin(), pid.end(), [](char c) { return c >= '0' && c <= '9'; })) continue;
     if (std::stol(pid) == getpid()) continue;
-    std::string command = content(entry.path() / "cmdline");
+    std::string command = contentOf(entry.path() / "cmdline");
     std::replace(command.begin(), command.end(), '\0', ' ');
-    const std::string known = command + content(entry.path() / "environ");
+    const std::string known = command + contentOf(entry.path() / "environ");
     if (known.find(folder.string()) != std::string::npos) found.push_back(pid + " " + command);
   }
   return found;
@@ -79,8 +71,8 @@ class LiveDemo : public ::testing::Test {
     siginfo_t info{};
     return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == pid_;
   }
-  std::string out() const { return content(folder_ / "stdout"); }
-  std::string err() const { return content(folder_ / "stderr"); }
+  std::string out() const { return contentOf(folder_ / "stdout"); }
+  std::string err() const { return contentOf(folder_ / "stderr"); }
   std::string output() const { return (folder_ / "out").string(); }
 
   fs::path folder_;
@@ -100,8 +92,8 @@ TEST_F(LiveDemo, DrivesRecordsAndReports) {
   EXPECT_NE(out().find("GPS lost"), std::string::npos) << out();
   EXPECT_NE(out().find("error at the end, since t1"), std::string::npos) << out();
   EXPECT_GT(fs::file_size(folder_ / "out/drive.bag"), 10000u);
-  EXPECT_GT(countOf(content(folder_ / "out/trajectory_tum.txt"), "\n"), 20u);
-  const std::string page = content(folder_ / "out/report.html");
+  EXPECT_GT(countOf(contentOf(folder_ / "out/trajectory_tum.txt"), "\n"), 20u);
+  const std::string page = contentOf(folder_ / "out/report.html");
   EXPECT_EQ(countOf(page, "data:image/png;base64,"), 8u);
   EXPECT_EQ(page.find("No picture"), std::string::npos);
 }
@@ -127,3 +119,4 @@ TEST_F(LiveDemo, SaysInOneLineWhatIsWrong) {
 }
 
 }  // namespace
+}  // namespace fail_aware

@@ -1,12 +1,10 @@
 // Runs the built tool on a made-up drive; FAIL_AWARE_OFFLINE_ODOMETRY is its path (compile definition).
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -18,6 +16,7 @@
 #include <vector>
 
 #include "../support/synthetic_street.hpp"
+#include "../support/tool_run.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
@@ -32,11 +31,6 @@ const synthetic::Drive kDrive;
 
 using Row = std::map<std::string, std::string>;
 
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream stream(text);
@@ -46,7 +40,7 @@ std::vector<std::string> linesOf(const std::string& text) {
 
 /// Without comments.
 std::size_t rowsOf(const fs::path& path) {
-  const std::vector<std::string> lines = linesOf(content(path));
+  const std::vector<std::string> lines = linesOf(contentOf(path));
   return static_cast<std::size_t>(
       std::count_if(lines.begin(), lines.end(), [](const std::string& line) { return line.rfind("#", 0) != 0; }));
 }
@@ -64,7 +58,7 @@ std::vector<std::string> cellsOf(const std::string& line) {
 }
 
 std::vector<Row> readCsv(const fs::path& path) {
-  const std::vector<std::string> lines = linesOf(content(path));
+  const std::vector<std::string> lines = linesOf(contentOf(path));
   std::vector<Row> rows;
   if (lines.empty()) return rows;
   const std::vector<std::string> names = cellsOf(lines[0]);
@@ -116,15 +110,7 @@ class OfflineOdometry : public ::testing::Test {
     return folder_ / "drive";
   }
 
-  void runPlain(const std::string& arguments) {
-    const fs::path out = folder_ / "stdout", err = folder_ / "stderr";
-    const std::string command =
-        "'" FAIL_AWARE_OFFLINE_ODOMETRY "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
-    const int status = std::system(command.c_str());
-    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    stdout_ = content(out);
-    stderr_ = content(err);
-  }
+  void runPlain(const std::string& arguments) { result_ = runProgram(FAIL_AWARE_OFFLINE_ODOMETRY, arguments, folder_); }
 
   /// With a smaller search for the first speed than usual: a quicker test.
   void run(const fs::path& drive, const std::string& more = "") {
@@ -135,7 +121,7 @@ class OfflineOdometry : public ::testing::Test {
   }
 
   fs::path out(const std::string& name) const { return folder_ / "out" / name; }
-  nlohmann::json summary() const { return nlohmann::json::parse(content(out("summary.json"))); }
+  nlohmann::json summary() const { return nlohmann::json::parse(contentOf(out("summary.json"))); }
 
   void expectRows(std::size_t rows) const {
     EXPECT_EQ(rowsOf(out("trajectory_kitti.txt")), rows);
@@ -145,27 +131,26 @@ class OfflineOdometry : public ::testing::Test {
   }
 
   void expectOneLine(const std::string& part) const {
-    EXPECT_EQ(stderr_.rfind("offline_odometry: error: ", 0), 0u) << stderr_;
-    EXPECT_NE(stderr_.find(part), std::string::npos) << "'" << part << "' not in: " << stderr_;
-    EXPECT_EQ(stderr_.find('\n'), stderr_.size() - 1) << stderr_;
+    EXPECT_EQ(result_.err.rfind("offline_odometry: error: ", 0), 0u) << result_.err;
+    EXPECT_NE(result_.err.find(part), std::string::npos) << "'" << part << "' not in: " << result_.err;
+    EXPECT_EQ(result_.err.find('\n'), result_.err.size() - 1) << result_.err;
   }
 
   void expectRefused(const std::string& arguments, const std::string& part) {
     runPlain(arguments);
-    EXPECT_EQ(exit_code_, 2) << arguments;
-    EXPECT_EQ(stdout_, "") << arguments;
+    EXPECT_EQ(result_.exit_code, 2) << arguments;
+    EXPECT_EQ(result_.out, "") << arguments;
     expectOneLine(part);
   }
 
   fs::path folder_;
-  int exit_code_ = -1;
-  std::string stdout_, stderr_;
+  ToolRun result_;
 };
 
 TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
   run(base() / "drive");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  EXPECT_EQ(stderr_, "");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.err, "");
   expectRows(kScans);
 
   // 12 numbers a row, lidar frame, first pose identity, row by row where the lidar was
@@ -177,14 +162,14 @@ TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
     const Pose truth = T_base_lidar.inverse() * kDrive.T_odom_base(0.1 * i) * T_base_lidar;
     EXPECT_LT((lidar[static_cast<std::size_t>(i)].translation() - truth.translation()).norm(), 0.1) << i;
   }
-  std::istringstream last_tum(linesOf(content(out("trajectory_tum.txt"))).back());
+  std::istringstream last_tum(linesOf(contentOf(out("trajectory_tum.txt"))).back());
   double stamp_s = 0.0, x_m = 0.0;
   last_tum >> stamp_s >> x_m;
   EXPECT_NEAR(stamp_s, 0.9, 1e-6);
   EXPECT_NEAR(x_m, kDrive.T_odom_base(0.9).translation().x(), 0.05) << "base_link";
 
   const nlohmann::json json = summary();
-  EXPECT_EQ(nlohmann::json::parse(stdout_), json);
+  EXPECT_EQ(nlohmann::json::parse(result_.out), json);
   EXPECT_EQ(json["dropped"], 0);
   EXPECT_TRUE(json["bad_scans"].empty());
   EXPECT_EQ(json["threads"], 2);
@@ -196,14 +181,14 @@ TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
   }
   EXPECT_LE(json["median_ms"].get<double>(), json["p95_ms"].get<double>());
   EXPECT_LE(json["p95_ms"].get<double>(), json["p99_ms"].get<double>());
-  const std::string parameters = content(out("parameters.yaml"));
+  const std::string parameters = contentOf(out("parameters.yaml"));
   EXPECT_NE(parameters.find("max_speed_mps: 25.0"), std::string::npos) << "the parameters used, --set included";
   EXPECT_NE(parameters.find("stamp_reference: \"mid\""), std::string::npos);
 }
 
 TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
   run(base() / "drive", "--redundant-at 0.45");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(kScans));
   const std::vector<std::string> numbers = {"stamp",
@@ -268,24 +253,24 @@ TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
 
 TEST_F(OfflineOdometry, GivesTheSameBytesForAnyNumberOfThreads) {
   run(base() / "drive", "--threads 1");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(summary()["threads"], 1);
-  const std::string kitti = content(out("trajectory_kitti.txt")), tum = content(out("trajectory_tum.txt"));
+  const std::string kitti = contentOf(out("trajectory_kitti.txt")), tum = contentOf(out("trajectory_tum.txt"));
   run(base() / "drive", "--threads 2");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(summary()["threads"], 2);
-  EXPECT_EQ(content(out("trajectory_kitti.txt")), kitti);
-  EXPECT_EQ(content(out("trajectory_tum.txt")), tum);
+  EXPECT_EQ(contentOf(out("trajectory_kitti.txt")), kitti);
+  EXPECT_EQ(contentOf(out("trajectory_tum.txt")), tum);
 }
 
 TEST_F(OfflineOdometry, TheMonitorsLogReplaysToTheSameOutputForAnyStart) {
   run(base() / "drive");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   const std::vector<MonitorInput> log = readMonitorLog(out("monitor_log.csv").string());
   ASSERT_EQ(log.size(), static_cast<std::size_t>(kScans));
   for (const std::string start : {"0", "0.3", "0.45", "5"}) {
     run(base() / "drive", "--redundant-at " + start);
-    ASSERT_EQ(exit_code_, 0) << stderr_;
+    ASSERT_EQ(result_.exit_code, 0) << result_.err;
     const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
     const std::vector<MonitorOutput> outputs = replayMonitor(log, std::stod(start), MonitorParameters());
     ASSERT_EQ(outputs.size(), rows.size());
@@ -317,15 +302,15 @@ TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
   fs::remove(scan(drive, 8));
   fs::create_directory(scan(drive, 8));  // cannot be read, root or not
   run(drive);
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   expectRows(kScans);
 
   const nlohmann::json json = summary();
   EXPECT_EQ(json["dropped"], 4);
   EXPECT_EQ(json["by_status"]["predicted"], 4);
   ASSERT_EQ(json["bad_scans"].size(), 4u);
-  const std::vector<std::string> warnings = linesOf(stderr_);
-  ASSERT_EQ(warnings.size(), 4u) << stderr_;
+  const std::vector<std::string> warnings = linesOf(result_.err);
+  ASSERT_EQ(warnings.size(), 4u) << result_.err;
   const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
   std::size_t k = 0;
   for (const int number : {3, 5, 6, 8}) {
@@ -350,7 +335,7 @@ TEST_F(OfflineOdometry, NamesNeedNotBeUtf8) {
   for (int i = 0; i < 2; ++i) fs::copy_file(scan(base() / "drive", i), scan(drive, i));
   std::ofstream(scan(drive, 2)).close();
   run(drive);
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(summary()["dropped"], 1);
 }
 
@@ -359,8 +344,8 @@ TEST_F(OfflineOdometry, AGapInTheNumbersIsAGapInTime) {
   fs::remove(scan(drive, 4));
   fs::remove(scan(drive, 7));
   run(drive);
-  ASSERT_EQ(exit_code_, 0) << stderr_;
-  EXPECT_EQ(stderr_, "");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.err, "");
   expectRows(kScans - 2);
   EXPECT_EQ(summary()["dropped"], 0);
   const std::vector<Pose> lidar = readKittiTrajectory(out("trajectory_kitti.txt").string());
@@ -370,18 +355,18 @@ TEST_F(OfflineOdometry, AGapInTheNumbersIsAGapInTime) {
 
 TEST_F(OfflineOdometry, RunsPartOfADrive) {
   run(base() / "drive", "--first 3 --count 4");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   expectRows(4);
   EXPECT_TRUE(readKittiTrajectory(out("trajectory_kitti.txt").string())[0].isApprox(Pose::Identity(), 1e-9));
   EXPECT_NEAR(std::stod(readCsv(out("per_sweep.csv"))[0]["stamp"]), 0.3, 1e-9);
   run(base() / "drive", "--first 8 --count 9223372036854775807");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   expectRows(2);
 }
 
 TEST_F(OfflineOdometry, RunsThePaperProfile) {
   run(base() / "drive", "--profile paper --count 5");
-  ASSERT_EQ(exit_code_, 0) << stderr_;
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(summary()["profile"], "paper");
   expectRows(5);
 }
@@ -391,8 +376,8 @@ TEST_F(OfflineOdometry, FailsWhenNoScanCanBeUsed) {
   fs::create_directories(drive / "velodyne");
   for (int i = 0; i < 3; ++i) std::ofstream(scan(drive, i)).close();
   run(drive);
-  EXPECT_EQ(exit_code_, 1);
-  EXPECT_NE(stderr_.find("no scan of " + drive.string() + " could be used"), std::string::npos) << stderr_;
+  EXPECT_EQ(result_.exit_code, 1);
+  EXPECT_NE(result_.err.find("no scan of " + drive.string() + " could be used"), std::string::npos) << result_.err;
   expectRows(3);
 }
 
@@ -444,11 +429,11 @@ TEST_F(OfflineOdometry, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
 
 TEST_F(OfflineOdometry, HelpListsTheOptions) {
   runPlain("--help");
-  EXPECT_EQ(exit_code_, 0);
-  EXPECT_EQ(stderr_, "");
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_EQ(result_.err, "");
   for (const char* option : {"--kitti", "--output", "--profile", "--vehicle", "--sensor", "--cfg", "--set", "--threads",
                              "--first", "--count", "--redundant-at"}) {
-    EXPECT_NE(stdout_.find(option), std::string::npos) << option;
+    EXPECT_NE(result_.out.find(option), std::string::npos) << option;
   }
 }
 

@@ -1,11 +1,9 @@
 // Runs scripts/report on made-up runs; REPORT_SCRIPT is its path (compile definition).
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,6 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "../support/tool_run.hpp"
+
+namespace fail_aware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -20,17 +21,6 @@ namespace fs = std::filesystem;
 constexpr int kSweeps = 60;
 const std::vector<std::string> kPictures = {"trajectory", "error",   "indicator", "time_to_failure",
                                             "timeline",   "weights", "nis",       "stage_times"};
-
-std::string content(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-std::size_t countOf(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
 
 /// A straight drive at 10 m/s whose odometry is 2 % too long: 0.6 m are passed 3 s after t1 = 1 s.
 class Report : public ::testing::Test {
@@ -80,20 +70,14 @@ class Report : public ::testing::Test {
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  void run(const std::string& arguments) {
-    const std::string command =
-        "'" REPORT_SCRIPT "' " + arguments + " >'" + path("stdout") + "' 2>'" + path("stderr") + "'";
-    const int status = std::system(command.c_str());
-    exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    stderr_ = content(folder_ / "stderr");
-  }
+  void run(const std::string& arguments) { result_ = runProgram(REPORT_SCRIPT, arguments, folder_); }
 
   std::string runForPage(const std::string& more) {
     run(path("run") + " --output " + path("page.html") + " " + more);
-    EXPECT_EQ(exit_code_, 0) << stderr_;
-    EXPECT_EQ(stderr_, "");
-    EXPECT_EQ(content(folder_ / "stdout"), path("page.html") + "\n");
-    return content(folder_ / "page.html");
+    EXPECT_EQ(result_.exit_code, 0) << result_.err;
+    EXPECT_EQ(result_.err, "");
+    EXPECT_EQ(result_.out, path("page.html") + "\n");
+    return contentOf(folder_ / "page.html");
   }
 
   static std::string sectionOf(const std::string& page, const std::string& id) {
@@ -118,15 +102,14 @@ class Report : public ::testing::Test {
 
   void expectRefused(const std::string& arguments, const std::string& part) {
     run(arguments);
-    EXPECT_EQ(exit_code_, 2) << arguments << "\n" << stderr_;
-    EXPECT_EQ(stderr_.rfind("report: error: ", 0), 0u) << stderr_;
-    EXPECT_EQ(countOf(stderr_, "\n"), 1u) << stderr_;
-    EXPECT_NE(stderr_.find(part), std::string::npos) << "'" << part << "' not in: " << stderr_;
+    EXPECT_EQ(result_.exit_code, 2) << arguments << "\n" << result_.err;
+    EXPECT_EQ(result_.err.rfind("report: error: ", 0), 0u) << result_.err;
+    EXPECT_EQ(countOf(result_.err, "\n"), 1u) << result_.err;
+    EXPECT_NE(result_.err.find(part), std::string::npos) << "'" << part << "' not in: " << result_.err;
   }
 
   fs::path folder_;
-  int exit_code_ = -1;
-  std::string stderr_;
+  ToolRun result_;
 };
 
 TEST_F(Report, HoldsAllPicturesAndTheTable) {
@@ -202,10 +185,11 @@ TEST_F(Report, RefusesWhatItCannotUse) {
 
 TEST_F(Report, ExplainsItself) {
   run("--help");
-  EXPECT_EQ(exit_code_, 0);
-  EXPECT_NE(content(folder_ / "stdout").find("--ground-truth"), std::string::npos);
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_NE(result_.out.find("--ground-truth"), std::string::npos);
   run("");
-  EXPECT_EQ(exit_code_, 2);
+  EXPECT_EQ(result_.exit_code, 2);
 }
 
 }  // namespace
+}  // namespace fail_aware

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/arena_size.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/scene.hpp"
@@ -77,7 +78,7 @@ struct DriveSimulation::Impl {
         lidar(seed, p.lidar),
         traffic(seed),
         vehicle(seed, p.drive, scene.road(), scene.terrain()),
-        arena(std::min(threads, tbb::this_task_arena::max_concurrency())),
+        arena(arenaSize(threads)),
         sweeps(static_cast<std::size_t>(std::max(1L, std::lround(p.duration_s / p.lidar.period_s)))) {
     for (VehicleShape shape : kShapes) {
       Mesh mesh;

@@ -4,35 +4,17 @@
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "trajectory_poses.hpp"
 
 namespace fail_aware {
 namespace {
-
-Pose at(double x, double y, double z = 0.0, double yaw_rad = 0.0) {
-  Pose T = Pose::Identity();
-  T.translation() << x, y, z;
-  T.linear() = rotationFromRpy(0.0, 0.0, yaw_rad);
-  return T;
-}
 
 std::vector<Pose> curve() {
   std::vector<Pose> poses;
   for (int i = 0; i < 40; ++i) {
     poses.push_back(at(i, std::sin(0.2 * i), 0.1 * std::cos(0.3 * i), 0.2 * std::cos(0.2 * i)));
   }
-  return poses;
-}
-
-Pose someMotion() {
-  Vector6d v;
-  v << 10.0, -20.0, 3.0, 0.1, -0.2, 2.5;
-  return poseFromVector(v);
-}
-
-std::vector<Pose> moved(const Pose& T, std::vector<Pose> poses) {
-  for (Pose& pose : poses) pose = T * pose;
   return poses;
 }
 

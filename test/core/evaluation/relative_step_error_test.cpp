@@ -2,29 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "trajectory_poses.hpp"
 
 namespace fail_aware {
 namespace {
-
-Pose at(double x, double y, double z = 0.0, double yaw_rad = 0.0) {
-  Pose T = Pose::Identity();
-  T.translation() << x, y, z;
-  T.linear() = rotationFromRpy(0.0, 0.0, yaw_rad);
-  return T;
-}
-
-Pose someMotion() {
-  Vector6d v;
-  v << 10.0, -20.0, 3.0, 0.1, -0.2, 2.5;
-  return poseFromVector(v);
-}
-
-std::vector<Pose> moved(const Pose& T, std::vector<Pose> poses) {
-  for (Pose& pose : poses) pose = T * pose;
-  return poses;
-}
 
 TEST(RelativeStepError, OneBadStepByHand) {
   const std::vector<Pose> truth = {at(0, 0), at(1, 0), at(2, 0), at(3, 0), at(4, 0)};

@@ -4,19 +4,12 @@
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "trajectory_poses.hpp"
 
 namespace fail_aware {
 namespace {
-
-Pose at(double x, double y, double z = 0.0, double yaw_rad = 0.0) {
-  Pose T = Pose::Identity();
-  T.translation() << x, y, z;
-  T.linear() = rotationFromRpy(0.0, 0.0, yaw_rad);
-  return T;
-}
 
 std::vector<double> tenHertz(std::size_t count) {
   std::vector<double> stamps_s;

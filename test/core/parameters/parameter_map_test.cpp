@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "error_of.hpp"
+
 namespace fail_aware {
 namespace {
 
@@ -35,16 +37,6 @@ struct Params {
     v("range_m", self.range_m);
   }
 };
-
-template <class Action>
-std::string errorOf(Action&& action) {
-  try {
-    action();
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(ParameterMap, listsNestedFieldsInTheirOrder) {
   const ParameterList list = toList(Params());

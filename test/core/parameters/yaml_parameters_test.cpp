@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "error_of.hpp"
+
 namespace fail_aware {
 namespace {
 
@@ -43,16 +45,6 @@ struct Params {
     v("source", self.source);
   }
 };
-
-template <class Action>
-std::string errorOf(Action&& action) {
-  try {
-    action();
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 std::string parseError(const std::string& text) {
   return errorOf([&] { parseYaml(text, "a.yaml"); });
