@@ -189,8 +189,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       prediction_ = task.prediction;
       sources_->open(header.stamp);
       // the first sweep has nothing to search a motion with
-      const bool searches = !task.prediction.motion_known && !task.first();
-      deadline_at_ = opened_at_ + ros::WallDuration(searches ? params_.first_deadline_s : params_.deadline_s);
+      searches_ = !task.prediction.motion_known && !task.first();
       prediction_publisher_.publish(messages::SweepPredictionConstPtr(
           boost::make_shared<messages::SweepPrediction>(toMessage(task, header, last_stamp_))));
       if (sources_->allAnswered()) close();
@@ -209,9 +208,17 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   }
 
   void checkDeadline() {
-    if (!open_ || (ros::SteadyTime::now() < deadline_at_ && !sources_->allAnswered())) return;
+    if (!open_ || !(isOverdue() || sources_->allAnswered())) return;
     close();
     opening_->request();
+  }
+
+  /// More patience with those that are at work: a late estimate is better than none.
+  bool isOverdue() const {
+    const double open_s = (ros::SteadyTime::now() - opened_at_).toSec();
+    if (open_s < params_.deadline_s) return false;
+    const double longest_s = searches_ ? params_.first_deadline_s : params_.late_deadline_s;
+    return open_s >= longest_s || !sources_->isAtWork(!searches_);
   }
 
   void close() {
@@ -377,8 +384,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   SweepPrediction prediction_;            ///< of the open sweep
   PoseSetting pose_setting_;
   bool last_corrected_ = false;
-  ros::Time last_stamp_;  ///< closed
-  ros::SteadyTime opened_at_, deadline_at_;
+  ros::Time last_stamp_;   ///< closed
+  bool searches_ = false;  ///< the open sweep, for the first motion
+  ros::SteadyTime opened_at_;
   double latency_s_ = 0.0;  ///< of the last estimate
   RateMeter rate_;
   std::unique_ptr<TrajectoryRecord> trajectory_;

@@ -14,7 +14,8 @@ struct FusionUkfNodeletParams {
   bool publish_tf = true;                   ///< odom_frame -> base_frame
   std::string lidar_in_base_source = "tf";  ///< tf: looked up once; parameter: sensor/lidar_in_base
   double deadline_s = 0.25;                 ///< from prediction to closing a sweep
-  double first_deadline_s = 2.0;            ///< while no motion is known: the search for it takes longer
+  double late_deadline_s = 0.75;            ///< where somebody has not answered whose last answer was late
+  double first_deadline_s = 10.0;           ///< while no motion is known: for those who are at work on the search
   int queue_size = 3;                       ///< sweeps that may wait for the open one
   double max_reorder_s = kMaxReorder_s;     ///< a stamp further back than this is a jump in time: reset
   int absent_after_sweeps = 3;              ///< misses in a row until a source is no longer waited for
@@ -30,6 +31,7 @@ struct FusionUkfNodeletParams {
     v("publish_tf", self.publish_tf);
     v("lidar_in_base_source", self.lidar_in_base_source);
     v("deadline_s", self.deadline_s);
+    v("late_deadline_s", self.late_deadline_s);
     v("first_deadline_s", self.first_deadline_s);
     v("queue_size", self.queue_size);
     v("max_reorder_s", self.max_reorder_s);
@@ -45,6 +47,7 @@ struct FusionUkfNodeletParams {
       throw ParameterError("lidar_in_base_source: must be tf or parameter, not " + lidar_in_base_source);
     }
     requirePositive("deadline_s", deadline_s);
+    requirePositive("late_deadline_s", late_deadline_s);
     requirePositive("first_deadline_s", first_deadline_s);
     requireWithin("queue_size", queue_size, 1, 100);
     requireNotNegative("max_reorder_s", max_reorder_s);

@@ -113,30 +113,44 @@ void MeasurementSources::reset() {
 
 bool MeasurementSources::awaited(const Source& source) const {
   if (!source.used || !source.exact) return false;
-  const bool has_points = !source.built_in || findings_ || canAnswer(check_subscriber_, check_missed_);
-  return has_points && canAnswer(source.subscriber, source.missed);
+  const bool has_points = !source.built_in || findings_ || checkAwaited();
+  return has_points && canAnswer(source.subscriber, source.record);
 }
 
 bool MeasurementSources::allAnswered() const {
-  if (!findings_ && canAnswer(check_subscriber_, check_missed_)) return false;
-  return std::all_of(sources_.begin(), sources_.end(),
-                     [this](const Source& source) { return source.measurement || !awaited(source); });
+  return !checkAwaited() && std::all_of(sources_.begin(), sources_.end(), [this](const Source& source) {
+    return source.measurement || !awaited(source);
+  });
+}
+
+bool MeasurementSources::isAtWork(bool late_only) const {
+  const auto patience = [&](const AnswerRecord& record) {
+    return record.isAtWork() && (record.isLate() || !late_only);
+  };
+  if (checkAwaited()) return patience(check_record_);  // the others wait for it, too
+  return std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
+    return !source.measurement && awaited(source) && patience(source.record);
+  });
 }
 
 void MeasurementSources::onCheck(const messages::SweepCheck& message) {
-  check_missed_ = 0;
-  if (message.header.stamp != open_) return;
+  if (message.header.stamp != open_) {
+    check_record_.late();
+    return;
+  }
+  check_record_.inTime();
   findings_ = fromMessage(message);
   check_points_ = message.points;
   answered_();
 }
 
 void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasurement& message) {
-  source.missed = 0;
   if (message.header.stamp != open_ || open_.isZero()) {
+    source.record.late();
     ++source.late;
     return;
   }
+  source.record.inTime();
   source.measurement = fromMessage(message);
   source.last_status = toString(source.measurement->status);
   source.last_duration_s = message.duration;
@@ -185,7 +199,7 @@ SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const 
   SweepAccount account;
   account.findings = findings_;
   account.sweep_points = sweep_points_ >= 0 ? sweep_points_ : check_points_ == 0 ? 0 : -1;
-  if (!findings_) ++check_missed_;
+  if (!findings_) check_record_.miss();
   const std::optional<Vector6d> twist =
       twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
   for (Source& source : sources_) {
@@ -202,7 +216,7 @@ SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const 
         ++source.answers;
       }
     } else if (!source.measurement) {
-      ++source.missed;
+      source.record.miss();
     }
     account.sources.push_back({source.name, source.measurement, source.exact, !source.built_in});
   }
@@ -212,9 +226,9 @@ SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const 
 
 std::string MeasurementSources::absent() const {
   std::string names;
-  if (!canAnswer(check_subscriber_, check_missed_)) names += " sweep_correction";
+  if (!canAnswer(check_subscriber_, check_record_)) names += " sweep_correction";
   for (const Source& source : sources_) {
-    if (source.used && source.exact && !canAnswer(source.subscriber, source.missed)) names += ' ' + source.name;
+    if (source.used && source.exact && !canAnswer(source.subscriber, source.record)) names += ' ' + source.name;
   }
   return names;
 }

@@ -3,7 +3,7 @@
 //
 // Not waited for: a source that nobody publishes, one that missed absent_after_sweeps in a row (until it is heard
 // again), the three measurements while SweepCorrection is silent, and poses with a stamp of their own (they are taken
-// when the sweep is closed, the nearest in time).
+// when the sweep is closed, the nearest in time). Whoever answers late is at work, and is told from who is silent.
 //
 // Parameters: ~extra_sources/NAME/{topic, type, tolerance_s}. type: PoseMeasurement (stamp of the sweep, exactly;
 // waited for) or PoseWithCovarianceStamped (base_link in odom, or in a frame that tf knows in odom).
@@ -22,6 +22,7 @@
 #include <optional>
 #include <string>
 
+#include "answer_record.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
 
@@ -61,6 +62,8 @@ class MeasurementSources {
 
   void open(const ros::Time& stamp);
   bool allAnswered() const;
+  /// Somebody at work has not answered yet: for `late_only` one whose last answer was late.
+  bool isAtWork(bool late_only) const;
   /// What came for the open sweep; poses with stamps of their own are moved to it with the predicted motion.
   SweepAccount close(const SweepPrediction& prediction, const Pose& T_base_cog);
   void reset();
@@ -80,7 +83,7 @@ class MeasurementSources {
     ros::Subscriber subscriber;
     std::optional<Measurement> measurement;  ///< of the open sweep
     ExternalPoseBuffer poses;
-    int missed = 0;  ///< sweeps in a row
+    AnswerRecord record;
     std::size_t answers = 0, late = 0, refused = 0;
     std::string refused_because;
     std::string last_status = "none yet";
@@ -88,9 +91,10 @@ class MeasurementSources {
   };
 
   Source& add(const std::string& name);
-  bool canAnswer(const ros::Subscriber& subscriber, int missed) const {
-    return missed < absent_after_sweeps_ && subscriber.getNumPublishers() > 0;
+  bool canAnswer(const ros::Subscriber& subscriber, const AnswerRecord& record) const {
+    return !record.isSilent(absent_after_sweeps_) && subscriber.getNumPublishers() > 0;
   }
+  bool checkAwaited() const { return !findings_ && canAnswer(check_subscriber_, check_record_); }
   bool awaited(const Source& source) const;
   void onCheck(const messages::SweepCheck& message);
   void onMeasurement(Source& source, const messages::PoseMeasurement& message);
@@ -105,7 +109,7 @@ class MeasurementSources {
   std::deque<Source> sources_;
   ros::Subscriber check_subscriber_;
   std::optional<SweepFindings> findings_;
-  int check_missed_ = 0;
+  AnswerRecord check_record_;
   int check_points_ = -1;
   int sweep_points_ = -1;
   std::unique_ptr<tf2_ros::Buffer> tf_buffer_;

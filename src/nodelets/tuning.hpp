@@ -18,6 +18,7 @@ struct FusionUkfTuning {
     v("use_plane", self.registration.use_plane);
     v("use_corners", self.registration.use_corners);
     v("deadline_s", self.node.deadline_s);
+    v("late_deadline_s", self.node.late_deadline_s);
     v("first_deadline_s", self.node.first_deadline_s);
     v("queue_size", self.node.queue_size);
     v("max_reorder_s", self.node.max_reorder_s);
