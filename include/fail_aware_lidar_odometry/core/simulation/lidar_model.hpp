@@ -1,5 +1,5 @@
-// A spinning lidar's geometry and errors: by default a Velodyne HDL-64E as KITTI has it (DESIGN's conventions:
-// clockwise from the rear, 10 Hz, 2083 columns).
+// A spinning lidar's geometry and errors: by default a Velodyne HDL-64E as KITTI has it (clockwise from
+// the rear, 10 Hz, 2083 columns).
 //
 // 64 beams: 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg. A head's
 // calibration is never perfect: each beam has a range bias and an elevation error, constant over a drive, drawn from
