@@ -22,6 +22,7 @@ void collect(const std::string& key, XmlRpcValue value, ParameterMap& map) {
     case XmlRpcValue::TypeString: map[key] = static_cast<std::string>(value); return;
     case XmlRpcValue::TypeArray: {
       std::vector<double> numbers;
+      numbers.reserve(static_cast<std::size_t>(value.size()));
       for (int i = 0; i < value.size(); ++i) numbers.push_back(numberOf(key, value[i]));
       map[key] = numbers;
       return;
