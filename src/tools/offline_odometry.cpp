@@ -17,11 +17,11 @@
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "json.hpp"
 #include "sweep_log.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
 #include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
-#include "json.hpp"
 #endif
 
 namespace {

@@ -11,11 +11,11 @@
 #include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/fault_injector.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/sweep_stamping.hpp"
+#include "json.hpp"
 #include "simulation_options.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
 #include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
-#include "json.hpp"
 #endif
 
 namespace {
