@@ -64,10 +64,6 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
 
   static double now_s() { return ros::Time::isSimTime() ? ros::Time::now().toSec() : ros::SteadyTime::now().toSec(); }
 
-  double staleAfter_s() const {
-    return params_.stale_sweeps * std::clamp(period_s_, params_.min_period_s, params_.max_period_s);
-  }
-
   void onState(const messages::FilterStateConstPtr& message) {
     const std::optional<FilterState> state = fromMessage(*message);
     if (!state) return;
@@ -97,11 +93,13 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     heard_s_ = std::min(heard_s_, now);  // simulated time may begin anew
     published_s_ = std::min(published_s_, now);
     const double silence_s = now - heard_s_;
-    if (silence_s < staleAfter_s() || now - published_s_ < kStalePeriod_s) return;
+    if (silence_s < staleAfter_s(params_.silence, period_s_) || now - published_s_ < kStalePeriod_s) return;
     const bool heard = !header_.stamp.isZero();
-    output_.state = heard ? FailAwareState::kFailed : FailAwareState::kUnknown;
-    output_.reasons |= kReasonStale;
-    output_.time_to_failure = heard ? TimeToFailure::reached() : TimeToFailure::unknown();
+    output_ = staleOutput(output_);
+    if (!heard) {
+      output_.state = FailAwareState::kUnknown;
+      output_.time_to_failure = TimeToFailure::unknown();
+    }
     std_msgs::Header header = header_;
     if (heard) header.stamp = later(header.stamp, silence_s);
     publish(header);

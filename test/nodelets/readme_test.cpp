@@ -51,7 +51,7 @@ TEST(Readme, SilenceIsToldBeforeThePlannersPatienceEnds) {
   EXPECT_EQ(numberIn(contract, R"(toSec\(\) > ([0-9.]+);)"), patience_s) << "the C++ example";
   EXPECT_EQ(numberIn(contract, R"(heard > ([0-9.]+)\n)"), patience_s) << "the Python example";
   const FailAwareMonitorNodeletParams monitor;
-  EXPECT_LT(monitor.stale_sweeps * monitor.max_period_s, patience_s);
+  EXPECT_LT(monitor.silence.stale_sweeps * monitor.silence.max_period_s, patience_s);
 }
 
 std::string asText(const ParameterValue& value) {

@@ -17,6 +17,7 @@ std::optional<LeadTime> leadTime(const FailAwareEpisode& episode) {
   for (std::size_t i = 0; i < episode.sweepsBeforeFailure(); ++i) {
     const FailAwareSweep& sweep = episode.sweeps[i];
     if (isAlarm(sweep.output.state)) return LeadTime{sweep.remaining_s, sweep.speed_mps};
+    if (sweep.silent_s > 0.0) return LeadTime{episode.sweeps[i + 1].remaining_s + sweep.silent_s, sweep.speed_mps};
   }
   return std::nullopt;
 }
@@ -38,14 +39,15 @@ AlarmStatistics alarmStatistics(const std::vector<FailAwareEpisode>& episodes, d
     for (std::size_t i = 0; i < episode.sweepsBeforeFailure(); ++i) {
       const FailAwareSweep& sweep = episode.sweeps[i];
       const bool is_up = isAlarm(sweep.output.state);
-      if (is_up && !was_up && sweep.remaining_s > early_s) ++statistics.false_alarms;
-      was_up = is_up;
+      const bool rises = !was_up && (is_up || sweep.silent_s > 0.0);
+      if (rises && sweep.remaining_s > early_s) ++statistics.false_alarms;
+      was_up = is_up || sweep.silent_s > 0.0;
       // a sweep's state holds until the next sweep, at the end of the run for nothing
       const bool last = i + 1 == episode.sweeps.size();
       const double held_s = last ? 0.0 : episode.sweeps[i + 1].since_start_s - sweep.since_start_s;
       statistics.watched_s += held_s;
-      if (is_up) statistics.alarm_s += held_s;
-      if (sweep.output.state == FailAwareState::kUnknown) statistics.unknown_s += held_s;
+      statistics.alarm_s += is_up ? held_s : sweep.silent_s;
+      if (sweep.output.state == FailAwareState::kUnknown) statistics.unknown_s += held_s - sweep.silent_s;
     }
   }
   return statistics;

@@ -8,7 +8,8 @@ namespace fail_aware {
 namespace {
 
 FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
-                             const FailureEpisode& found, const MonitorParameters& monitor, double alert_limit_m) {
+                             const FailureEpisode& found, const MonitorParameters& monitor, double alert_limit_m,
+                             const SilenceParams& silence) {
   FailAwareEpisode episode;
   episode.begin_s = found.begin_s;
   episode.failed = found.failed;
@@ -30,6 +31,10 @@ FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<M
     sweep.error_m =
         (T_begin_truth * truth[i].translation() - T_begin_estimate * state.T_odom_cog.translation()).head<2>();
     sweep.output = outputs[i];
+    if (i + 1 < log.size()) {
+      const double interval_s = log[i + 1].state.stamp_s - state.stamp_s;
+      sweep.silent_s = std::max(0.0, interval_s - staleAfter_s(silence, state.dt_s));
+    }
     episode.sweeps.push_back(sweep);
   }
   return episode;
@@ -45,8 +50,8 @@ std::size_t FailAwareEpisode::sweepsBeforeFailure() const {
 }
 
 std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
-                                                const MonitorParameters& monitor,
-                                                const FailureEpisode::Params& params) {
+                                                const MonitorParameters& monitor, const FailureEpisode::Params& params,
+                                                const SilenceParams& silence) {
   std::vector<Pose> estimate;
   std::vector<double> stamps_s;
   for (const MonitorInput& input : log) {
@@ -55,7 +60,7 @@ std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, 
   }
   std::vector<FailAwareEpisode> episodes;
   for (const FailureEpisode& found : failureEpisodes(truth, estimate, stamps_s, params)) {
-    episodes.push_back(makeEpisode(truth, log, found, monitor, params.alert_limit_m));
+    episodes.push_back(makeEpisode(truth, log, found, monitor, params.alert_limit_m, silence));
   }
   return episodes;
 }

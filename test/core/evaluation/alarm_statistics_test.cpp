@@ -52,6 +52,21 @@ TEST(AlarmStatistics, EveryRiseIsAnAlarm) {
   EXPECT_EQ(s.false_alarms, 3u);
 }
 
+TEST(AlarmStatistics, SilenceIsAnAlarm) {
+  FailAwareEpisode episode = madeUpEpisode("oooooX", 5);
+  EXPECT_EQ(alarmStatistics({episode}).missed, 1u);
+  episode.sweeps[3].silent_s = 0.07;  // of the 0.1 s to the next sweep
+  EXPECT_NEAR(leadTime(episode)->lead_s, 0.17, 1e-9);
+  const AlarmStatistics s = alarmStatistics({episode}, 0.15);
+  EXPECT_EQ(s.missed, 0u);
+  EXPECT_NEAR(s.alarm_s, 0.07, 1e-9);
+  EXPECT_NEAR(s.watched_s, 0.5, 1e-9);
+  EXPECT_EQ(s.false_alarms, 1u);
+  episode = madeUpEpisode("oooFFX", 5);
+  episode.sweeps[4].silent_s = 0.07;
+  EXPECT_NEAR(alarmStatistics({episode}).alarm_s, 0.2, 1e-9) << "up already";
+}
+
 TEST(AlarmStatistics, TheLeadMustSufficeForAStop) {
   // 4 m/s: 2 s at 2 m/s^2, 1 s at 4 m/s^2; the alarm comes 1.5 s before the failure
   const std::string states = "oooooFFFFFFFFFFFFFFFX";

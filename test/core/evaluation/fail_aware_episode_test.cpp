@@ -57,6 +57,17 @@ TEST(FailAwareEpisode, HoldsTheErrorAndWhatTheMonitorSaid) {
   EXPECT_GT(sweep.output.protection_level_m, sweep.output.sigma_y_m);
 }
 
+TEST(FailAwareEpisode, KnowsHowLongTheMonitorHeardNothing) {
+  Drive drive(60, 0.0);
+  for (std::size_t i = 40; i < drive.log.size(); ++i) drive.log[i].state.stamp_s += 1.0;
+  drive.log[40].state.dt_s = 1.1;
+  const FailAwareEpisode episode = failAwareEpisodes(drive.truth, drive.log, MonitorParameters()).front();
+  EXPECT_NEAR(episode.sweeps[39].silent_s, 0.8, 1e-6) << "stale after three periods";
+  EXPECT_EQ(episode.sweeps[38].silent_s, 0.0);
+  EXPECT_EQ(episode.sweeps[40].silent_s, 0.0);
+  EXPECT_EQ(episode.sweeps.back().silent_s, 0.0);
+}
+
 TEST(FailAwareEpisode, JudgedAtOneThreeFiveAndEverySecondBeforeTheFailure) {
   EXPECT_EQ(judgedSweeps(madeUpEpisode(std::string(85, 'o'), -1)), (std::vector<std::size_t>{10, 30, 50, 60, 70, 80}));
   EXPECT_EQ(judgedSweeps(madeUpEpisode(std::string(85, 'o'), 60)), (std::vector<std::size_t>{10, 30, 50}));

@@ -1,4 +1,4 @@
-// What a planner that acts on the state would have lived through. Alarm: state FAILING or FAILED.
+// What a planner that acts on the state would have lived through. Alarm: state FAILING or FAILED, silence (STALE) included.
 //
 // Everything is counted before the failure (or, without one, up to the run's end):
 // missed       failing episodes without any alarm before the failing sweep

@@ -11,6 +11,7 @@
 
 #include "fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
 
 namespace fail_aware {
 
@@ -21,6 +22,7 @@ struct FailAwareSweep {
   double speed_mps = 0.0;    ///< the estimate's
   Eigen::Vector2d error_m = Eigen::Vector2d::Zero();  ///< truth - estimate, in the frame at t1
   MonitorOutput output;
+  double silent_s = 0.0;  ///< at the end of the time to the next sweep: as long as the live monitor says FAILED, STALE
 };
 
 struct FailAwareEpisode {
@@ -38,7 +40,8 @@ struct FailAwareEpisode {
 /// `truth[i]`: the pose (cog) at `log[i]`. Throws InputError, ParameterError.
 std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
                                                 const MonitorParameters& monitor,
-                                                const FailureEpisode::Params& params = {});
+                                                const FailureEpisode::Params& params = {},
+                                                const SilenceParams& silence = {});
 
 /// Indices of the sweeps at which predictions are judged: 1, 3, 5 s after t1, and every further second before the
 /// failure.

@@ -1,0 +1,26 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
+
+#include <algorithm>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+void SilenceParams::validate() const {
+  requirePositive("stale_sweeps", stale_sweeps);
+  requirePositive("min_period_s", min_period_s);
+  requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
+}
+
+double staleAfter_s(const SilenceParams& params, double period_s) {
+  return params.stale_sweeps * std::clamp(period_s, params.min_period_s, params.max_period_s);
+}
+
+MonitorOutput staleOutput(MonitorOutput last) {
+  last.state = FailAwareState::kFailed;
+  last.reasons |= kReasonStale;
+  last.time_to_failure = TimeToFailure::reached();
+  return last;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,40 @@
+#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
+
+#include <gtest/gtest.h>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+TEST(Silence, IsStaleAfterSomePeriodsWithinBounds) {
+  const SilenceParams params;
+  EXPECT_DOUBLE_EQ(staleAfter_s(params, 0.1), 0.3);
+  EXPECT_DOUBLE_EQ(staleAfter_s(params, 0.0), 0.15) << "the first sweep knows of no period";
+  EXPECT_DOUBLE_EQ(staleAfter_s(params, 2.0), 0.45) << "after a gap";
+}
+
+TEST(Silence, SaysFailedAndKeepsWhatWasKnown) {
+  MonitorOutput last;
+  last.state = FailAwareState::kOk;
+  last.reasons = kReasonMissingCorners;
+  last.time_to_failure = TimeToFailure::fromSeconds(20.0, 60.0);
+  last.eta = 1e-4;
+  const MonitorOutput stale = staleOutput(last);
+  EXPECT_EQ(stale.state, FailAwareState::kFailed);
+  EXPECT_EQ(stale.reasons, kReasonMissingCorners | kReasonStale);
+  EXPECT_EQ(stale.time_to_failure.status, TimeToFailureStatus::kReached);
+  EXPECT_EQ(stale.eta, 1e-4);
+}
+
+TEST(Silence, RefusesRulesThatNeverOrAlwaysHold) {
+  SilenceParams params;
+  params.stale_sweeps = 0.0;
+  EXPECT_THROW(params.validate(), ParameterError);
+  params = SilenceParams();
+  params.min_period_s = 0.2;
+  EXPECT_THROW(params.validate(), ParameterError) << "above max_period_s";
+}
+
+}  // namespace
+}  // namespace fail_aware
