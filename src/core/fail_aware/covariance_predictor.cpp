@@ -35,14 +35,16 @@ Matrix6 grown(const Matrix6& S, const Matrix6& L, const Matrix6& Q, double dt) {
          dt * dt * dt / 3.0 * LQ * L.transpose();
 }
 
-// Probability that an error with sigmas 1 and `ratio` is farther than `radius`. The integrand has period pi and is
+// Probability that an error with scales 1 and `ratio` is farther than `radius`. The integrand has period pi and is
 // symmetric about pi / 2.
-double exceedance(double ratio, double radius) {
+double exceedance(double ratio, double radius, double degrees_of_freedom) {
   constexpr int kSteps = 64;
   double sum = 0.0;
   for (int i = 0; i < kSteps; ++i) {
     const double sine = std::sin(0.5 * M_PI * (i + 0.5) / kSteps);
-    sum += std::exp(-0.5 * radius * radius / (1.0 - (1.0 - ratio * ratio) * sine * sine));
+    const double squared = radius * radius / (1.0 - (1.0 - ratio * ratio) * sine * sine);
+    sum += degrees_of_freedom > 0.0 ? std::pow(1.0 + squared / degrees_of_freedom, -0.5 * degrees_of_freedom)
+                                    : std::exp(-0.5 * squared);
   }
   return sum / kSteps;
 }
@@ -97,19 +99,23 @@ void CovariancePredictor::Params::validate() const {
                    "in (0, 1)");
   requireParameter(alarm_confidence > 0.0 && alarm_confidence <= confidence, "alarm_confidence", alarm_confidence,
                    "in (0, confidence]");
+  requireWithin("degrees_of_freedom", degrees_of_freedom, 0.0, 1e6);
   requirePositive("horizon_s", horizon_s);
   requireParameter(std::isfinite(step_s) && step_s > 0.0 && horizon_s / step_s <= kMaxSteps, "step_s", step_s,
                    "> 0 and at least horizon_s / 100000");
   requireWithin("rate_scale", rate_scale, 0.0, 1e6);
 }
 
-ConfidenceRadius::ConfidenceRadius(double probability) {
+ConfidenceRadius::ConfidenceRadius(double probability, double degrees_of_freedom) {
+  const double n = degrees_of_freedom;
+  const double circle = n > 0.0 ? std::sqrt(n * (std::pow(1.0 - probability, -2.0 / n) - 1.0))
+                                : std::sqrt(-2.0 * std::log1p(-probability));  // the largest
   for (int i = 0; i <= kTable; ++i) {
     const double ratio = static_cast<double>(i) / kTable;
-    double low = 0.0, high = std::sqrt(-2.0 * std::log1p(-probability)) + 1e-9;  // a circle's: the largest
+    double low = 0.0, high = circle * (1.0 + 1e-9);
     for (int k = 0; k < kBisections; ++k) {
       const double middle = 0.5 * (low + high);
-      (exceedance(ratio, middle) > 1.0 - probability ? low : high) = middle;
+      (exceedance(ratio, middle, n) > 1.0 - probability ? low : high) = middle;
     }
     sigmas_[static_cast<std::size_t>(i)] = high;
   }
@@ -124,10 +130,10 @@ double ConfidenceRadius::operator()(const Eigen::Matrix2d& covariance) const {
   return ((1.0 - share) * sigmas_[below] + share * sigmas_[below + 1]) * sigmas[0];
 }
 
-double exceedance(const Eigen::Matrix2d& covariance, double radius) {
+double exceedance(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom) {
   const Eigen::Vector2d sigmas = axesOf(covariance);
   if (sigmas[0] <= 0.0) return 0.0;
-  return exceedance(std::min(sigmas[1] / sigmas[0], 1.0), radius / sigmas[0]);
+  return exceedance(std::min(sigmas[1] / sigmas[0], 1.0), radius / sigmas[0], degrees_of_freedom);
 }
 
 namespace {
@@ -150,7 +156,7 @@ bool isUsable(const CovarianceGrowth& g) {
 }  // namespace
 
 CovariancePredictor::CovariancePredictor(const Params& params)
-    : params_(validated(params)), radius_(params.confidence) {}
+    : params_(validated(params)), radius_(params.confidence, params.degrees_of_freedom) {}
 
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
@@ -163,7 +169,7 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.passing);
   };
   const auto failed = [&](const Matrix6& covariance) {
-    return exceedance(horizontal(covariance), params_.alert_limit_m);
+    return exceedance(horizontal(covariance), params_.alert_limit_m, params_.degrees_of_freedom);
   };
   prediction.radius_m = radius_(horizontal(S));
   prediction.failed_probability = failed(S);

@@ -17,6 +17,7 @@ constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motio
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr double kLongInterval_s = 0.25;  // sweeps are missing
 constexpr double kAgreement_m = 0.2;      // of two measurements that confirm each other
+constexpr int kRotationSweeps = 2;        // in which what one leaves open is measured again
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -194,7 +195,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
     setIncrementCovariance(prediction_, next);
-    const double excess_m = excessDisagreement(next.fusion.disagreement_m);
+    const double excess_m = excessDisagreement(next.fusion.undecided_m);
     next.increment_covariance.diagonal().head<2>().array() += excess_m * excess_m;
     next.unobserved_covariance.diagonal().head<2>().array() += excess_m * excess_m;
   }
@@ -296,8 +297,8 @@ void PoseFilter::updateMotion() {
 }
 
 // One of two measurements that lie apart is wrong, and the fused one may be as wrong as they are apart. Now and then
-// that is chance or a corner taken for another; where it lasts (the median of some sweeps) the odometry is being led
-// astray.
+// that is chance; where it lasts (the median of some sweeps) the odometry is being led astray. A third that two others
+// outvote is not counted.
 double PoseFilter::excessDisagreement(double disagreement_m) {
   constexpr std::size_t kSweeps = 5;
   disagreements_m_.push_back(disagreement_m);
@@ -312,13 +313,18 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
   // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T, along the
   // directions that R does not observe all of Q, and the measurement's part K R K^T.
   const Matrix6d& Q = process_noise_;
-  Matrix6d from_prediction = Q, from_measurement = Matrix6d::Zero();
+  Matrix6d from_prediction = Q, lasting = Q, from_measurement = Matrix6d::Zero();
   if (!isAsPredicted(state)) {
     const Matrix6d sum = Q + state.fusion.R;
     const Matrix6d K = sum.ldlt().solve(Q).transpose();
     const Matrix6d left = Matrix6d::Identity() - K;
     from_prediction = left * Q * left.transpose();
     from_measurement = K * state.fusion.R * K.transpose();
+    // A rotation that this sweep leaves open is measured again by the next ones, against the same map.
+    Matrix6d left_open = left, rotation = left;
+    for (int sweep = 1; sweep < kRotationSweeps; ++sweep) rotation = (rotation * left).eval();
+    left_open.bottomRows<3>() = rotation.bottomRows<3>();
+    lasting = left_open * Q * left_open.transpose();
   }
   const Vector6d x = vectorFromPose(state.T_odom_cog);
   const Eigen::Matrix3d R_previous_odom = prediction.T_odom_cog_previous.linear().transpose();
@@ -326,8 +332,8 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
     const Matrix6d scaled = 0.5 * params_.increment_scale * (C + C.transpose());
     return rotateCovariance(toPoseCovariance(scaled, x), R_previous_odom);
   };
-  state.unobserved_covariance = aboutPrevious(from_prediction);
-  state.increment_covariance = state.unobserved_covariance + aboutPrevious(from_measurement);
+  state.unobserved_covariance = aboutPrevious(lasting);
+  state.increment_covariance = aboutPrevious(from_prediction) + aboutPrevious(from_measurement);
   const double floor_m =
       params_.increment_floor_m + params_.increment_per_metre_m * state.T_previous_now.translation().norm();
   const double floor_rad = params_.increment_floor_deg * kDegree;

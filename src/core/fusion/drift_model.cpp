@@ -22,6 +22,8 @@ void DriftModel::Params::validate() const {
   requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
   requireNotNegative("heading_bias_deg_per_m", heading_bias_deg_per_m);
   requireNotNegative("scale_bias", scale_bias);
+  requireWithin("passing_share", passing_share, 0.0, 1e6);
+  requireWithin("passing_rotation_share", passing_rotation_share, 0.0, 1e6);
 }
 
 DriftModel::Params DriftModel::Params::independent() {
@@ -32,6 +34,8 @@ DriftModel::Params DriftModel::Params::independent() {
   params.heading_per_root_metre_deg = 0.0;
   params.heading_bias_deg_per_m = 0.0;
   params.scale_bias = 0.0;
+  params.passing_share = 1.0;
+  params.passing_rotation_share = 1.0;
   return params;
 }
 
@@ -48,7 +52,10 @@ Matrix6d DriftModel::lasting(const Matrix6d& increment, const Matrix6d& unobserv
 }
 
 Matrix6d DriftModel::passing(const Matrix6d& increment, const Matrix6d& unobserved) const {
-  return 0.5 * (1.0 - params_.measured_share) * (increment - unobserved);
+  Vector6d root;
+  root << Eigen::Vector3d::Constant(std::sqrt(params_.passing_share)),
+      Eigen::Vector3d::Constant(std::sqrt(params_.passing_rotation_share));
+  return 0.5 * (1.0 - params_.measured_share) * (root.asDiagonal() * (increment - unobserved) * root.asDiagonal());
 }
 
 Eigen::Vector2d DriftModel::biasVariances() const {

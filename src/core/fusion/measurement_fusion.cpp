@@ -164,6 +164,26 @@ void MeasurementFusion::Params::validate() const {
 
 MeasurementFusion::MeasurementFusion(const Params& params) : params_(params) { params_.validate(); }
 
+namespace {
+
+struct Distance {
+  std::size_t one, other;  ///< inputs
+  double distance_m;       ///< horizontal
+};
+
+double undecided(const std::vector<Distance>& distances, const FusionResult& result) {
+  const auto used = [&](std::size_t input) { return result.weights[input] > 0.0; };
+  const auto count = std::count_if(result.weights.begin(), result.weights.end(), [](double w) { return w > 0.0; });
+  if (count < 2) return result.disagreement_m;
+  double largest_m = 0.0;
+  for (const Distance& d : distances) {
+    if (used(d.one) && used(d.other)) largest_m = std::max(largest_m, d.distance_m);
+  }
+  return largest_m;
+}
+
+}  // namespace
+
 FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
                                      const std::vector<FusionInput>& inputs) const {
   FusionResult result;
@@ -190,6 +210,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   }
   result.valid_inputs = static_cast<int>(candidates.size());
 
+  std::vector<Distance> distances;
   bool any_inside = false;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& c = candidates[i];
@@ -206,7 +227,8 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
       const bool external = inputs[c.input].external || inputs[candidates[j].input].external;
       const Eigen::Matrix2d R_xy = c.R.topLeftCorner<2, 2>() + candidates[j].R.topLeftCorner<2, 2>();
       if (external && mahalanobis2d(apart.head<2>(), R_xy) <= kExternalSigmas) continue;
-      result.disagreement_m = std::max(result.disagreement_m, apart.head<2>().norm());
+      distances.push_back({c.input, candidates[j].input, apart.head<2>().norm()});
+      result.disagreement_m = std::max(result.disagreement_m, distances.back().distance_m);
       result.disagreement_yaw_rad = std::max(result.disagreement_yaw_rad, std::abs(apart[5]));
     }
   }
@@ -223,6 +245,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   if (any_inside && params_.literal) fuseLiteral(candidates, predicted_state, &result);
   if ((any_inside || result.prediction_overruled) && !params_.literal) fuseByInformation(candidates, &result);
   for (int i = 3; i < 6; ++i) result.z[i] = wrapAngle(result.z[i]);
+  result.undecided_m = undecided(distances, result);
   return result;
 }
 

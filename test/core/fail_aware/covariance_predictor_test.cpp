@@ -16,6 +16,7 @@ using Status = TimeToFailureStatus;
 
 CovariancePredictor predictorWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
   CovariancePredictor::Params params;
+  params.degrees_of_freedom = 0.0;
   params.confidence = params.alarm_confidence = confidence;
   params.horizon_s = horizon_s;
   params.step_s = step_s;
@@ -179,6 +180,7 @@ TEST(CovariancePredictor, MoreConfidenceOrMoreNoiseNeverGivesMoreTime) {
     last = seconds;
   }
   CovariancePredictor::Params params;
+  params.degrees_of_freedom = 0.0;
   params.confidence = params.alarm_confidence = 0.95;
   params.rate_scale = 4.0;
   EXPECT_LT(CovariancePredictor(params).predict(growth).time_to_failure.seconds,
@@ -267,6 +269,7 @@ TEST(CovariancePredictor, TheAlarmComesWithItsOwnConfidence) {
   growth.rate.diagonal() << 1e-3, 1e-3, 1e-6;
   growth.speed_mps = 10.0;
   CovariancePredictor::Params params;
+  params.degrees_of_freedom = 0.0;
   params.confidence = 0.95;
   params.alarm_confidence = 0.7;
   const CovariancePredictor both(params);
@@ -289,6 +292,7 @@ TEST(CovariancePredictor, TheTimeToFailureIsThatOfWhatHasNotFailedYet) {
   growth.covariance(0, 0) = 0.09;
   growth.rate(0, 0) = 0.02;
   CovariancePredictor::Params params;
+  params.degrees_of_freedom = 0.0;
   params.confidence = 0.9;
   params.alarm_confidence = 0.5;
   const CovariancePrediction p = CovariancePredictor(params).predict(growth);
@@ -304,6 +308,17 @@ TEST(Exceedance, OfACircleALineAndNothing) {
   EXPECT_NEAR(exceedance(Eigen::Vector2d(4.0, 4.0).asDiagonal(), 3.0), std::exp(-9.0 / 8.0), 1e-12);
   EXPECT_NEAR(exceedance(Eigen::Vector2d(4.0, 0.0).asDiagonal(), 3.0), std::erfc(1.5 / std::sqrt(2.0)), 1e-3);
   EXPECT_EQ(exceedance(Eigen::Matrix2d::Zero(), 0.1), 0.0);
+}
+
+TEST(Exceedance, StudentsTailsAreLonger) {
+  // of a circle (1 + r^2 / n)^(-n / 2); of a line the two-sided quantiles of Student's t, from tables
+  EXPECT_NEAR(exceedance(Eigen::Matrix2d::Identity(), 2.0, 5.0), std::pow(1.8, -2.5), 1e-12);
+  const Eigen::Matrix2d line = Eigen::Vector2d(1.0, 0.0).asDiagonal();
+  EXPECT_NEAR(exceedance(line, 2.570582, 5.0), 0.05, 1e-3);
+  EXPECT_NEAR(ConfidenceRadius(0.95, 5.0)(line), 2.570582, 0.02);
+  const double circle = ConfidenceRadius(0.9, 5.0)(Eigen::Matrix2d::Identity());
+  EXPECT_NEAR(std::pow(1.0 + circle * circle / 5.0, -2.5), 0.1, 1e-9);
+  EXPECT_NEAR(exceedance(Eigen::Matrix2d::Identity(), 2.0, 1e5), exceedance(Eigen::Matrix2d::Identity(), 2.0), 1e-4);
 }
 
 TEST(CovariancePredictor, ParametersAreChecked) {

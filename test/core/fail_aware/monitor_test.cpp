@@ -54,6 +54,7 @@ MonitorParameters independentSweeps() {
   MonitorParameters params;
   params.drift = DriftModel::Params::independent();
   params.predictor.confidence = params.predictor.alarm_confidence = 0.95;
+  params.predictor.degrees_of_freedom = 0.0;
   params.indicator.threshold = 0.001;
   params.indicator.average_s = params.indicator.reference_speed_mps = 0.0;
   return params;

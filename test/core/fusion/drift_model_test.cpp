@@ -33,13 +33,16 @@ TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
   params.position_per_root_metre_m = 0.01;
   params.tilt_per_root_metre_deg = 0.03;
   params.heading_per_root_metre_deg = 0.02;
+  params.passing_share = 0.6;
+  params.passing_rotation_share = 0.1;
   const DriftModel model(params);
   const Matrix6d C = diagonal(5e-4, 5e-6), U = diagonal(1e-4, 1e-6);
   const Matrix6d lasting = model.lasting(C, U, 4.0);
   EXPECT_NEAR(lasting(0, 0), 1e-4 + 0.25 * 4e-4 + 4.0 * 1e-4, 1e-15);
   EXPECT_NEAR(lasting(3, 3), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.03 * kDegree, 2), 1e-15);
   EXPECT_NEAR(lasting(5, 5), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.02 * kDegree, 2), 1e-15);
-  EXPECT_NEAR(model.passing(C, U)(1, 1), 0.5 * 0.75 * 4e-4, 1e-15);
+  EXPECT_NEAR(model.passing(C, U)(1, 1), 0.6 * 0.5 * 0.75 * 4e-4, 1e-15);
+  EXPECT_NEAR(model.passing(C, U)(5, 5), 0.1 * 0.5 * 0.75 * 4e-6, 1e-15);
   EXPECT_NEAR(model.lasting(C, Matrix6d::Zero(), 0.0)(5, 5), 0.25 * 5e-6, 1e-15) << "standing still there is no drift";
 }
 

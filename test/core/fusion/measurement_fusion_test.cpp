@@ -123,6 +123,21 @@ TEST(MeasurementFusion, GateUsesTheFullBlockOfPredictionAndMeasurement) {
   EXPECT_NEAR(r.disagreement_m, 1.4, 1e-12);
 }
 
+TEST(MeasurementFusion, AnOutvotedMeasurementDecidesNothing) {
+  const Matrix6d P = diagonal(0.01, 0.1, 0.1), R = diagonal(1e-4, 0.1, 0.1);
+  std::vector<Measurement> m = {measurementAt(vector6(0.02, 0, 0, 0, 0, 0), R),
+                                measurementAt(vector6(0.0, 0.01, 0, 0, 0, 0), R),
+                                measurementAt(vector6(1.0, 0, 0, 0, 0, 0), R)};
+  FusionResult r = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
+  EXPECT_EQ(r.weights[2], 0.0);
+  EXPECT_NEAR(r.disagreement_m, 1.0, 1e-3);
+  EXPECT_NEAR(r.undecided_m, std::hypot(0.02, 0.01), 1e-12);
+  m.erase(m.begin() + 1);
+  r = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
+  EXPECT_EQ(r.weights[1], 0.0);
+  EXPECT_EQ(r.undecided_m, r.disagreement_m) << "one against one";
+}
+
 TEST(MeasurementFusion, TheGatesEdge) {
   MeasurementFusion::Params params;
   params.gate_sigma = 2.0;

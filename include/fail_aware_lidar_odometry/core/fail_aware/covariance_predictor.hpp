@@ -1,9 +1,11 @@
 // Beyond the paper: the time at which the horizontal error since t1 passes the alert limit with a given probability,
 // from the accumulated covariance and its present growth.
 //
-// The error (x, y) is Gaussian; with variances a >= b along its axes and c = 1 - b/a it is within r with probability
-//   p = 1 - 1/(2 pi) integral over phi of exp(-r^2 / (2 a (1 - c sin^2 phi)))
-// from sqrt(-2 ln(1 - p)) sigma for a circle down to a normal's two-sided quantile for a line. `radius` is that r.
+// The error (x, y) is Student's t with the covariance as its scale and `degrees_of_freedom` n: most drives err less than a
+// Gaussian of the same tails would, some a lot more. With scales a >= b along its axes and c = 1 - b/a it is within r with
+//   p = 1 - 1/(2 pi) integral over phi of (1 + r^2 / (n a (1 - c sin^2 phi)))^(-n/2),
+// for a Gaussian (n infinite; here 0) of exp(-r^2 / (2 a (1 - c sin^2 phi))): from a circle's sqrt(-2 ln(1 - p)) sigma
+// down to a normal's two-sided quantile for a line. `radius` is that r.
 //
 // Growth: at constant speed v and yaw rate, the error (x, y, yaw) in the frame at t1 with heading bias h, scale bias s
 // and speed error w (fusion/odometry_covariance.hpp), u how little of the speed is observed, th the course:
@@ -78,8 +80,8 @@ struct CovariancePrediction {
 /// The circle that holds a horizontal error with a given probability.
 class ConfidenceRadius {
  public:
-  /// probability in (0, 1).
-  explicit ConfidenceRadius(double probability);
+  /// probability in (0, 1); degrees_of_freedom 0: Gaussian.
+  explicit ConfidenceRadius(double probability, double degrees_of_freedom = 0.0);
   double operator()(const Eigen::Matrix2d& covariance) const;
 
  private:
@@ -88,14 +90,15 @@ class ConfidenceRadius {
 };
 
 /// Probability that a horizontal error is farther than `radius`.
-double exceedance(const Eigen::Matrix2d& covariance, double radius);
+double exceedance(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom = 0.0);
 
 class CovariancePredictor {
  public:
   struct Params {
     double alert_limit_m = 0.6;
-    double confidence = 0.96;       ///< that what works now does not fail before the published time
-    double alarm_confidence = 0.5;  ///< of the time that the state acts on: a lower one gives fewer false alarms
+    double confidence = 0.99;         ///< that what works now does not fail before the published time
+    double alarm_confidence = 0.88;   ///< of the time that the state acts on: a lower one gives fewer false alarms
+    double degrees_of_freedom = 3.0;  ///< of the error's distribution; 0: Gaussian
     double horizon_s = 60.0;
     double step_s = 0.25;
     double rate_scale = 1.0;  ///< on the growth of the covariance
@@ -105,6 +108,7 @@ class CovariancePredictor {
       v("alert_limit_m", self.alert_limit_m);
       v("confidence", self.confidence);
       v("alarm_confidence", self.alarm_confidence);
+      v("degrees_of_freedom", self.degrees_of_freedom);
       v("horizon_s", self.horizon_s);
       v("step_s", self.step_s);
       v("rate_scale", self.rate_scale);

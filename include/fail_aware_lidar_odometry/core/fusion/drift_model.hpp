@@ -23,10 +23,12 @@ class DriftModel {
   struct Params {
     double measured_share = 0.0;  ///< of the observed part's variance, that adds up too
     double position_per_root_metre_m = 0.0;
-    double tilt_per_root_metre_deg = 0.02;
-    double heading_per_root_metre_deg = 0.0014;
-    double heading_bias_deg_per_m = 0.00005;  ///< standard deviation of the constant
-    double scale_bias = 0.0002;               ///< likewise: metres per metre
+    double tilt_per_root_metre_deg = 0.025;
+    double heading_per_root_metre_deg = 0.0003;
+    double heading_bias_deg_per_m = 0.000005;  ///< standard deviation of the constant
+    double scale_bias = 0.00005;               ///< likewise: metres per metre
+    double passing_share = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
+    double passing_rotation_share = 0.02;  ///< likewise rotation
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -36,6 +38,8 @@ class DriftModel {
       v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
       v("heading_bias_deg_per_m", self.heading_bias_deg_per_m);
       v("scale_bias", self.scale_bias);
+      v("passing_share", self.passing_share);
+      v("passing_rotation_share", self.passing_rotation_share);
     }
     void validate() const;
 

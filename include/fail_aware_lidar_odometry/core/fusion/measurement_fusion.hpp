@@ -42,6 +42,8 @@ struct FusionResult {
   bool prediction_invalid = false;    ///< predicted state or covariance not usable
   double disagreement_m = 0.0;        ///< largest horizontal distance between two usable measurements
   double disagreement_yaw_rad = 0.0;
+  double undecided_m =
+      0.0;  ///< disagreement_m of those that were used if they are two or more: the others are outvoted
   int valid_inputs = 0;
   int invalid_inputs = 0;  ///< said ok, but unusable
 };
