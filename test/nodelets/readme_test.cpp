@@ -39,7 +39,7 @@ TEST(Readme, ThePlannersContractHasTheShippedThresholds) {
   EXPECT_EQ(numberIn(contract, R"(alert limit \(([0-9.]+) m horizontally)"), shipped.predictor.alert_limit_m);
   EXPECT_EQ(numberIn(contract, R"(`OK` \| `time_to_failure` > ([0-9.]+) s)"), shipped.thresholds.degraded_s);
   EXPECT_EQ(numberIn(contract, R"(`DEGRADED` \| <= ([0-9.]+) s)"), shipped.thresholds.degraded_s);
-  EXPECT_EQ(numberIn(contract, R"(`FAILING` \| probably <= ([0-9.]+) s)"), shipped.thresholds.failing_s);
+  EXPECT_EQ(numberIn(contract, R"(`FAILING` \| `FAILED` in <= ([0-9.]+) s)"), shipped.thresholds.failing_s);
   EXPECT_EQ(numberIn(contract, R"(`horizon` \(([0-9.]+) s\))"), shipped.predictor.horizon_s);
 }
 

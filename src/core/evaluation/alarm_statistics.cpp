@@ -39,9 +39,12 @@ AlarmStatistics alarmStatistics(const std::vector<FailAwareEpisode>& episodes, d
     for (std::size_t i = 0; i < episode.sweepsBeforeFailure(); ++i) {
       const FailAwareSweep& sweep = episode.sweeps[i];
       const bool is_up = isAlarm(sweep.output.state);
-      const bool rises = !was_up && (is_up || sweep.silent_s > 0.0);
-      if (rises && sweep.remaining_s > early_s) ++statistics.false_alarms;
-      was_up = is_up || sweep.silent_s > 0.0;
+      const bool silent = sweep.silent_s > 0.0;
+      const bool rises = is_up ? !was_up : silent;
+      const double remaining_s =
+          is_up || !silent ? sweep.remaining_s : episode.sweeps[i + 1].remaining_s + sweep.silent_s;
+      if (rises && remaining_s > early_s) ++statistics.false_alarms;
+      was_up = is_up || silent;
       // a sweep's state holds until the next sweep, at the end of the run for nothing
       const bool last = i + 1 == episode.sweeps.size();
       const double held_s = last ? 0.0 : episode.sweeps[i + 1].since_start_s - sweep.since_start_s;

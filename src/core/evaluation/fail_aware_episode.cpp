@@ -7,6 +7,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kUsualPeriod_s = 0.1;  // until two sweeps tell
+
 FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
                              const FailureEpisode& found, const MonitorParameters& monitor, double alert_limit_m,
                              const SilenceParams& silence) {
@@ -18,7 +20,7 @@ FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<M
   const std::vector<MonitorOutput> outputs = replayMonitor(log, found.begin_s - log.front().state.stamp_s, monitor);
   const Pose T_begin_truth = truth[found.begin].inverse();
   const Pose T_begin_estimate = log[found.begin].state.T_odom_cog.inverse();
-  double distance_m = 0.0;
+  double distance_m = 0.0, period_s = kUsualPeriod_s;
   for (std::size_t i = found.begin; i < log.size(); ++i) {
     const FilterState& state = log[i].state;
     FailAwareSweep sweep;
@@ -31,9 +33,10 @@ FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<M
     sweep.error_m =
         (T_begin_truth * truth[i].translation() - T_begin_estimate * state.T_odom_cog.translation()).head<2>();
     sweep.output = outputs[i];
+    if (state.dt_s > 0.0) period_s = state.dt_s;
     if (i + 1 < log.size()) {
       const double interval_s = log[i + 1].state.stamp_s - state.stamp_s;
-      sweep.silent_s = std::max(0.0, interval_s - staleAfter_s(silence, state.dt_s));
+      sweep.silent_s = std::max(0.0, interval_s - staleAfter_s(silence, period_s));
     }
     episode.sweeps.push_back(sweep);
   }

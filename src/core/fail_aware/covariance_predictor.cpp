@@ -99,7 +99,8 @@ void CovariancePredictor::Params::validate() const {
                    "in (0, 1)");
   requireParameter(alarm_confidence > 0.0 && alarm_confidence <= confidence, "alarm_confidence", alarm_confidence,
                    "in (0, confidence]");
-  requireWithin("degrees_of_freedom", degrees_of_freedom, 0.0, 1e6);
+  requireParameter(degrees_of_freedom == 0.0 || (degrees_of_freedom >= 1.0 && degrees_of_freedom <= 1e6),
+                   "degrees_of_freedom", degrees_of_freedom, "0 or in [1, 1e6]");
   requirePositive("horizon_s", horizon_s);
   requireParameter(std::isfinite(step_s) && step_s > 0.0 && horizon_s / step_s <= kMaxSteps, "step_s", step_s,
                    "> 0 and at least horizon_s / 100000");

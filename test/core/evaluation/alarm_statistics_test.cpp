@@ -62,6 +62,9 @@ TEST(AlarmStatistics, SilenceIsAnAlarm) {
   EXPECT_NEAR(s.alarm_s, 0.07, 1e-9);
   EXPECT_NEAR(s.watched_s, 0.5, 1e-9);
   EXPECT_EQ(s.false_alarms, 1u);
+  EXPECT_EQ(alarmStatistics({episode}, 0.18).false_alarms, 0u) << "it rises 0.17 s before the failure";
+  episode.sweeps[1].silent_s = 0.05;
+  EXPECT_EQ(alarmStatistics({episode}, 0.15).false_alarms, 2u) << "the sweep between them ends the first";
   episode = madeUpEpisode("oooFFX", 5);
   episode.sweeps[4].silent_s = 0.07;
   EXPECT_NEAR(alarmStatistics({episode}).alarm_s, 0.2, 1e-9) << "up already";

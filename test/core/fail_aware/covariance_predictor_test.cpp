@@ -322,6 +322,11 @@ TEST(Exceedance, StudentsTailsAreLonger) {
 }
 
 TEST(CovariancePredictor, ParametersAreChecked) {
+  CovariancePredictor::Params tails;
+  for (const double wrong : {-1.0, 0.01, 1e7, std::nan("")}) {
+    tails.degrees_of_freedom = wrong;
+    EXPECT_THROW(tails.validate(), ParameterError) << wrong;
+  }
   EXPECT_THROW(predictorWith(1.0), ParameterError);
   EXPECT_THROW(predictorWith(0.0), ParameterError);
   EXPECT_THROW(predictorWith(0.95, 60.0, 1e-6), ParameterError);

@@ -1,7 +1,7 @@
 // From a time to failure and reasons to the state that the planner acts on. Pure functions, and the hysteresis.
 //
 // There are two times: the published time to failure, before which a failure is improbable, and the time to the alarm,
-// by which it has become probable (covariance_predictor.hpp's confidence and alarm_confidence).
+// by which its probability is too large to go on (covariance_predictor.hpp's confidence and alarm_confidence).
 //
 // state        condition (the first that holds)
 // FAILED       reason STALE, or the time to the alarm reached

@@ -48,12 +48,13 @@ struct FilterState {
   double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
   bool corrected = false;                      ///< false: the estimate is the prediction
   FusionResult fusion;
-  double filter_nis = 0.0;                            ///< of the fused measurement, 6 degrees of freedom
-  Pose T_previous_now = Pose::Identity();             ///< increment of the centre of gravity
-  Matrix6d increment_covariance = Matrix6d::Zero();   ///< of the increment, about the previous body's axes
-  Matrix6d unobserved_covariance = Matrix6d::Zero();  ///< the part of it that no measurement contradicts
-  SpeedError speed_error;                             ///< along the vehicle, where it coasts
-  int odom_epoch = 0;  ///< counts setPose(): references placed under another number are in another odom
+  double filter_nis = 0.0;                           ///< of the fused measurement, 6 degrees of freedom
+  Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
+  Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
+  Matrix6d unobserved_covariance =
+      Matrix6d::Zero();    ///< the part of it that no measurement contradicts, of rotation: nor the next
+  SpeedError speed_error;  ///< along the vehicle, where it coasts
+  int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
 };
 
 OdometryIncrement incrementOf(const FilterState& state);

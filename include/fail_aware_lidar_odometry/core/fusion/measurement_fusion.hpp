@@ -43,7 +43,7 @@ struct FusionResult {
   double disagreement_m = 0.0;        ///< largest horizontal distance between two usable measurements
   double disagreement_yaw_rad = 0.0;
   double undecided_m =
-      0.0;  ///< disagreement_m of those that were used if they are two or more: the others are outvoted
+      0.0;  ///< disagreement_m of those that were used if they are two or more: of three, the third is outvoted
   int valid_inputs = 0;
   int invalid_inputs = 0;  ///< said ok, but unusable
 };

@@ -32,7 +32,8 @@ struct SpeedError {
 /// One sweep's motion, as far as its uncertainty goes; covariances about the previous body's axes.
 struct OdometryIncrement {
   Matrix6d covariance = Matrix6d::Zero();
-  Matrix6d unobserved = Matrix6d::Zero();  ///< the part of `covariance` that no measurement contradicts
+  Matrix6d unobserved =
+      Matrix6d::Zero();  ///< the part of `covariance` that no measurement contradicts, of rotation: nor the next
   double dt_s = 0.0;
   SpeedError speed_error;
   bool predicted = false;  ///< the pose is no measurement
