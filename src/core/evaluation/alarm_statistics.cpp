@@ -8,6 +8,14 @@ namespace {
 
 double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
+// What remained when the alarm of this sweep, or of the silence after it, came; nothing without either.
+std::optional<double> remainingAtAlarm_s(const FailAwareEpisode& episode, std::size_t i) {
+  const FailAwareSweep& sweep = episode.sweeps[i];
+  if (isAlarm(sweep.output.state)) return sweep.remaining_s;
+  if (sweep.silent_s > 0.0) return episode.sweeps[i + 1].remaining_s + sweep.silent_s;
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool isAlarm(FailAwareState state) { return state == FailAwareState::kFailing || state == FailAwareState::kFailed; }
@@ -15,9 +23,8 @@ bool isAlarm(FailAwareState state) { return state == FailAwareState::kFailing ||
 std::optional<LeadTime> leadTime(const FailAwareEpisode& episode) {
   if (!episode.failed) return std::nullopt;
   for (std::size_t i = 0; i < episode.sweepsBeforeFailure(); ++i) {
-    const FailAwareSweep& sweep = episode.sweeps[i];
-    if (isAlarm(sweep.output.state)) return LeadTime{sweep.remaining_s, sweep.speed_mps};
-    if (sweep.silent_s > 0.0) return LeadTime{episode.sweeps[i + 1].remaining_s + sweep.silent_s, sweep.speed_mps};
+    const std::optional<double> remaining_s = remainingAtAlarm_s(episode, i);
+    if (remaining_s) return LeadTime{*remaining_s, episode.sweeps[i].speed_mps};
   }
   return std::nullopt;
 }
@@ -39,12 +46,10 @@ AlarmStatistics alarmStatistics(const std::vector<FailAwareEpisode>& episodes, d
     for (std::size_t i = 0; i < episode.sweepsBeforeFailure(); ++i) {
       const FailAwareSweep& sweep = episode.sweeps[i];
       const bool is_up = isAlarm(sweep.output.state);
-      const bool silent = sweep.silent_s > 0.0;
-      const bool rises = is_up ? !was_up : silent;
-      const double remaining_s =
-          is_up || !silent ? sweep.remaining_s : episode.sweeps[i + 1].remaining_s + sweep.silent_s;
-      if (rises && remaining_s > early_s) ++statistics.false_alarms;
-      was_up = is_up || silent;
+      const std::optional<double> remaining_s = remainingAtAlarm_s(episode, i);
+      const bool goes_on = is_up && was_up;
+      if (remaining_s && !goes_on && *remaining_s > early_s) ++statistics.false_alarms;
+      was_up = remaining_s.has_value();
       // a sweep's state holds until the next sweep, at the end of the run for nothing
       const bool last = i + 1 == episode.sweeps.size();
       const double held_s = last ? 0.0 : episode.sweeps[i + 1].since_start_s - sweep.since_start_s;
