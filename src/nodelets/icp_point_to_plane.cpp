@@ -4,7 +4,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
-#include "icp_front.hpp"
+#include "fail_aware_lidar_odometry/core/make_front.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"
 #include "tuning.hpp"

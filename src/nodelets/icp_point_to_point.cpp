@@ -4,7 +4,7 @@
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
-#include "icp_front.hpp"
+#include "fail_aware_lidar_odometry/core/make_front.hpp"
 #include "measurement_nodelet.hpp"
 #include "tuning.hpp"
 

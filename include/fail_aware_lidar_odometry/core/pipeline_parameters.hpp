@@ -17,6 +17,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
+#include "fail_aware_lidar_odometry/core/registration/turn_search.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
@@ -71,6 +72,7 @@ struct RegistrationParameters {
   MotionInitialization::Params initialization;
   RoadRelief::Params relief;
   Relocalization::Params relocalization;
+  TurnSearch::Params turn_search;
   MultiplexIcp::Params point;
   NormalFilteredIcp::Params plane;
   CornerExtractor::Params corner_extraction;
@@ -88,6 +90,7 @@ struct RegistrationParameters {
     v("initialization", self.initialization);
     v("relief", self.relief);
     v("relocalization", self.relocalization);
+    v("turn_search", self.turn_search);
     v("point", self.point);
     v("plane", self.plane);
     v("corner_extraction", self.corner_extraction);

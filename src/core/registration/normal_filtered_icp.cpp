@@ -6,51 +6,9 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "plane_pairs.hpp"
 
 namespace fail_aware {
-
-namespace {
-
-constexpr double kDegree = M_PI / 180.0;
-
-// Which plane patches may take part, given the predicted heading.
-class NormalFilter {
- public:
-  NormalFilter(const NormalFilteredIcp::Params& params, double heading_rad, double sigma_yaw_rad)
-      : enabled_(params.filter_normals),
-        keep_ground_(params.keep_ground),
-        min_ground_z_(static_cast<float>(std::cos(params.ground_tolerance_deg * kDegree))),
-        max_wall_z_(static_cast<float>(std::sin(params.vertical_tolerance_deg * kDegree))),
-        cos4_heading_(static_cast<float>(std::cos(4.0 * heading_rad))),
-        sin4_heading_(static_cast<float>(std::sin(4.0 * heading_rad))) {
-    const double tolerance = std::min(std::max(sigma_yaw_rad, params.heading_tolerance_deg * kDegree), M_PI / 4.0);
-    min_cos4_ = static_cast<float>(std::cos(4.0 * tolerance)) - 1e-6f;
-  }
-
-  bool isGround(const Eigen::Vector3f& n) const { return std::abs(n.z()) >= min_ground_z_; }
-
-  bool keeps(const Eigen::Vector3f& n) const {
-    if (!enabled_) return true;
-    if (isGround(n)) return keep_ground_;
-    if (std::abs(n.z()) > max_wall_z_) return false;
-    // the angle to heading + k pi/2 is within the tolerance: cos(4 (azimuth - heading)) >= cos(4 tolerance)
-    const float h2 = n.x() * n.x() + n.y() * n.y();
-    const float c2 = (n.x() * n.x() - n.y() * n.y()) / h2, s2 = 2.0f * n.x() * n.y() / h2;
-    const float c4 = c2 * c2 - s2 * s2, s4 = 2.0f * c2 * s2;
-    return c4 * cos4_heading_ + s4 * sin4_heading_ >= min_cos4_;
-  }
-
- private:
-  bool enabled_, keep_ground_;
-  float min_ground_z_, max_wall_z_, cos4_heading_, sin4_heading_, min_cos4_;
-};
-
-bool stepWithin(const Vector6d& step, const NormalFilteredIcp::Params& params, double factor) {
-  return step.head<3>().norm() < factor * params.step_translation_m &&
-         step.tail<3>().norm() < factor * params.step_rotation_deg * kDegree;
-}
-
-}  // namespace
 
 void NormalFilteredIcp::Params::validate() const {
   requireWithin("heading_tolerance_deg", heading_tolerance_deg, 0.0, 45.0);
@@ -79,42 +37,17 @@ Measurement NormalFilteredIcp::align(const std::vector<Eigen::Vector3f>& points_
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
   if (map.empty()) return result;
-  const NormalFilter filter(params_, rpyFromRotation(T_odom_cog_predicted.linear()).z(), sigma_yaw_rad);
-  const double point_variance = params_.point_sigma_m * params_.point_sigma_m;
-  const auto max_distance = static_cast<float>(params_.max_distance_m);
-
+  const PlanePairs pairs(params_, T_odom_cog_predicted, sigma_yaw_rad);
   const auto linearize = [&](const Pose& T, double kernel_m, const Eigen::Vector2d* direction,
                              InformationSupport* support) {
-    const double kernel2 = kernel_m * kernel_m;
     NormalEquations equations;
-    const Eigen::Matrix3d R = T.linear();
-    const Eigen::Vector3d t = T.translation();
-    VoxelMap::PlaneMatch match;
-    for (const Eigen::Vector3f& q : points_cog) {
-      const Eigen::Vector3d arm = R * q.cast<double>();
-      if (!map.findPlane(arm + t, match)) continue;
-      if (!(std::abs(match.distance_m) <= max_distance) || !filter.keeps(match.normal)) continue;
-      // r = n . (R q + t - mean), dr/d(dt) = n, dr/d(dr) = arm x n
-      const double r = match.distance_m;
-      const Eigen::Vector3d n = match.normal.cast<double>();
-      Vector6d J;
-      J << n, arm.cross(n);
-      const double kernel = kernel2 / (kernel2 + r * r);
-      const double w = kernel * kernel;
-      double scaled = w / (point_variance + match.variance);
-      if (filter.isGround(match.normal)) scaled *= params_.ground_weight;
-      if (params_.range_weight_m > 0.0) scaled *= static_cast<double>(q.norm()) / params_.range_weight_m;
-      equations.H.selfadjointView<Eigen::Lower>().rankUpdate(J, scaled);
-      equations.b -= scaled * r * J;
-      equations.weight += scaled;
-      equations.weight_unscaled += w;
-      equations.squared_error += w * r * r;
-      ++equations.inliers;
-      if (support) {
-        const double along = direction->dot(n.head<2>());
-        support->add(arm + t, scaled * along * along);
-      }
-    }
+    const auto positionOf = [&](const Eigen::Vector3d& arm, std::size_t) { return arm; };
+    pairs.forEach(points_cog, map, T, kernel_m, positionOf, [&](const PlanePair& pair, std::size_t) {
+      pair.addTo(equations);
+      if (!support) return;
+      const double along = direction->dot(pair.normal.head<2>());
+      support->add(pair.position, pair.weight * along * along);
+    });
     equations.H = equations.H.selfadjointView<Eigen::Lower>();
     return equations;
   };

@@ -22,12 +22,13 @@ RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& clo
                                      const ReferenceMap::Params& reference,
                                      const MotionInitialization::Params& initialization,
                                      const RoadRelief::Params& relief, const Relocalization& relocalization,
-                                     bool refine_correction)
+                                     const TurnSearch& turn_search, bool refine_correction)
     : builder_(cloud),
       reference_(reference),
       relocalization_(relocalization),
       initialization_(initialization),
       relief_(relief),
+      turn_search_(turn_search),
       refine_correction_(refine_correction) {}
 
 bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
@@ -48,6 +49,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   if (!prepared_) return false;
   if (prediction.motion_known) {
     relocalize();
+    if (!lost_) findTurn(prediction.sigma_yaw_rad);
     return true;
   }
   if (map().empty()) {
@@ -177,6 +179,16 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   first.recorrect(*twist);
   reference_.clear();
   reference_.add(first.map_points_cog, T_odom_cog_first_);
+}
+
+void RegistrationFront::findTurn(double sigma_yaw_rad) {
+  const double middle_s = cloud_.middle_s();
+  const std::optional<Eigen::Vector3d> rate_rad_s = turn_search_.find(
+      cloud_.plane_points_cog, cloud_.plane_times_s, middle_s, map(), T_odom_cog_start_, sigma_yaw_rad);
+  if (!rate_rad_s) return;
+  Vector6d twist_cog = corrected_twist_cog_;
+  twist_cog.tail<3>() += *rate_rad_s;
+  recorrectFor(twist_cog, middle_s);
 }
 
 void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s) {

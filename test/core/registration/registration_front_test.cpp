@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "synthetic_drive.hpp"
 
 namespace fail_aware {
@@ -16,7 +17,9 @@ using Points = std::vector<Eigen::Vector3f>;
 // mean distance of a sweep's points to the scene: of noise alone, and where 12 m/s was not corrected for
 constexpr double kStraight_m = 0.012, kBent_m = 0.035;
 
-RegistrationFront makeFront(bool refine_correction, int min_points = 500) {
+RegistrationFront makeFront(bool refine_correction, int min_points = 500, bool search_turn = true) {
+  TurnSearch::Params turn_search;
+  turn_search.enabled = search_turn;
   RegistrationCloudBuilder::Params cloud;
   cloud.min_range_m = 3.0;
   cloud.max_range_m = 60.0;
@@ -26,7 +29,8 @@ RegistrationFront makeFront(bool refine_correction, int min_points = 500) {
   MotionInitialization::Params initialization;
   initialization.max_range_m = 40.0;
   return RegistrationFront(cloud, reference, initialization, RoadRelief::Params(),
-                           Relocalization(Relocalization::Params(), MultiplexIcp::Params()), refine_correction);
+                           Relocalization(Relocalization::Params(), MultiplexIcp::Params()),
+                           TurnSearch(turn_search, NormalFilteredIcp::Params()), refine_correction);
 }
 
 SyntheticDrive curve() {
@@ -99,6 +103,34 @@ TEST(RegistrationFront, startsAtThePredictionOnceMotionIsKnown) {
       front.prepare(drive.sweep(0.1, 2), predictionOf(0.1, 0.1, Pose::Identity(), guess, true), drive.T_cog_lidar));
   EXPECT_EQ(front.T_odom_cog_start().matrix(), guess.matrix());
   EXPECT_GT(front.cloud().plane_points_cog.size(), 500u);
+}
+
+// The filter predicts a turn 15 deg/s slower than it is: the sweep is bent, unless the turn is looked for in it.
+TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
+  SyntheticDrive drive = curve();
+  drive.points_per_m2 = 20.0;
+  double distances_m[2];
+  for (const bool search_turn : {false, true}) {
+    RegistrationFront front = makeFront(true, 500, search_turn);
+    SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
+    SyntheticDrive standing = drive;
+    standing.twist_cog.setZero();
+    ASSERT_TRUE(front.prepare(standing.sweep(0.0, 1), prediction, drive.T_cog_lidar));
+    front.place(stateOf(prediction, Pose::Identity(), false));
+    Vector6d slower = drive.twist_cog;
+    slower[5] -= 15.0 * M_PI / 180.0;
+    CorrectedSweep sweep = drive.sweep(0.1, 2);
+    Sweep seen;
+    seen.stamp_s = sweep.stamp_s;
+    seen.points_lidar = sweep.points_lidar;
+    SweepCorrection().correct(seen, std::vector<float>(sweep.times_s), Pose::Identity(), expSe3(0.1 * slower), 0.1,
+                              drive.T_cog_lidar, sweep);
+    prediction = predictionOf(0.1, 0.1, Pose::Identity(), expSe3(0.1 * slower), true);
+    ASSERT_TRUE(front.prepare(sweep, prediction, drive.T_cog_lidar));
+    distances_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
+  }
+  EXPECT_GT(distances_m[false], 1.5 * kStraight_m);
+  EXPECT_LT(distances_m[true], 0.7 * distances_m[false]);
 }
 
 TEST(RegistrationFront, theSecondSweepStartsWhereTheSearchFoundIt) {

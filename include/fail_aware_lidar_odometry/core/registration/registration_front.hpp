@@ -7,6 +7,8 @@
 // and adds what it finds to the point-to-plane measurement.
 // After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not
 // join it.
+// Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
+// measured.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
 #pragma once
@@ -23,6 +25,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
+#include "fail_aware_lidar_odometry/core/registration/turn_search.hpp"
 
 namespace fail_aware {
 
@@ -30,7 +33,7 @@ class RegistrationFront {
  public:
   RegistrationFront(const RegistrationCloudBuilder::Params& cloud, const ReferenceMap::Params& reference,
                     const MotionInitialization::Params& initialization, const RoadRelief::Params& relief,
-                    const Relocalization& relocalization, bool refine_correction);
+                    const Relocalization& relocalization, const TurnSearch& turn_search, bool refine_correction);
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -55,6 +58,7 @@ class RegistrationFront {
  private:
   void initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void recorrectFor(const Vector6d& twist_cog, double middle_s = 0.0);
+  void findTurn(double sigma_yaw_rad);
   void enterOdom(int epoch);
   void relocalize();
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -67,6 +71,7 @@ class RegistrationFront {
   Relocalization relocalization_;
   MotionInitialization initialization_;
   RoadRelief relief_;
+  TurnSearch turn_search_;
   bool refine_correction_;
   RegistrationCloud cloud_;
   RegistrationCloud first_cloud_;  ///< the only sweep in the reference so far, at T_odom_cog_first_

@@ -1,4 +1,4 @@
-// The registration front as the two ICP nodelets hold it.
+// The registration front as the parameters have it: of the offline pipeline and of the two ICP nodelets.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
@@ -8,7 +8,8 @@ namespace fail_aware {
 
 inline RegistrationFront makeFront(const RegistrationParameters& params) {
   return RegistrationFront(params.cloud, params.reference, params.initialization, params.relief,
-                           Relocalization(params.relocalization, params.point), params.refine_correction);
+                           Relocalization(params.relocalization, params.point),
+                           TurnSearch(params.turn_search, params.plane), params.refine_correction);
 }
 
 }  // namespace fail_aware

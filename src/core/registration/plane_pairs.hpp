@@ -1,0 +1,113 @@
+// A sweep's points and the plane patches that they are measured against: which pairs count for the point-to-plane
+// registrations (normal_filtered_icp.hpp), and how much.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
+
+namespace fail_aware {
+
+// Which plane patches may take part, given the predicted heading.
+class NormalFilter {
+ public:
+  NormalFilter(const NormalFilteredIcp::Params& params, double heading_rad, double sigma_yaw_rad)
+      : enabled_(params.filter_normals),
+        keep_ground_(params.keep_ground),
+        min_ground_z_(static_cast<float>(std::cos(params.ground_tolerance_deg * M_PI / 180.0))),
+        max_wall_z_(static_cast<float>(std::sin(params.vertical_tolerance_deg * M_PI / 180.0))),
+        cos4_heading_(static_cast<float>(std::cos(4.0 * heading_rad))),
+        sin4_heading_(static_cast<float>(std::sin(4.0 * heading_rad))) {
+    const double tolerance = std::min(std::max(sigma_yaw_rad, params.heading_tolerance_deg * M_PI / 180.0), M_PI / 4.0);
+    min_cos4_ = static_cast<float>(std::cos(4.0 * tolerance)) - 1e-6f;
+  }
+
+  bool isGround(const Eigen::Vector3f& n) const { return std::abs(n.z()) >= min_ground_z_; }
+
+  bool keeps(const Eigen::Vector3f& n) const {
+    if (!enabled_) return true;
+    if (isGround(n)) return keep_ground_;
+    if (std::abs(n.z()) > max_wall_z_) return false;
+    // the angle to heading + k pi/2 is within the tolerance: cos(4 (azimuth - heading)) >= cos(4 tolerance)
+    const float h2 = n.x() * n.x() + n.y() * n.y();
+    const float c2 = (n.x() * n.x() - n.y() * n.y()) / h2, s2 = 2.0f * n.x() * n.y() / h2;
+    const float c4 = c2 * c2 - s2 * s2, s4 = 2.0f * c2 * s2;
+    return c4 * cos4_heading_ + s4 * sin4_heading_ >= min_cos4_;
+  }
+
+ private:
+  bool enabled_, keep_ground_;
+  float min_ground_z_, max_wall_z_, cos4_heading_, sin4_heading_, min_cos4_;
+};
+
+/// Residual n . (R q + t - mean), m.
+struct PlanePair {
+  Eigen::Vector3d position;  ///< of the point, odom
+  Eigen::Vector3d normal;
+  Vector6d J;  ///< of the residual, dx as in normal_equations.hpp
+  double residual_m = 0.0;
+  double kernel_weight = 0.0;
+  double weight = 0.0;  ///< over the variance
+
+  void addTo(NormalEquations& equations) const {
+    equations.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
+    equations.b -= weight * residual_m * J;
+    equations.weight += weight;
+    equations.weight_unscaled += kernel_weight;
+    equations.squared_error += kernel_weight * residual_m * residual_m;
+    ++equations.inliers;
+  }
+};
+
+class PlanePairs {
+ public:
+  PlanePairs(const NormalFilteredIcp::Params& params, const Pose& T_odom_cog_predicted, double sigma_yaw_rad)
+      : params_(params), filter_(params, rpyFromRotation(T_odom_cog_predicted.linear()).z(), sigma_yaw_rad) {}
+
+  /// take(pair, i) for each point i that has one. positionOf(R q, i): where the point is, relative to the vehicle's
+  /// position, in odom's axes.
+  template <class PositionOf, class Take>
+  void forEach(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map, const Pose& T_odom_cog,
+               double kernel_m, const PositionOf& positionOf, const Take& take) const {
+    const double point_variance = params_.point_sigma_m * params_.point_sigma_m;
+    const auto max_distance_m = static_cast<float>(params_.max_distance_m);
+    const double kernel2 = kernel_m * kernel_m;
+    const Eigen::Matrix3d R = T_odom_cog.linear();
+    const Eigen::Vector3d t = T_odom_cog.translation();
+    VoxelMap::PlaneMatch match;
+    PlanePair pair;
+    for (std::size_t i = 0; i < points_cog.size(); ++i) {
+      const Eigen::Vector3f& q = points_cog[i];
+      const Eigen::Vector3d arm = positionOf(Eigen::Vector3d(R * q.cast<double>()), i);
+      pair.position = arm + t;
+      if (!map.findPlane(pair.position, match)) continue;
+      if (!(std::abs(match.distance_m) <= max_distance_m) || !filter_.keeps(match.normal)) continue;
+      const double r = match.distance_m;
+      pair.normal = match.normal.cast<double>();
+      pair.J << pair.normal, arm.cross(pair.normal);
+      pair.residual_m = r;
+      const double kernel = kernel2 / (kernel2 + r * r);
+      pair.kernel_weight = kernel * kernel;
+      pair.weight = pair.kernel_weight / (point_variance + match.variance);
+      if (filter_.isGround(match.normal)) pair.weight *= params_.ground_weight;
+      if (params_.range_weight_m > 0.0) pair.weight *= static_cast<double>(q.norm()) / params_.range_weight_m;
+      take(pair, i);
+    }
+  }
+
+ private:
+  const NormalFilteredIcp::Params& params_;
+  NormalFilter filter_;
+};
+
+inline bool stepWithin(const Vector6d& step, const NormalFilteredIcp::Params& params, double factor) {
+  return step.head<3>().norm() < factor * params.step_translation_m &&
+         step.tail<3>().norm() < factor * params.step_rotation_deg * M_PI / 180.0;
+}
+
+}  // namespace fail_aware
