@@ -47,6 +47,7 @@ std::vector<double> fitFactors(std::size_t count, const Cost& cost) {
   std::vector<double> logs(count, 0.0);
   const auto at = [&](const std::vector<double>& x) {
     std::vector<double> factors;
+    factors.reserve(x.size());
     for (const double log : x) factors.push_back(std::max(std::exp(log), kSmallestFactor));
     return factors;
   };

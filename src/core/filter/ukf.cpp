@@ -22,7 +22,7 @@ bool isCovariance(const Matrix6d& C) {
 
 // Symmetric, eigenvalues raised to the floor (relative to the largest one too, so that a Cholesky root exists).
 Matrix6d floored(const Matrix6d& C, double min_variance) {
-  const Matrix6d symmetric = symmetrized(C);
+  Matrix6d symmetric = symmetrized(C);
   const Eigen6 eigen(symmetric);
   const double floor = std::max(min_variance, 1e-13 * eigen.eigenvalues().maxCoeff());
   if (eigen.eigenvalues().minCoeff() >= floor) return symmetric;

@@ -12,13 +12,13 @@ namespace {
 
 template <class Matrix>
 typename Matrix::PlainObject symmetric(const Matrix& C) {
-  const typename Matrix::PlainObject plain = C;
+  const typename Matrix::PlainObject& plain = C;  // an expression is evaluated once
   return 0.5 * plain + 0.5 * plain.transpose();
 }
 
 // The nearest positive semidefinite matrix.
 Matrix6d positiveSemidefinite(const Matrix6d& C) {
-  const Matrix6d S = symmetric(C);
+  Matrix6d S = symmetric(C);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(S);
   if (eigen.eigenvalues()[0] >= 0.0) return S;
   const Matrix6d half = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();

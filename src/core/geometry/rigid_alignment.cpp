@@ -48,7 +48,7 @@ RigidAlignment alignRigid(const std::vector<Eigen::Vector3d>& source, const std:
     spread_target += w * b.squaredNorm();
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(W, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d s = svd.singularValues();
+  const Eigen::Vector3d& s = svd.singularValues();
   const double tolerance = kRelativeRankTolerance * std::sqrt(spread_source * spread_target);
   result.rank = tolerance > 0.0 ? static_cast<int>((s.array() > tolerance).count()) : 0;
 

@@ -107,7 +107,7 @@ class Cells {
   std::string next() {
     if (begin_ > line_.size()) throw InputError("too few columns");
     const std::size_t end = std::min(line_.find(',', begin_), line_.size());
-    const std::string cell = line_.substr(begin_, end - begin_);
+    std::string cell = line_.substr(begin_, end - begin_);
     begin_ = end + 1;
     return cell;
   }

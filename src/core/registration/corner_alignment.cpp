@@ -112,6 +112,7 @@ std::vector<CornerAlignment::Pair> CornerAlignment::associate(const std::vector<
                                                               const std::vector<Corner>& reference_odom,
                                                               const Pose& T_odom_cog_predicted) const {
   std::vector<Corner> moved;
+  moved.reserve(corners_cog.size());
   for (const Corner& corner : corners_cog) moved.push_back(movedCorner(T_odom_cog_predicted, corner));
   std::vector<Pair> pairs;
   for (const CornerPair& match :
