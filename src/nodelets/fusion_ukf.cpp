@@ -161,11 +161,12 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   }
 
   void accept(const std_msgs::Header& header) {
-    if (intake_.offer(header) == SweepIntake::Verdict::kJumpedBack) {
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    if (intake_.offer(header, now) == SweepIntake::Verdict::kJumpedBack) {
       NODELET_WARN("stamps jumped back by %.3f s: starting anew", intake_.behind_s(header.stamp));
       ++counts_.time_jumps;
       reset();
-      intake_.offer(header);
+      intake_.offer(header, now);
     }
     opening_->request();  // once all the clouds that are here were offered
   }
@@ -174,9 +175,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   void openNext() {
     while (!open_) {
-      std::optional<std_msgs::Header> next = intake_.next();
+      std::optional<SweepIntake::Waiting> next = intake_.next();
       if (!next) return;
-      std_msgs::Header& header = *next;
+      std_msgs::Header& header = next->header;
       SweepTask task;
       if (!filter_->predict(header.stamp.toSec(), task.prediction)) {
         intake_.refuseStamp();
@@ -185,6 +186,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       task.T_cog_lidar = T_base_cog_.inverse() * lidar_.T_base_lidar();
       header.frame_id = params_.odom_frame;
       open_ = header;
+      arrived_at_ = next->arrived;
       opened_at_ = ros::SteadyTime::now();
       prediction_ = task.prediction;
       sources_->open(header.stamp);
@@ -213,12 +215,14 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     opening_->request();
   }
 
-  /// More patience with those that are at work: a late estimate is better than none.
+  /// More patience with those that are at work: a late estimate is better than none. But what a sweep has waited for its
+  /// turn is taken off it, or under load each would be later by that.
   bool isOverdue() const {
-    const double open_s = (ros::SteadyTime::now() - opened_at_).toSec();
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    const double open_s = (now - opened_at_).toSec();
     if (open_s < params_.deadline_s) return false;
-    const double longest_s = searches_ ? params_.first_deadline_s : params_.late_deadline_s;
-    return open_s >= longest_s || !sources_->isAtWork(!searches_);
+    if (!sources_->isAtWork(!searches_)) return true;
+    return searches_ ? open_s >= params_.first_deadline_s : (now - arrived_at_).toSec() >= params_.late_deadline_s;
   }
 
   void close() {
@@ -242,7 +246,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     last_stamp_ = header.stamp;
     publish(state, account, header);
     rate_.tick();
-    latency_s_ = (ros::SteadyTime::now() - opened_at_).toSec();
+    latency_s_ = (ros::SteadyTime::now() - arrived_at_).toSec();
   }
 
   void publish(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
@@ -384,10 +388,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   SweepPrediction prediction_;            ///< of the open sweep
   PoseSetting pose_setting_;
   bool last_corrected_ = false;
-  ros::Time last_stamp_;   ///< closed
-  bool searches_ = false;  ///< the open sweep, for the first motion
-  ros::SteadyTime opened_at_;
-  double latency_s_ = 0.0;  ///< of the last estimate
+  ros::Time last_stamp_;                    ///< closed
+  bool searches_ = false;                   ///< the open sweep, for the first motion
+  ros::SteadyTime arrived_at_, opened_at_;  ///< its cloud, itself
+  double latency_s_ = 0.0;                  ///< of the last estimate
   RateMeter rate_;
   std::unique_ptr<TrajectoryRecord> trajectory_;
   std::unique_ptr<BoundedPath> path_;

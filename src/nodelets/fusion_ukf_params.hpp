@@ -14,7 +14,7 @@ struct FusionUkfNodeletParams {
   bool publish_tf = true;                   ///< odom_frame -> base_frame
   std::string lidar_in_base_source = "tf";  ///< tf: looked up once; parameter: sensor/lidar_in_base
   double deadline_s = 0.25;                 ///< from prediction to closing a sweep
-  double late_deadline_s = 0.6;             ///< where somebody has not answered whose last answer was late
+  double late_deadline_s = 0.6;             ///< from cloud to closing, where a late one has not answered
   double first_deadline_s = 10.0;           ///< while no motion is known: for those who are at work on the search
   int queue_size = 3;                       ///< sweeps that may wait for the open one
   double max_reorder_s = kMaxReorder_s;     ///< a stamp further back than this is a jump in time: reset

@@ -25,6 +25,10 @@ class SweepIntake {
     kRefused,
     kJumpedBack  ///< further back than max_reorder_s: start anew, then offer it again
   };
+  struct Waiting {
+    std_msgs::Header header;
+    ros::SteadyTime arrived;
+  };
   struct Counts {
     std::size_t overload = 0, duplicate = 0, reordered = 0, unusable_stamp = 0, wrong_frame = 0, reset = 0;
   };
@@ -34,7 +38,7 @@ class SweepIntake {
     max_reorder_s_ = max_reorder_s;
   }
 
-  Verdict offer(const std_msgs::Header& header) {
+  Verdict offer(const std_msgs::Header& header, const ros::SteadyTime& arrived = ros::SteadyTime()) {
     if (header.stamp.isZero()) {
       refuseStamp();
       return Verdict::kRefused;
@@ -48,7 +52,7 @@ class SweepIntake {
       }
     }
     newest_ = header.stamp;
-    waiting_.push_back(header);
+    waiting_.push_back({header, arrived});
     if (waiting_.size() > may_wait_) may_wait_ = std::max<std::size_t>(1, may_wait_ - 1);
     while (waiting_.size() > may_wait_) {
       waiting_.pop_front();
@@ -63,14 +67,14 @@ class SweepIntake {
   double behind_s(const ros::Time& stamp) const { return secondsFrom(stamp, newest_); }
 
   /// To be asked when no sweep is in work.
-  std::optional<std_msgs::Header> next() {
+  std::optional<Waiting> next() {
     if (waiting_.empty()) {
       may_wait_ = queue_size_;
       return std::nullopt;
     }
-    const std_msgs::Header header = waiting_.front();
+    const Waiting waiting = waiting_.front();
     waiting_.pop_front();
-    return header;
+    return waiting;
   }
 
   /// Sweeps lost since this was last asked.
@@ -100,7 +104,7 @@ class SweepIntake {
   std::size_t queue_size_ = 3;
   std::size_t may_wait_ = 3;  ///< now
   double max_reorder_s_ = kMaxReorder_s;
-  std::deque<std_msgs::Header> waiting_;
+  std::deque<Waiting> waiting_;
   ros::Time newest_;  ///< accepted
   int dropped_ = 0;
   Counts counts_;

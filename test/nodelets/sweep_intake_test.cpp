@@ -17,9 +17,17 @@ TEST(SweepIntake, SweepsComeOutInTheirOrder) {
   SweepIntake intake;
   EXPECT_FALSE(intake.next());
   for (const double stamp_s : {10.0, 10.1, 10.2}) EXPECT_EQ(intake.offer(at(stamp_s)), Verdict::kQueued);
-  for (const double stamp_s : {10.0, 10.1, 10.2}) EXPECT_EQ(intake.next()->stamp, ros::Time(stamp_s));
+  for (const double stamp_s : {10.0, 10.1, 10.2}) EXPECT_EQ(intake.next()->header.stamp, ros::Time(stamp_s));
   EXPECT_FALSE(intake.next());
   EXPECT_EQ(intake.takeDropped(), 0);
+}
+
+TEST(SweepIntake, EachSweepKeepsTheTimeOfItsArrival) {
+  SweepIntake intake;
+  intake.offer(at(10.0), ros::SteadyTime(3.0));
+  intake.offer(at(10.1), ros::SteadyTime(3.5));
+  EXPECT_EQ(intake.next()->arrived, ros::SteadyTime(3.0));
+  EXPECT_EQ(intake.next()->arrived, ros::SteadyTime(3.5));
 }
 
 TEST(SweepIntake, OverloadDropsTheOldestAndCountsIt) {
@@ -29,7 +37,7 @@ TEST(SweepIntake, OverloadDropsTheOldestAndCountsIt) {
   EXPECT_EQ(intake.counts().overload, 2u) << "two may wait now";
   EXPECT_EQ(intake.takeDropped(), 2);
   EXPECT_EQ(intake.takeDropped(), 0) << "told once";
-  EXPECT_EQ(intake.next()->stamp, ros::Time(10.2));
+  EXPECT_EQ(intake.next()->header.stamp, ros::Time(10.2));
 }
 
 TEST(SweepIntake, WhoCannotFollowForLongGetsTheNewestUntilHeHasCaughtUp) {
@@ -42,13 +50,13 @@ TEST(SweepIntake, WhoCannotFollowForLongGetsTheNewestUntilHeHasCaughtUp) {
   offer(6);
   for (int round = 0; round < 3; ++round) {
     offer(2);
-    EXPECT_EQ(intake.next()->stamp, ros::Time(10.0 + 0.1 * (i - 1))) << "the newest";
+    EXPECT_EQ(intake.next()->header.stamp, ros::Time(10.0 + 0.1 * (i - 1))) << "the newest";
   }
   EXPECT_EQ(intake.counts().overload, 9u);
   EXPECT_FALSE(intake.next()) << "caught up";
   offer(3);
   EXPECT_EQ(intake.counts().overload, 9u) << "three may wait again";
-  EXPECT_EQ(intake.next()->stamp, ros::Time(10.0 + 0.1 * (i - 3)));
+  EXPECT_EQ(intake.next()->header.stamp, ros::Time(10.0 + 0.1 * (i - 3)));
 }
 
 TEST(SweepIntake, StampsThatDoNotAdvanceAreRefusedByTheirCause) {
@@ -83,7 +91,7 @@ TEST(SweepIntake, AJumpBackIsToldAndTheCloudIsTakenOnceCleared) {
   intake.clear(true);
   EXPECT_EQ(intake.counts().reset, 2u) << "what waited and what was in work";
   EXPECT_EQ(intake.offer(at(9.4)), Verdict::kQueued);
-  EXPECT_EQ(intake.next()->stamp, ros::Time(9.4));
+  EXPECT_EQ(intake.next()->header.stamp, ros::Time(9.4));
   EXPECT_FALSE(intake.next()) << "what waited before the jump is gone";
   EXPECT_EQ(intake.takeDropped(), 0);
 }
