@@ -46,6 +46,7 @@ void CornerReference::update(const std::vector<Corner>& corners_cog, const Pose&
   for (History& history : histories_) ++history.sweeps_unseen;
 
   std::vector<Corner> seen;
+  seen.reserve(corners_cog.size());
   for (const Corner& corner : corners_cog) seen.push_back(movedCorner(T_odom_cog, corner));
   std::vector<bool> known(seen.size(), false);
   for (const CornerPair& match :

@@ -240,7 +240,8 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     // the most promising survivors, by mean squared error with misses counted at the cut-off
     const auto score = [&](const Descent& d) {
       const NormalEquations e = linearize(points_cog, stride, map, d.T, params_.kernel_m);
-      const double used = static_cast<double>((points_cog.size() + stride - 1) / stride);
+      const std::size_t used_points = (points_cog.size() + stride - 1) / stride;
+      const auto used = static_cast<double>(used_points);
       return (e.squared_error + (used - e.weight_unscaled) * params_.max_distance_m * params_.max_distance_m) / used;
     };
     recordEnds(descents, tracks);
@@ -249,6 +250,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
       for (std::size_t i = 0; i < descents.size(); ++i) scores.emplace_back(score(descents[i]), i);
       std::sort(scores.begin(), scores.end());
       std::vector<Descent> best;
+      best.reserve(static_cast<std::size_t>(params_.max_refined_seeds));
       for (int i = 0; i < params_.max_refined_seeds; ++i) {
         best.push_back(descents[scores[static_cast<std::size_t>(i)].second]);
       }
