@@ -38,7 +38,7 @@ struct OdometryIncrement {
   SpeedError speed_error;
   bool predicted = false;  ///< the pose is no measurement
   /// Of a measured pose in the map, about odom's axes, where at least two measurements agree on it.
-  std::optional<Matrix6d> confirmed;
+  std::optional<Matrix6d> confirmed{};
 };
 
 /// Covariance of the pose's error with what drives it.
