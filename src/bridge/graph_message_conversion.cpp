@@ -157,6 +157,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.prediction_invalid = state.fusion.prediction_invalid;
   message.disagreement = state.fusion.disagreement_m;
   message.disagreement_yaw = state.fusion.disagreement_yaw_rad;
+  message.confirmed = state.fusion.confirmed;
   message.valid_inputs = static_cast<std::uint32_t>(state.fusion.valid_inputs);
   message.invalid_inputs = static_cast<std::uint32_t>(state.fusion.invalid_inputs);
   message.sweep_points = account.sweep_points;
@@ -197,6 +198,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.fusion.prediction_invalid = message.prediction_invalid != 0;
   state.fusion.disagreement_m = message.disagreement;
   state.fusion.disagreement_yaw_rad = message.disagreement_yaw;
+  state.fusion.confirmed = message.confirmed != 0;
   state.fusion.valid_inputs = static_cast<int>(message.valid_inputs);
   state.fusion.invalid_inputs = static_cast<int>(message.invalid_inputs);
   return state;

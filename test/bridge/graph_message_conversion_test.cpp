@@ -141,6 +141,7 @@ FilterState someState() {
   state.fusion.nis = {3.0, 4.0};
   state.fusion.prediction_overruled = true;
   state.fusion.disagreement_m = 0.2;
+  state.fusion.confirmed = true;
   state.fusion.valid_inputs = 2;
   return state;
 }
@@ -167,6 +168,7 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_TRUE(back->fusion.prediction_overruled);
   EXPECT_FALSE(back->fusion.all_gated_out);
   EXPECT_EQ(back->fusion.disagreement_m, 0.2);
+  EXPECT_TRUE(back->fusion.confirmed);
   EXPECT_EQ(back->fusion.valid_inputs, 2);
 }
 

@@ -15,18 +15,14 @@ namespace {
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
-constexpr double kLongInterval_s = 0.25;  // sweeps are missing
-constexpr double kAgreement_m = 0.2;      // of two measurements that confirm each other
-constexpr int kRotationSweeps = 2;        // in which what one leaves open is measured again
+constexpr int kRotationSweeps = 2;  // in which what one leaves open is measured again
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
   return J * state_covariance * J.transpose();
 }
 
-bool isConfirmed(const FilterState& state) {
-  return state.corrected && state.fusion.valid_inputs >= 2 && state.fusion.disagreement_m < kAgreement_m;
-}
+bool isConfirmed(const FilterState& state) { return state.corrected && state.fusion.confirmed; }
 
 // Over a long interval a single measurement is no better than the prediction that it started from.
 bool isAsPredicted(const FilterState& state) {
@@ -91,7 +87,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   coasting_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
   road_.clear();
   started_ = false;
-  disagreements_m_.clear();
+  undecided_m_.clear();
   last_measured_ = previous_measured_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
@@ -297,14 +293,14 @@ void PoseFilter::updateMotion() {
 }
 
 // One of two measurements that lie apart is wrong, and the fused one may be as wrong as they are apart. Now and then
-// that is chance; where it lasts (the median of some sweeps) the odometry is being led astray. A third that two others
-// outvote is not counted.
-double PoseFilter::excessDisagreement(double disagreement_m) {
+// that is chance; where it lasts (the median of some sweeps) the odometry is being led astray. What is outvoted is not
+// counted.
+double PoseFilter::excessDisagreement(double undecided_m) {
   constexpr std::size_t kSweeps = 5;
-  disagreements_m_.push_back(disagreement_m);
-  if (disagreements_m_.size() > kSweeps) disagreements_m_.pop_front();
-  if (disagreements_m_.size() < kSweeps) return 0.0;
-  std::vector<double> sorted(disagreements_m_.begin(), disagreements_m_.end());
+  undecided_m_.push_back(undecided_m);
+  if (undecided_m_.size() > kSweeps) undecided_m_.pop_front();
+  if (undecided_m_.size() < kSweeps) return 0.0;
+  std::vector<double> sorted(undecided_m_.begin(), undecided_m_.end());
   std::nth_element(sorted.begin(), sorted.begin() + kSweeps / 2, sorted.end());
   return std::max(0.0, sorted[kSweeps / 2] - params_.lasting_disagreement_m);
 }

@@ -169,17 +169,36 @@ namespace {
 struct Distance {
   std::size_t one, other;  ///< inputs
   double distance_m;       ///< horizontal
+  bool abstains;           ///< one of them is external and its covariance bears the other out
 };
 
-double undecided(const std::vector<Distance>& distances, const FusionResult& result) {
-  const auto used = [&](std::size_t input) { return result.weights[input] > 0.0; };
-  const auto count = std::count_if(result.weights.begin(), result.weights.end(), [](double w) { return w > 0.0; });
-  if (count < 2) return result.disagreement_m;
-  double largest_m = 0.0;
+bool isOutvoted(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
+                double agreement_distance_m) {
+  if (weights[input] > 0.0) return false;
+  int votes_for = 1, votes_against = 0;
   for (const Distance& d : distances) {
-    if (used(d.one) && used(d.other)) largest_m = std::max(largest_m, d.distance_m);
+    if (d.abstains || (d.one != input && d.other != input)) continue;
+    if (weights[d.one == input ? d.other : d.one] > 0.0) {
+      ++votes_against;
+    } else if (d.distance_m <= agreement_distance_m) {
+      ++votes_for;
+    }
   }
-  return largest_m;
+  return votes_against > votes_for;
+}
+
+void judgeDisagreement(const std::vector<Distance>& distances, double agreement_distance_m, FusionResult* result) {
+  bool any_agree = false;
+  for (const Distance& d : distances) {
+    any_agree = any_agree || d.distance_m < agreement_distance_m;
+    if (d.abstains) continue;
+    result->disagreement_m = std::max(result->disagreement_m, d.distance_m);
+    const auto outvoted = [&](std::size_t input) {
+      return isOutvoted(input, distances, result->weights, agreement_distance_m);
+    };
+    if (!outvoted(d.one) && !outvoted(d.other)) result->undecided_m = std::max(result->undecided_m, d.distance_m);
+  }
+  result->confirmed = any_agree && result->undecided_m < agreement_distance_m;
 }
 
 }  // namespace
@@ -226,10 +245,9 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
       const Vector6d apart = stateDifference(c.z, candidates[j].z);
       const bool external = inputs[c.input].external || inputs[candidates[j].input].external;
       const Eigen::Matrix2d R_xy = c.R.topLeftCorner<2, 2>() + candidates[j].R.topLeftCorner<2, 2>();
-      if (external && mahalanobis2d(apart.head<2>(), R_xy) <= kExternalSigmas) continue;
-      distances.push_back({c.input, candidates[j].input, apart.head<2>().norm()});
-      result.disagreement_m = std::max(result.disagreement_m, distances.back().distance_m);
-      result.disagreement_yaw_rad = std::max(result.disagreement_yaw_rad, std::abs(apart[5]));
+      const bool abstains = external && mahalanobis2d(apart.head<2>(), R_xy) <= kExternalSigmas;
+      distances.push_back({c.input, candidates[j].input, apart.head<2>().norm(), abstains});
+      if (!abstains) result.disagreement_yaw_rad = std::max(result.disagreement_yaw_rad, std::abs(apart[5]));
     }
   }
   result.all_gated_out = !candidates.empty() && !any_inside;
@@ -245,7 +263,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   if (any_inside && params_.literal) fuseLiteral(candidates, predicted_state, &result);
   if ((any_inside || result.prediction_overruled) && !params_.literal) fuseByInformation(candidates, &result);
   for (int i = 3; i < 6; ++i) result.z[i] = wrapAngle(result.z[i]);
-  result.undecided_m = undecided(distances, result);
+  judgeDisagreement(distances, params_.agreement_distance_m, &result);
   return result;
 }
 

@@ -51,6 +51,7 @@ void visitNumbers(Input& input, Visitor&& v) {
   v("prediction_invalid", f.prediction_invalid);
   v("disagreement_m", f.disagreement_m);
   v("disagreement_yaw_rad", f.disagreement_yaw_rad);
+  v("confirmed", f.confirmed);
   v("valid_inputs", f.valid_inputs);
   v("invalid_inputs", f.invalid_inputs);
   SweepCondition::visit(input.condition,

@@ -13,7 +13,6 @@ namespace {
 constexpr double kFineStep = 0.25;          // of the search for the first motion, against the step that it begins with;
 constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
-constexpr double kLongInterval_s = 0.25;    // sweeps are missing
 constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
 
 }  // namespace

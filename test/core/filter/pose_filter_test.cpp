@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -10,8 +9,9 @@
 #include <random>
 #include <string>
 
+#include "../../support/poses.hpp"
+#include "../parameters/error_of.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
@@ -22,12 +22,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 PoseFilter makeFilter(const PoseFilter::Params& params = {}) {
   return PoseFilter(params, Ukf::Params(), VehicleModel(VehicleParameters(), VehicleModel::Params()),
                     MotionHistory::Params(), RoadPlaneEstimator::Params(), MeasurementFusion::Params());
-}
-
-Pose pose(double x, double y, double z, double roll, double pitch, double yaw) {
-  Vector6d v;
-  v << x, y, z, roll, pitch, yaw;
-  return poseFromVector(v);
 }
 
 Matrix6d diagonal(double sigma_m, double sigma_rad) {
@@ -83,13 +77,6 @@ Step driveMeasured(PoseFilter& filter, const Drive& drive, int last) {
 
 double distance(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 double angle(const Pose& a, const Pose& b) { return logSo3(a.linear().transpose() * b.linear()).norm(); }
-
-void expectCovariance(const Matrix6d& C, const std::string& what) {
-  ASSERT_TRUE(C.allFinite()) << what;
-  EXPECT_LT((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-12 * C.cwiseAbs().maxCoeff()) << what;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(C, Eigen::EigenvaluesOnly);
-  EXPECT_GE(eigen.eigenvalues().minCoeff(), 0.0) << what;
-}
 
 /// A vehicle that brakes, seen by a lidar whose stamps are -middle_s from its sweeps' middles: each sweep is measured
 /// where the speed that it was corrected for puts it. Returns the greatest error of a predicted increment.
@@ -357,6 +344,29 @@ TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
   EXPECT_NEAR(lasting[1] - together[1], 0.1 * 0.1, 1e-4) << "it stays";
 }
 
+/// Over a gap a measurement counts only if another confirms it.
+TEST(PoseFilter, AMeasurementThatIsOutvotedDoesNotKeepOthersFromConfirmingEachOther) {
+  const Drive drive;
+  constexpr int kAfterGap = 25;
+  const Pose T = drive.at(kAfterGap);
+  const auto moved = [&](double y_m) { return measured(Pose(Eigen::Translation3d(0.0, y_m, 0.0)) * T); };
+  const auto incrementWith = [&](const std::vector<Measurement>& measurements) {
+    PoseFilter filter = makeFilter();
+    driveMeasured(filter, drive, 20);
+    return incrementOf(step(filter, drive.stamp(kAfterGap), measurements).state);
+  };
+  const OdometryIncrement alone = incrementWith({moved(0.0)});
+  EXPECT_TRUE(alone.predicted);
+  EXPECT_FALSE(alone.confirmed);
+  const OdometryIncrement one_against_one = incrementWith({moved(0.0), moved(10.0)});
+  EXPECT_TRUE(one_against_one.predicted);
+  EXPECT_FALSE(one_against_one.confirmed);
+  const OdometryIncrement two_against_one = incrementWith({moved(0.0), moved(0.05), moved(10.0)});
+  EXPECT_FALSE(two_against_one.predicted);
+  ASSERT_TRUE(two_against_one.confirmed);
+  EXPECT_LT((*two_against_one.confirmed)(1, 1), 0.02 * 0.02);
+}
+
 TEST(PoseFilter, ResetStartsAnew) {
   PoseFilter used = makeFilter(), fresh = makeFilter();
   Drive drive;
@@ -377,14 +387,9 @@ TEST(PoseFilter, ParametersAreChecked) {
   const auto refused = [](const std::function<void(PoseFilter::Params&)>& change) {
     PoseFilter::Params params;
     change(params);
-    try {
-      makeFilter(params);
-    } catch (const ParameterError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return errorOf([&] { makeFilter(params); });
   };
-  EXPECT_EQ(refused([](PoseFilter::Params&) {}), "");
+  EXPECT_EQ(refused([](PoseFilter::Params&) {}), "no error");
   EXPECT_NE(refused([](PoseFilter::Params& p) { p.initial_sigma_m = 0.0; }).find("initial_sigma_m = 0"),
             std::string::npos);
   EXPECT_NE(refused([](PoseFilter::Params& p) { p.increment_scale = -1.0; }).find("increment_scale"),

@@ -5,14 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 
 namespace fail_aware {
 namespace {
-
-Pose pose(double x, double y, double z, double roll, double pitch, double yaw) {
-  return poseFromVector((Vector6d() << x, y, z, roll, pitch, yaw).finished());
-}
 
 ExternalPose gps(double stamp_s, const Pose& T_odom_base, double sigma_m = 0.5, double sigma_rad = 0.01) {
   ExternalPose external;
@@ -104,6 +101,24 @@ TEST(ExternalPose, DisagreesOnlyBeyondBothCovariances) {
   EXPECT_EQ(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &near, true}}).disagreement_m, 0.0);
   EXPECT_NEAR(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &far, true}}).disagreement_m, 5.0, 1e-9);
   EXPECT_NEAR(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &near}}).disagreement_m, 0.9, 1e-9);
+}
+
+TEST(ExternalPose, HasNoVoteAgainstWhatItsCovarianceBearsOut) {
+  const auto at = [](double x_m, double sigma_m) {
+    return externalMeasurement(gps(1.0, pose(x_m, 0, 0, 0, 0, 0), sigma_m, 0.001), 1.0, Pose::Identity(),
+                               Vector6d::Zero(), Pose::Identity());
+  };
+  const Measurement icp = at(0.0, 0.02), second = at(1.0, 0.02), rough = at(0.0, 0.5), fine = at(0.0, 0.02);
+  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const Matrix6d P = 1e-4 * Matrix6d::Identity();
+  const FusionResult undecided =
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &rough, true}});
+  EXPECT_NEAR(undecided.undecided_m, 1.0, 1e-9);
+  EXPECT_FALSE(undecided.confirmed);
+  const FusionResult outvoted =
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &fine, true}});
+  EXPECT_NEAR(outvoted.undecided_m, 0.0, 1e-9);
+  EXPECT_TRUE(outvoted.confirmed);
 }
 
 TEST(ExternalPoseBuffer, GivesTheNearestOnceAndNothingOutsideTheTolerance) {

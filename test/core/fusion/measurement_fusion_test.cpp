@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -14,12 +15,6 @@ namespace fail_aware {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-Vector6d vector6(double x, double y, double z, double roll, double pitch, double yaw) {
-  Vector6d v;
-  v << x, y, z, roll, pitch, yaw;
-  return v;
-}
 
 Measurement measurementAt(const Vector6d& state, const Matrix6d& covariance) {
   Measurement m;
@@ -136,6 +131,25 @@ TEST(MeasurementFusion, AnOutvotedMeasurementDecidesNothing) {
   r = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
   EXPECT_EQ(r.weights[1], 0.0);
   EXPECT_EQ(r.undecided_m, r.disagreement_m) << "one against one";
+  EXPECT_FALSE(r.confirmed);
+}
+
+TEST(MeasurementFusion, TwoInsideTheGateDoNotOutvoteTwoOutsideThatAgree) {
+  const Matrix6d P = diagonal(0.01, 0.1, 0.1), R = diagonal(1e-4, 0.1, 0.1);
+  const auto at = [&](double x_m) { return measurementAt(vector6(x_m, 0, 0, 0, 0, 0), R); };
+  const FusionResult tie = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.02), at(1.0), at(1.1)}));
+  EXPECT_GT(tie.weights[1], 0.0);
+  EXPECT_EQ(tie.weights[2], 0.0);
+  EXPECT_NEAR(tie.undecided_m, 1.1, 1e-12);
+  EXPECT_FALSE(tie.confirmed);
+  const FusionResult alone_each =
+      defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.02), at(1.0), at(-1.0)}));
+  EXPECT_NEAR(alone_each.disagreement_m, 2.0, 1e-12);
+  EXPECT_NEAR(alone_each.undecided_m, 0.02, 1e-12) << "two against one, twice";
+  EXPECT_TRUE(alone_each.confirmed);
+  const FusionResult three =
+      defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.02), at(1.0), at(0.03), at(1.1)}));
+  EXPECT_NEAR(three.undecided_m, 0.03, 1e-12) << "three against two";
 }
 
 TEST(MeasurementFusion, TheGatesEdge) {

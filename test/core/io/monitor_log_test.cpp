@@ -36,6 +36,7 @@ MonitorInput oddNumbers() {
   s.fusion.nis = {1.7, -1.0, 3e5};
   s.fusion.prediction_overruled = true;
   s.fusion.disagreement_m = 0.1234567890123456789;
+  s.fusion.confirmed = true;
   s.fusion.valid_inputs = 2;
   s.fusion.invalid_inputs = 1;
   input.condition.incomplete = true;
@@ -84,6 +85,7 @@ TEST_F(MonitorLog, EveryNumberReadsBackAsItself) {
   EXPECT_EQ(read.state.fusion.nis, input.state.fusion.nis);
   EXPECT_TRUE(read.state.corrected && read.state.fusion.prediction_overruled && read.state.fusion.has_measurement);
   EXPECT_FALSE(read.state.fusion.all_gated_out || read.state.fusion.prediction_invalid);
+  EXPECT_TRUE(read.state.fusion.confirmed);
   EXPECT_EQ(read.state.fusion.valid_inputs, 2);
   EXPECT_EQ(read.state.fusion.invalid_inputs, 1);
   EXPECT_TRUE(read.condition.incomplete);

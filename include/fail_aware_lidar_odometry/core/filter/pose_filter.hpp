@@ -51,8 +51,10 @@ struct FilterState {
   double filter_nis = 0.0;                           ///< of the fused measurement, 6 degrees of freedom
   Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
-  Matrix6d unobserved_covariance =
-      Matrix6d::Zero();    ///< the part of it that no measurement contradicts, of rotation: nor the next
+  /// The part of it that the measurements leave open: of the prediction's error what this sweep's measurement leaves,
+  /// of rotation what the next one, as good as this, would leave as well; and horizontally how far beyond
+  /// lasting_disagreement_m measurements stay apart.
+  Matrix6d unobserved_covariance = Matrix6d::Zero();
   SpeedError speed_error;  ///< along the vehicle, where it coasts
   int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
 };
@@ -122,7 +124,7 @@ class PoseFilter {
   void coast(const MotionDerivatives& last, const Coasting::Measured* measured);
   Coasting::Measured measuredMotion() const;
   void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
-  double excessDisagreement(double disagreement_m);
+  double excessDisagreement(double undecided_m);
 
   Params params_;
   VehicleModel model_;
@@ -137,7 +139,7 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
-  std::deque<double> disagreements_m_;                      ///< of the last sweeps
+  std::deque<double> undecided_m_;                          ///< of the last sweeps
   int corrected_sweeps_ = 0;
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };

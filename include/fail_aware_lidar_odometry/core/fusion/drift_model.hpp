@@ -2,14 +2,16 @@
 //
 // A sweep is registered against a map, so most of a measurement's error is gone with the next sweep: the pose jitters
 // about the map, the jitter does not add up. What adds up is
-//   - what no measurement contradicts: the prediction's error along unobserved directions, all of it
+//   - what the measurements leave open: FilterState::unobserved_covariance (filter/pose_filter.hpp), all of it
 //   - the slow drift of the map itself, which goes with the distance driven, not with the number of sweeps (a standing
 //     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
 //     Unknown and constant; they make the error grow with distance squared and distance.
-//   - the error of a speed that is not observed: how large and how lasting it is, the filter knows
-//   (filter/coasting.hpp);
-//     here, how much of it goes into an increment
+//   - the error of a speed that is not observed: how large and how lasting it is says filter/coasting.hpp; here, how
+//     much of it goes into an increment
+//
+// calibrate_noise fits measured_share, position_ and heading_per_root_metre, heading_bias and scale_bias; the others
+// are chosen by hand.
 //
 // Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
 #pragma once
@@ -50,8 +52,8 @@ class DriftModel {
   /// Throws ParameterError.
   explicit DriftModel(const Params& params);
 
-  /// What a sweep adds for good. `increment`: the covariance of its motion, `unobserved`: the part of it that no
-  /// measurement contradicts.
+  /// What a sweep adds for good. `increment`: the covariance of its motion, `unobserved`: the part of it that stays
+  /// open.
   Matrix6d lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m) const;
   /// What it adds for the moment: the pose's own jitter, half of an increment's, which is between two of them.
   Matrix6d passing(const Matrix6d& increment, const Matrix6d& unobserved) const;

@@ -12,6 +12,10 @@
 // not observe (huge variance) is left to the others. If every measurement is outside its gate but two or more agree
 // with each other, the prediction is what is wrong: the largest group that agrees is fused with equal weights, flagged.
 //
+// Disagreement. One that is gated out is outvoted, and its disagreement decides nothing, if more of those that are used
+// speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
+// An external one abstains as long as its covariance bears the other out (FusionInput::external).
+//
 // Failure: `has_measurement` false (nothing usable, all gated out, prediction unusable); z, R are then the prediction.
 // Measurements that are ok but not finite, not a covariance or at gimbal lock are ignored and counted.
 // Cost: O(n) 6x6 eigendecompositions, about 15 us for three inputs.
@@ -42,8 +46,8 @@ struct FusionResult {
   bool prediction_invalid = false;    ///< predicted state or covariance not usable
   double disagreement_m = 0.0;        ///< largest horizontal distance between two usable measurements
   double disagreement_yaw_rad = 0.0;
-  double undecided_m =
-      0.0;  ///< disagreement_m of those that were used if they are two or more: of three, the third is outvoted
+  double undecided_m = 0.0;  ///< the same between those that are not outvoted
+  bool confirmed = false;    ///< some two are within agreement_distance_m, and so is undecided_m
   int valid_inputs = 0;
   int invalid_inputs = 0;  ///< said ok, but unusable
 };

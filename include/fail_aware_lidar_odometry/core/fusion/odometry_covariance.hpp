@@ -32,8 +32,7 @@ struct SpeedError {
 /// One sweep's motion, as far as its uncertainty goes; covariances about the previous body's axes.
 struct OdometryIncrement {
   Matrix6d covariance = Matrix6d::Zero();
-  Matrix6d unobserved =
-      Matrix6d::Zero();  ///< the part of `covariance` that no measurement contradicts, of rotation: nor the next
+  Matrix6d unobserved = Matrix6d::Zero();  ///< the part of it that stays open (FilterState::unobserved_covariance)
   double dt_s = 0.0;
   SpeedError speed_error;
   bool predicted = false;  ///< the pose is no measurement
@@ -72,7 +71,6 @@ class OdometryCovariance {
 
   /// From here on (the monitor's t1) sinceMark() is the covariance of T_mark_base, about the mark's axes.
   void mark(const Pose& T_odom_mark);
-  bool hasMark() const { return T_odom_mark_.has_value(); }
   const Matrix6d& sinceMark() const { return since_mark_covariance_; }
   /// The same with all that will make it grow.
   const DriftState& driftSinceMark() const { return since_mark_; }

@@ -10,6 +10,9 @@
 
 namespace fail_aware {
 
+/// Longer than this between two sweeps: some are missing, and a search by the prediction alone may fail.
+inline constexpr double kLongInterval_s = 0.25;
+
 inline double wholeMicroseconds(double time_s) { return std::round(time_s * 1e6) / 1e6; }
 
 inline double secondsBetween(double from_s, double to_s) { return wholeMicroseconds(to_s - from_s); }

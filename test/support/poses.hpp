@@ -1,0 +1,29 @@
+// Poses, vectors and their comparison for tests; m, rad.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <string>
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+inline Vector6d vector6(double a, double b, double c, double d, double e, double f) {
+  return (Vector6d() << a, b, c, d, e, f).finished();
+}
+
+inline Pose pose(double x, double y, double z, double roll, double pitch, double yaw) {
+  return poseFromVector(vector6(x, y, z, roll, pitch, yaw));
+}
+
+/// Finite, symmetric, no eigenvalue negative.
+inline void expectCovariance(const Matrix6d& C, const std::string& what = "") {
+  ASSERT_TRUE(C.allFinite()) << what;
+  EXPECT_LT((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-12 * C.cwiseAbs().maxCoeff()) << what;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(C, Eigen::EigenvaluesOnly);
+  EXPECT_GE(eigen.eigenvalues().minCoeff(), 0.0) << what;
+}
+
+}  // namespace fail_aware
