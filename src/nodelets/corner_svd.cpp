@@ -5,6 +5,7 @@
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "measurement_nodelet.hpp"
+#include "topics.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
@@ -17,7 +18,7 @@ class CornerSvdAlgorithm {
   static const char* name() { return kCornerSvd; }
 
   CornerSvdAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
-      : markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
+      : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
         used_(params.profile.registration.use_corners),
         tuning_{params.profile.registration.corner_alignment},
         corners_(params.profile.registration.corner_extraction, params.profile.registration.corner_reference,

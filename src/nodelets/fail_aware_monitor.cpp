@@ -21,6 +21,7 @@
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
 #include "stamps.hpp"
+#include "topics.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
@@ -29,7 +30,6 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
  private:
   using Config = fail_aware_lidar_odometry::FailAwareMonitorConfig;
 
-  static constexpr std::uint32_t kQueue = 8;
   static constexpr double kTimerPeriod_s = 0.05;
   static constexpr double kStalePeriod_s = 0.1;
 
@@ -50,10 +50,10 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
           pipeline_.profile.monitor = tuning.monitor;
           monitor_->setLimits(tuning.monitor);
         });
-    publisher_ = node.advertise<messages::TimeToFailure>("time_to_failure", kQueue);
-    marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1);
+    publisher_ = node.advertise<messages::TimeToFailure>(topics::kTimeToFailure, topics::kQueue);
+    marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1);
     service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
-    subscriber_ = node.subscribe("filter_state", kQueue, &FailAwareMonitorNodelet::onState, this);
+    subscriber_ = node.subscribe(topics::kFilterState, topics::kQueue, &FailAwareMonitorNodelet::onState, this);
     heard_s_ = now_s();
     timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
                                     [this](const ros::SteadyTimerEvent&) { checkStale(); });

@@ -7,25 +7,21 @@
 // and one odometry; every other cloud is counted in a diagnostic by its cause.
 #include <fail_aware_lidar_odometry/FusionUkfConfig.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
-#include <nav_msgs/Odometry.h>
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <std_srvs/Trigger.h>
-#include <tf2_ros/transform_broadcaster.h>
 
+#include <algorithm>
 #include <deque>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "bounded_path.hpp"
 #include "deferred_call.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
@@ -35,12 +31,13 @@
 #include "lidar_place.hpp"
 #include "load_or_say_why.hpp"
 #include "measurement_sources.hpp"
+#include "odometry_output.hpp"
 #include "pose_setting.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
 #include "stamps.hpp"
 #include "sweep_intake.hpp"
-#include "trajectory_record.hpp"
+#include "topics.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
@@ -54,7 +51,6 @@ class FusionUkfNodelet : public nodelet::Nodelet {
  private:
   using Config = fail_aware_lidar_odometry::FusionUkfConfig;
 
-  static constexpr std::uint32_t kQueue = 8;
   static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; here it is counted
   static constexpr double kDeadlineCheck_s = 0.01;
   static constexpr std::size_t kHeld = 3;  ///< fewer than the correction keeps clouds
@@ -84,33 +80,28 @@ class FusionUkfNodelet : public nodelet::Nodelet {
                                            VehicleModel(pipeline.vehicle.dynamics, profile.model), profile.history,
                                            profile.road, profile.fusion);
     odometry_covariance_ = OdometryCovariance(profile.monitor.drift);
-    path_ = std::make_unique<BoundedPath>(static_cast<std::size_t>(params_.path_max_poses), params_.path_spacing_m);
-    trajectory_ = std::make_unique<TrajectoryRecord>(static_cast<std::size_t>(params_.trajectory_max_poses));
     sources_ = std::make_unique<MeasurementSources>(node, readExtraSources(private_node), params_.odom_frame,
                                                     [this] { onAnswer(); });
     const FusionUkfTuning tuning{params_, profile.registration, profile.fusion};
     tune(tuning);
     reconfiguration_ = std::make_unique<Reconfiguration<Config, FusionUkfTuning>>(
         private_node, tuning, [this](const FusionUkfTuning& changed) { tune(changed); });
+    output_ = std::make_unique<OdometryOutput>(node, private_node, params_, T_base_cog_);
     reset();
     if (params_.lidar_in_base_source == "parameter") {
       lidar_.use(pipeline.sensor.T_base_lidar());
     } else {
       lidar_.useTransforms(params_.base_frame);
     }
-    if (params_.publish_tf) tf_broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
 
-    prediction_publisher_ = node.advertise<messages::SweepPrediction>("sweep/prediction", kQueue);
-    state_publisher_ = node.advertise<messages::FilterState>("filter_state", kQueue);
-    odometry_publisher_ = node.advertise<nav_msgs::Odometry>("odometry", kQueue);
-    path_publisher_ = node.advertise<nav_msgs::Path>("path", 1);
+    prediction_publisher_ = node.advertise<messages::SweepPrediction>(topics::kSweepPrediction, topics::kQueue);
+    state_publisher_ = node.advertise<messages::FilterState>(topics::kFilterState, topics::kQueue);
     reset_service_ = private_node.advertiseService("reset", &FusionUkfNodelet::onReset, this);
-    save_service_ = private_node.advertiseService("save_trajectory", &FusionUkfNodelet::onSaveTrajectory, this);
     deadline_timer_ =
         node.createSteadyTimer(ros::WallDuration(kDeadlineCheck_s), [this](const ros::SteadyTimerEvent&) { onTick(); });
     opening_ = std::make_unique<DeferredCall>(node, [this] { openNext(); });
-    set_pose_subscriber_ = node.subscribe("set_pose", 1, &FusionUkfNodelet::onSetPose, this);
-    cloud_subscriber_ = node.subscribe("points", kCloudQueue, &FusionUkfNodelet::onCloud, this);
+    set_pose_subscriber_ = node.subscribe(topics::kSetPose, 1, &FusionUkfNodelet::onSetPose, this);
+    cloud_subscriber_ = node.subscribe(topics::kClouds, kCloudQueue, &FusionUkfNodelet::onCloud, this);
     health_ =
         std::make_unique<Health>(node, private_node, getName(), "odometry",
                                  [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
@@ -189,9 +180,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       arrived_at_ = next->arrived;
       opened_at_ = ros::SteadyTime::now();
       prediction_ = task.prediction;
-      sources_->open(header.stamp);
       // the first sweep has nothing to search a motion with
       searches_ = !task.prediction.motion_known && !task.first();
+      sources_->open(header.stamp, longest_s());
       prediction_publisher_.publish(messages::SweepPredictionConstPtr(
           boost::make_shared<messages::SweepPrediction>(toMessage(task, header, last_stamp_))));
       if (sources_->allAnswered()) close();
@@ -225,6 +216,11 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     return searches_ ? open_s >= params_.first_deadline_s : (now - arrived_at_).toSec() >= params_.late_deadline_s;
   }
 
+  /// The open sweep's if nothing came before it: an answer that takes longer than this gains nothing.
+  double longest_s() const {
+    return std::max(params_.deadline_s, searches_ ? params_.first_deadline_s : params_.late_deadline_s);
+  }
+
   void close() {
     const std_msgs::Header header = *open_;
     open_.reset();
@@ -252,22 +248,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void publish(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
     state_publisher_.publish(
         messages::FilterStateConstPtr(boost::make_shared<messages::FilterState>(toMessage(state, account, header))));
-    const auto odometry = boost::make_shared<nav_msgs::Odometry>(toOdometryMessage(
-        state, odometry_covariance_.covariance(), T_base_cog_, params_.odom_frame, params_.base_frame));
-    odometry->header.stamp = header.stamp;
-    odometry_publisher_.publish(nav_msgs::OdometryConstPtr(odometry));
-    const Pose T_odom_base = state.T_odom_cog * T_base_cog_.inverse();
-    if (tf_broadcaster_) {
-      geometry_msgs::TransformStamped transform;
-      transform.header = header;
-      transform.child_frame_id = params_.base_frame;
-      transform.transform = toTransformMessage(T_odom_base);
-      tf_broadcaster_->sendTransform(transform);
-    }
-    trajectory_->add(state.stamp_s, T_odom_base);
-    if (path_->add(T_odom_base, header) && path_publisher_.getNumSubscribers() > 0) {
-      path_publisher_.publish(path_->message());
-    }
+    output_->publish(state, odometry_covariance_.covariance(), header);
   }
 
   // ---- set_pose -----------------------------------------------------------------------------------------------------
@@ -300,8 +281,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     held_.clear();
     pose_setting_.clear();
     sources_->reset();
-    path_->clear();
-    trajectory_->clear();
+    output_->clear();
     last_stamp_ = ros::Time();
     if (counts_.sweeps > 0) ++counts_.resets;
   }
@@ -310,27 +290,6 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     reset();
     response.success = true;
     response.message = "the next sweep is the first";
-    return true;
-  }
-
-  bool onSaveTrajectory(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    // may have been set meanwhile
-    const std::string file = readText(getPrivateNodeHandle(), "trajectory_file", params_.trajectory_file);
-    std::error_code error;
-    const std::filesystem::path path = std::filesystem::absolute(file, error);
-    try {
-      if (trajectory_->size() == 0) throw std::runtime_error("there is no pose yet");
-      trajectory_->save(path.string());
-      response.success = true;
-      response.message = path.string() + ": " + std::to_string(trajectory_->size()) + " poses";
-      if (trajectory_->forgotten() > 0) {
-        response.message += " (the first " + std::to_string(trajectory_->forgotten()) + " were forgotten, see " +
-                            "trajectory_max_poses)";
-      }
-    } catch (const std::exception& failure) {
-      response.success = false;
-      response.message = failure.what();
-    }
     return true;
   }
 
@@ -379,7 +338,6 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   OdometryCovariance odometry_covariance_;
 
   LidarPlace lidar_;
-  std::unique_ptr<tf2_ros::TransformBroadcaster> tf_broadcaster_;
 
   SweepIntake intake_;
   std::deque<std_msgs::Header> held_;     ///< clouds that wait for the lidar's place
@@ -393,17 +351,16 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   ros::SteadyTime arrived_at_, opened_at_;  ///< its cloud, itself
   double latency_s_ = 0.0;                  ///< of the last estimate
   RateMeter rate_;
-  std::unique_ptr<TrajectoryRecord> trajectory_;
-  std::unique_ptr<BoundedPath> path_;
+  std::unique_ptr<OdometryOutput> output_;
   Counts counts_;
 
-  ros::Publisher prediction_publisher_, state_publisher_, odometry_publisher_, path_publisher_;
+  ros::Publisher prediction_publisher_, state_publisher_;
   // What calls back is destroyed first, and waits for a call that is under way.
   std::unique_ptr<MeasurementSources> sources_;
   std::unique_ptr<Reconfiguration<Config, FusionUkfTuning>> reconfiguration_;
   std::unique_ptr<DeferredCall> opening_;
   ros::Subscriber cloud_subscriber_, set_pose_subscriber_;
-  ros::ServiceServer reset_service_, save_service_;
+  ros::ServiceServer reset_service_;
   ros::SteadyTimer deadline_timer_;
   std::unique_ptr<Health> health_;
 };

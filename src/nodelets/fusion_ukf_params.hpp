@@ -18,7 +18,7 @@ struct FusionUkfNodeletParams {
   double first_deadline_s = 10.0;           ///< while no motion is known: for those who are at work on the search
   int queue_size = 3;                       ///< sweeps that may wait for the open one
   double max_reorder_s = kMaxReorder_s;     ///< a stamp further back than this is a jump in time: reset
-  int absent_after_sweeps = 3;              ///< misses in a row until a source is no longer waited for
+  int absent_after_sweeps = 3;  ///< misses, or answers too late for any deadline, in a row: waited for no more
   int path_max_poses = 2000;
   double path_spacing_m = 0.5;
   int trajectory_max_poses = 200000;  ///< kept for ~save_trajectory (29 MB, 5.5 h at 10 Hz); the oldest give way

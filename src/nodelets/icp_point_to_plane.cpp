@@ -7,6 +7,7 @@
 #include "fail_aware_lidar_odometry/core/make_front.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"
+#include "topics.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
@@ -19,7 +20,7 @@ class IcpPointToPlaneAlgorithm {
   static const char* name() { return kIcpPointToPlane; }
 
   IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
-      : local_map_(node.advertise<sensor_msgs::PointCloud2>("local_map", 1)),
+      : local_map_(node.advertise<sensor_msgs::PointCloud2>(topics::kLocalMap, 1)),
         used_(params.profile.registration.use_plane),
         front_(makeFront(params.profile.registration)),
         tuning_{params.profile.registration.plane},

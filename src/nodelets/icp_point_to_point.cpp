@@ -6,6 +6,7 @@
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "fail_aware_lidar_odometry/core/make_front.hpp"
 #include "measurement_nodelet.hpp"
+#include "topics.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
@@ -18,7 +19,7 @@ class IcpPointToPointAlgorithm {
   static const char* name() { return kIcpPointToPoint; }
 
   IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
-      : markers_(node.advertise<visualization_msgs::MarkerArray>("markers", 1)),
+      : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
         used_(params.profile.registration.use_point),
         front_(makeFront(params.profile.registration)),
         tuning_{params.profile.registration.point},

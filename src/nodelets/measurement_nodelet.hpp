@@ -27,14 +27,13 @@
 #include "reconfiguration.hpp"
 #include "stamps.hpp"
 #include "sweep_matcher.hpp"
+#include "topics.hpp"
 
 namespace fail_aware {
 
 template <class Algorithm>
 class MeasurementNodelet : public nodelet::Nodelet {
  private:
-  static constexpr std::uint32_t kQueue = 8;
-
   void onInit() override {
     loadOrSayWhy(getName(), [this] { load(); });
   }
@@ -42,14 +41,15 @@ class MeasurementNodelet : public nodelet::Nodelet {
   void load() {
     ros::NodeHandle& node = getNodeHandle();
     algorithm_ = std::make_unique<Algorithm>(node, readPipelineParameters(node));
-    publisher_ = node.advertise<messages::PoseMeasurement>(std::string("measurement/") + Algorithm::name(), kQueue);
+    publisher_ = node.advertise<messages::PoseMeasurement>(topics::ofMeasurement(Algorithm::name()), topics::kQueue);
     reconfiguration_ = std::make_unique<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>>(
         getPrivateNodeHandle(), algorithm_->tuning(),
         [this](const typename Algorithm::Tuning& tuning) { algorithm_->tune(tuning); });
     work_ = std::make_unique<DeferredCall>(node, [this] { work(); });
-    state_subscriber_ = node.subscribe("filter_state", kQueue, &MeasurementNodelet::onState, this);
-    prediction_subscriber_ = node.subscribe("sweep/prediction", kQueue, &MeasurementNodelet::onPrediction, this);
-    cloud_subscriber_ = node.subscribe("sweep/points", kQueue, &MeasurementNodelet::onCloud, this);
+    state_subscriber_ = node.subscribe(topics::kFilterState, topics::kQueue, &MeasurementNodelet::onState, this);
+    prediction_subscriber_ =
+        node.subscribe(topics::kSweepPrediction, topics::kQueue, &MeasurementNodelet::onPrediction, this);
+    cloud_subscriber_ = node.subscribe(topics::kSweepPoints, topics::kQueue, &MeasurementNodelet::onCloud, this);
     health_ =
         std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), Algorithm::name(),
                                  [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });

@@ -8,12 +8,13 @@
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "frame_name.hpp"
+#include "topics.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr std::uint32_t kQueue = 8;
+constexpr std::size_t kSweepsKept = 100;
 constexpr const char* kPoseMeasurement = "PoseMeasurement";
 constexpr const char* kPoseWithCovariance = "PoseWithCovarianceStamped";
 constexpr const char* kBuiltIn[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
@@ -54,11 +55,11 @@ MeasurementSources::MeasurementSources(ros::NodeHandle node, const std::map<std:
                                        const std::string& odom_frame, std::function<void()> answered)
     : node_(std::move(node)), odom_frame_(withoutSlash(odom_frame)), answered_(std::move(answered)) {
   check_subscriber_ = node_.subscribe<messages::SweepCheck>(
-      "sweep/check", kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
+      topics::kSweepCheck, topics::kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
   for (const char* name : kBuiltIn) {
     Source& source = add(name);
     source.built_in = true;
-    source.params.topic = std::string("measurement/") + name;
+    source.params.topic = topics::ofMeasurement(name);
   }
   for (const auto& [name, params] : extra) {
     Source& source = add(name);
@@ -68,7 +69,7 @@ MeasurementSources::MeasurementSources(ros::NodeHandle node, const std::map<std:
   for (Source& source : sources_) {  // they stay where they are from here on
     if (source.exact) {
       source.subscriber = node_.subscribe<messages::PoseMeasurement>(
-          source.params.topic, kQueue,
+          source.params.topic, topics::kQueue,
           [this, &source](const messages::PoseMeasurementConstPtr& message) { onMeasurement(source, *message); });
     } else {
       source.subscriber = node_.subscribe<geometry_msgs::PoseWithCovarianceStamped>(
@@ -99,15 +100,22 @@ void MeasurementSources::use(const std::string& name, bool used) {
   }
 }
 
-void MeasurementSources::open(const ros::Time& stamp) {
+void MeasurementSources::open(const ros::Time& stamp, double longest_s) {
+  clear();
   open_ = stamp;
+  latest_.push_back({stamp, ros::SteadyTime::now() + ros::WallDuration(longest_s)});
+  if (latest_.size() > kSweepsKept) latest_.pop_front();
+}
+
+void MeasurementSources::clear() {
+  open_ = ros::Time();
   findings_.reset();
   check_points_ = sweep_points_ = -1;
   for (Source& source : sources_) source.measurement.reset();
 }
 
 void MeasurementSources::reset() {
-  open(ros::Time());
+  clear();
   for (Source& source : sources_) source.poses.clear();
 }
 
@@ -133,9 +141,14 @@ bool MeasurementSources::isAtWork(bool late_only) const {
   });
 }
 
+bool MeasurementSources::isInVain(const ros::Time& stamp) const {
+  const auto sweep = std::find_if(latest_.rbegin(), latest_.rend(), [&](const Latest& l) { return l.stamp == stamp; });
+  return sweep == latest_.rend() || ros::SteadyTime::now() > sweep->at;
+}
+
 void MeasurementSources::onCheck(const messages::SweepCheck& message) {
   if (message.header.stamp != open_) {
-    check_record_.late();
+    check_record_.late(isInVain(message.header.stamp));
     return;
   }
   check_record_.inTime();
@@ -146,7 +159,7 @@ void MeasurementSources::onCheck(const messages::SweepCheck& message) {
 
 void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasurement& message) {
   if (message.header.stamp != open_ || open_.isZero()) {
-    source.record.late();
+    source.record.late(isInVain(message.header.stamp));
     ++source.late;
     return;
   }
@@ -226,9 +239,14 @@ SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const 
 
 std::string MeasurementSources::absent() const {
   std::string names;
-  if (!canAnswer(check_subscriber_, check_record_)) names += " sweep_correction";
+  const auto add = [&](const std::string& name, const ros::Subscriber& subscriber, const AnswerRecord& record) {
+    if (canAnswer(subscriber, record)) return;
+    names += ' ' + name;
+    if (record.isTooLate(absent_after_sweeps_)) names += " (too late)";
+  };
+  add("sweep_correction", check_subscriber_, check_record_);
   for (const Source& source : sources_) {
-    if (source.used && source.exact && !canAnswer(source.subscriber, source.record)) names += ' ' + source.name;
+    if (source.used && source.exact) add(source.name, source.subscriber, source.record);
   }
   return names;
 }

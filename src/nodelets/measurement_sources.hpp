@@ -2,8 +2,9 @@
 // that is named by parameter. Collects the answers to the open sweep and says when nobody is left to wait for.
 //
 // Not waited for: a source that nobody publishes, one that missed absent_after_sweeps in a row (until it is heard
-// again), the three measurements while SweepCorrection is silent, and poses with a stamp of their own (they are taken
-// when the sweep is closed, the nearest in time). Whoever answers late is at work, and is told from who is silent.
+// again), one whose last absent_after_sweeps answers came later than a sweep may stay open (until one does not), the
+// three measurements while SweepCorrection is silent, and poses with a stamp of their own (they are taken when the sweep
+// is closed, the nearest in time). Whoever answers late is at work, and is told from who is silent.
 //
 // Parameters: ~extra_sources/NAME/{topic, type, tolerance_s}. type: PoseMeasurement (stamp of the sweep, exactly;
 // waited for) or PoseWithCovarianceStamped (base_link in odom, or in a frame that tf knows in odom).
@@ -60,7 +61,8 @@ class MeasurementSources {
   /// One of the three measurements: false: neither waited for nor fused.
   void use(const std::string& name, bool used);
 
-  void open(const ros::Time& stamp);
+  /// `longest_s`: what takes longer than this is too late for any sweep.
+  void open(const ros::Time& stamp, double longest_s);
   bool allAnswered() const;
   /// Somebody at work has not answered yet: for `late_only` one whose last answer was late.
   bool isAtWork(bool late_only) const;
@@ -68,8 +70,7 @@ class MeasurementSources {
   SweepAccount close(const SweepPrediction& prediction, const Pose& T_base_cog);
   void reset();
 
-  bool isOpen() const { return !open_.isZero(); }
-  /// " a b": those that others wait for in vain.
+  /// " a b (too late)": those that are not waited for any more.
   std::string absent() const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
@@ -92,8 +93,11 @@ class MeasurementSources {
 
   Source& add(const std::string& name);
   bool canAnswer(const ros::Subscriber& subscriber, const AnswerRecord& record) const {
-    return !record.isSilent(absent_after_sweeps_) && subscriber.getNumPublishers() > 0;
+    return !record.isSilent(absent_after_sweeps_) && !record.isTooLate(absent_after_sweeps_) &&
+           subscriber.getNumPublishers() > 0;
   }
+  bool isInVain(const ros::Time& stamp) const;
+  void clear();
   bool checkAwaited() const { return !findings_ && canAnswer(check_subscriber_, check_record_); }
   bool awaited(const Source& source) const;
   void onCheck(const messages::SweepCheck& message);
@@ -106,6 +110,12 @@ class MeasurementSources {
   std::function<void()> answered_;
   int absent_after_sweeps_ = 3;
   ros::Time open_;  ///< zero: none
+  /// Until when an answer to the last sweeps was of use.
+  struct Latest {
+    ros::Time stamp;
+    ros::SteadyTime at;
+  };
+  std::deque<Latest> latest_;
   std::deque<Source> sources_;
   ros::Subscriber check_subscriber_;
   std::optional<SweepFindings> findings_;

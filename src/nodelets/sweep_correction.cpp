@@ -19,13 +19,12 @@
 #include "load_or_say_why.hpp"
 #include "rate_meter.hpp"
 #include "stamps.hpp"
+#include "topics.hpp"
 
 namespace fail_aware {
 
 class SweepCorrectionNodelet : public nodelet::Nodelet {
  private:
-  static constexpr std::uint32_t kQueue = 8;
-
   void onInit() override {
     loadOrSayWhy(getName(), [this] { load(); });
   }
@@ -36,10 +35,11 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.timing,
                                                   params.profile.sweep_correction, params.profile.level_keeping);
     check_ = std::make_unique<SweepCheck>(params.sensor.check);
-    publisher_ = node.advertise<sensor_msgs::PointCloud2>("sweep/points", kQueue);
-    check_publisher_ = node.advertise<messages::SweepCheck>("sweep/check", kQueue);
-    prediction_subscriber_ = node.subscribe("sweep/prediction", kQueue, &SweepCorrectionNodelet::onPrediction, this);
-    cloud_subscriber_ = node.subscribe("points", kQueue, &SweepCorrectionNodelet::onCloud, this);
+    publisher_ = node.advertise<sensor_msgs::PointCloud2>(topics::kSweepPoints, topics::kQueue);
+    check_publisher_ = node.advertise<messages::SweepCheck>(topics::kSweepCheck, topics::kQueue);
+    prediction_subscriber_ =
+        node.subscribe(topics::kSweepPrediction, topics::kQueue, &SweepCorrectionNodelet::onPrediction, this);
+    cloud_subscriber_ = node.subscribe(topics::kClouds, topics::kQueue, &SweepCorrectionNodelet::onCloud, this);
     health_ =
         std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), "sweep_correction",
                                  [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
@@ -117,8 +117,8 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
 
   std::unique_ptr<SweepCorrector> corrector_;
   ros::Publisher publisher_, check_publisher_;
-  ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{kQueue};
-  ExactStampBuffer<messages::SweepPredictionConstPtr> predictions_{kQueue};
+  ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{topics::kQueue};
+  ExactStampBuffer<messages::SweepPredictionConstPtr> predictions_{topics::kQueue};
   Sweep sweep_;
   CorrectedSweep corrected_;
   SweepCorrectorReport report_;

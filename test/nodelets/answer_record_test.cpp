@@ -20,13 +20,35 @@ TEST(AnswerRecord, SilentAfterMissesInARowUntilHeardAgain) {
 TEST(AnswerRecord, WhoAnswersLateIsAtWorkAndLateUntilInTimeAgain) {
   AnswerRecord record;
   record.miss();
-  record.late();
+  record.late(false);
   EXPECT_TRUE(record.isAtWork());
   EXPECT_TRUE(record.isLate());
   record.miss();
   EXPECT_TRUE(record.isLate()) << "still the last that was heard";
   record.inTime();
   EXPECT_FALSE(record.isLate());
+}
+
+TEST(AnswerRecord, TooLateAfterAnswersInVainInARowUntilOneIsNot) {
+  AnswerRecord record;
+  const auto answerInVain = [&](int times) {
+    for (int i = 0; i < times; ++i) {
+      record.miss();
+      record.late(true);
+    }
+  };
+  answerInVain(2);
+  EXPECT_FALSE(record.isTooLate(3));
+  answerInVain(1);
+  EXPECT_TRUE(record.isTooLate(3));
+  EXPECT_FALSE(record.isSilent(1)) << "it speaks";
+  record.late(false);
+  EXPECT_FALSE(record.isTooLate(3)) << "the next may come in time";
+  EXPECT_TRUE(record.isLate());
+  answerInVain(2);
+  record.inTime();
+  answerInVain(2);
+  EXPECT_FALSE(record.isTooLate(3));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // What the graph says when a nodelet is absent from the start, is unloaded in flight, and comes back: each in turn, in
 // one manager. Order of events, not time: the very next sweep tells.
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <gtest/gtest.h>
 #include <rosgraph_msgs/Log.h>
@@ -310,6 +311,45 @@ TEST_F(Faults, AStageThatAnswersLateIsGivenMoreTime) {
     return waitFor([&] { return graph_.answered(stamp); }) &&
            !has(graph_.times.at(stamp).reasons, Reason::REASON_NO_ANSWER);
   }));
+}
+
+TEST_F(Faults, AStageThatIsAlwaysTooLateIsWaitedForNoLonger) {
+  setDeadline(0.2);
+  graph_.node().setParam("fusion_ukf/late_deadline_s", 0.2);
+  loadAllBut("corner_svd");
+  setDeadline(600.0);
+  graph_.node().deleteParam("fusion_ukf/late_deadline_s");
+  ros::Publisher slow = graph_.node().advertise<messages::PoseMeasurement>("measurement/corner_svd", 10);
+  std::string said;
+  ros::Subscriber listener = graph_.node().subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 50, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+        for (const auto& status : array->status) {
+          if (status.name.find("fusion_ukf") != std::string::npos) said = status.message;
+        }
+      });
+  ASSERT_TRUE(graph_.waitUntilLinked());
+  start();
+  if (HasFatalFailure()) return;
+  const ros::Time stamp = stampOfSweep(next_);
+  EXPECT_TRUE(has(drive(), Reason::REASON_NO_ANSWER)) << "closed by its deadline";
+  const auto answer = [&](const ros::Time& to) {
+    messages::PoseMeasurement message;
+    message.header.stamp = to;
+    message.source = kCornerSvd;
+    message.status = messages::PoseMeasurement::TOO_FEW_CORNERS;
+    slow.publish(message);
+  };
+  for (int i = 0; i < 3; ++i) answer(stamp);
+  ASSERT_TRUE(waitFor([&] { return said == "no answer from corner_svd (too late)"; })) << said;
+  // From here on no deadline comes: a sweep is closed when nobody is left to wait for.
+  ASSERT_TRUE(reconfigureDeadline(600.0));
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(has(drive(), Reason::REASON_NO_ANSWER | Reason::REASON_MISSING_CORNERS));
+  // In the midst of a sweep that waits for nobody else there is no saying when it comes; sooner than 600 s it is in time.
+  ros::Subscriber quick = graph_.node().subscribe<messages::SweepPrediction>(
+      "sweep/prediction", 10,
+      [&](const messages::SweepPredictionConstPtr& prediction) { answer(prediction->header.stamp); });
+  ASSERT_TRUE(waitFor([&] { return quick.getNumPublishers() > 0; }));
+  EXPECT_TRUE(waitFor([&] { return !has(drive(), Reason::REASON_NO_ANSWER); }));
 }
 
 }  // namespace

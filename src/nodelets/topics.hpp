@@ -1,0 +1,26 @@
+// The graph's topics, in the namespace of the nodelets.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace fail_aware::topics {
+
+inline constexpr std::uint32_t kQueue = 8;  ///< messages, of publishers and subscribers within the graph
+
+inline constexpr const char* kClouds = "points";  ///< in: the lidar's; odometry.launch remaps it
+inline constexpr const char* kSetPose = "set_pose";
+inline constexpr const char* kSweepPrediction = "sweep/prediction";
+inline constexpr const char* kSweepPoints = "sweep/points";
+inline constexpr const char* kSweepCheck = "sweep/check";
+inline constexpr const char* kFilterState = "filter_state";
+inline constexpr const char* kOdometry = "odometry";
+inline constexpr const char* kPath = "path";
+inline constexpr const char* kTimeToFailure = "time_to_failure";
+inline constexpr const char* kMarkers = "markers";
+inline constexpr const char* kLocalMap = "local_map";
+
+/// `source`: kIcpPointToPoint and the like (bridge/graph_message_conversion.hpp).
+inline std::string ofMeasurement(const std::string& source) { return "measurement/" + source; }
+
+}  // namespace fail_aware::topics
