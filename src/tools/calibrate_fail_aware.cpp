@@ -72,19 +72,26 @@ int run(const Options& options) {
                 });
               },
               options.late_share),
-          "predictions are late whatever it is; calibrate_noise first");
-  add("monitor.predictor.alarm_confidence",
-      confidenceForAlarmShare(
-          [&](double tried) {
-            return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
-              if (threshold) m.indicator.threshold = *threshold;
-              m.predictor.confidence = std::max(m.predictor.confidence, tried);
-              m.predictor.alarm_confidence = tried;
-            });
-          },
-          options.alarm_share, kSmallestAlarmConfidence,
-          confidence.value_or(runs.front().params.profile.monitor.predictor.confidence)),
-      "the alarm is up too long whatever it is");
+          "no run fails, or predictions are late whatever it is (calibrate_noise first)");
+  // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
+  // than the one that the published time already bears.
+  const CovariancePredictor::Params& given = runs.front().params.profile.monitor.predictor;
+  const double largest = confidence.value_or(given.confidence);
+  std::optional<double> alarm = confidenceForAlarmShare(
+      [&](double tried) {
+        return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
+          if (threshold) m.indicator.threshold = *threshold;
+          m.predictor.confidence = largest;
+          m.predictor.alarm_confidence = tried;
+        });
+      },
+      options.alarm_share, std::min(kSmallestAlarmConfidence, largest), largest);
+  if (!alarm && given.alarm_confidence > largest) {
+    alarm = largest;
+    std::cerr << kName << ": monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm "
+              << "is up too long whatever it is\n";
+  }
+  add("monitor.predictor.alarm_confidence", alarm, "the alarm is up too long whatever it is");
   if (list.empty()) return kExitFailed;
   printAndKeep(formatYaml(list), options.output);
   return kExitDone;
@@ -96,7 +103,8 @@ int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
         "Fits monitor.indicator.threshold (eta), monitor.predictor.confidence and alarm_confidence to recorded runs "
-        "with ground truth. Judge the result on other runs: evaluate_fail_aware --parameters FILE.\n"
+        "with ground truth; alarm_confidence is at most confidence. Judge the result on other runs: "
+        "evaluate_fail_aware --parameters FILE.\n"
         "Exit codes: 0 done, 1 the work failed (too few failures), 2 bad usage or input.",
         kName);
     Options options;

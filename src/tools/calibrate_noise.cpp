@@ -32,8 +32,8 @@ int run(const Options& options) {
     drives.push_back({run.truth, run.log});
   }
   ProfileParameters fitted = runs.front().params.profile;
-  fitted.filter = fitIncrementNoise(increments, PoseFilter::Params());
-  fitted.monitor.drift = fitDrift(drives, DriftModel::Params());
+  fitted.filter = fitIncrementNoise(increments, fitted.filter);
+  fitted.monitor.drift = fitDrift(drives, fitted.monitor.drift);
 
   ParameterList list;
   for (const auto& [key, value] : toList(fitted)) {
@@ -49,9 +49,13 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Fits filter.increment_* and monitor.drift.* to recorded runs with ground truth, by maximum likelihood. Use "
-        "runs on which the odometry was not lost, and judge the result on others: evaluate_fail_aware --parameters "
-        "FILE shows the drift's effect at once; the increments' is seen after offline_odometry ran anew.\n"
+        "Fits filter.increment_* and of monitor.drift measured_share, position_ and heading_per_root_metre, "
+        "heading_bias and scale_bias to recorded runs with ground truth, by (Gaussian) maximum likelihood. The jitter "
+        "of "
+        "the moment (passing_*), tilt and the predictor's degrees_of_freedom stay as they are: choose them by the "
+        "coverage that evaluate_fail_aware shows. Use runs on which the odometry was not lost, and judge the result on "
+        "others: evaluate_fail_aware --parameters FILE shows the drift's effect at once; the increments' is seen after "
+        "offline_odometry ran anew.\n"
         "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);
     Options options;

@@ -74,6 +74,36 @@ TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
   EXPECT_NEAR(fitted.monitor.indicator.threshold, 2e-6 * 398, 1e-9);
 }
 
+/// Predictions that are far too early even at the smallest confidence, and an alarm that is up all the time.
+TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
+  MadeUpRun failing, sound;
+  failing.drift_m = 0.01;
+  failing.said_sigma_m = sound.said_sigma_m = 1.0;
+  failing.write(folder_ / "failing");
+  sound.write(folder_ / "sound");
+  run(CALIBRATE_FAIL_AWARE, options("failing") + options("sound") + " --alarm 0");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("alarm_confidence lowered to the confidence"), std::string::npos) << result_.err;
+  ProfileParameters fitted;
+  std::ofstream(folder_ / "fitted.yaml") << result_.out;
+  loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+  EXPECT_EQ(fitted.monitor.predictor.confidence, 0.5);
+  EXPECT_EQ(fitted.monitor.predictor.alarm_confidence, 0.5);
+  EXPECT_NO_THROW(fitted.monitor.validate());
+}
+
+TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {
+  MadeUpRun().write(folder_ / "good");
+  run(CALIBRATE_FAIL_AWARE, options("good"));
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("monitor.predictor.confidence left as it is: no run fails"), std::string::npos);
+  ProfileParameters fitted;
+  std::ofstream(folder_ / "fitted.yaml") << result_.out;
+  loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+  EXPECT_EQ(fitted.monitor.predictor.confidence, CovariancePredictor::Params().confidence);
+  EXPECT_LE(fitted.monitor.predictor.alarm_confidence, fitted.monitor.predictor.confidence);
+}
+
 TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   for (const std::string tool : {CALIBRATE_NOISE, CALIBRATE_FAIL_AWARE}) {
     run(tool, "--run a --ground-truth b");

@@ -34,8 +34,6 @@ std::optional<Consistency> consistencyOf(const std::vector<double>& normalised_e
   return result;
 }
 
-double expectedWithin2d(double sigmas) { return 1.0 - std::exp(-0.5 * sigmas * sigmas); }
-
 Vector6d motionError(const Pose& truth, const Pose& estimate) {
   Vector6d error;
   error.head<3>() = truth.translation() - estimate.translation();

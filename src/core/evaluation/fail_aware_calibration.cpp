@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kConfidenceStep = 0.005;
 
-double lateShare(const std::vector<FailAwareEpisode>& episodes) {
+/// Of the predictions of episodes that fail; nothing if none does.
+std::optional<double> lateShare(const std::vector<FailAwareEpisode>& episodes) {
   std::vector<JudgedPrediction> judged;
   for (const FailAwareEpisode& episode : episodes) {
     for (const std::size_t i : judgedSweeps(episode)) {
@@ -20,7 +21,9 @@ double lateShare(const std::vector<FailAwareEpisode>& episodes) {
           {sweep.since_start_s, sweep.remaining_s, episode.failed, sweep.output.time_to_failure_covariance});
     }
   }
-  return lateStatistics(judged).lateShareOfFailing();
+  const LateStatistics statistics = lateStatistics(judged);
+  if (statistics.failing_decided == 0) return std::nullopt;
+  return statistics.lateShareOfFailing();
 }
 
 }  // namespace
@@ -48,7 +51,9 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
 
 std::optional<double> confidenceForLateShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
                                              double late_share, double smallest, double largest) {
-  if (lateShare(episodes_with(smallest)) <= late_share) return smallest;
+  const std::optional<double> at_smallest = lateShare(episodes_with(smallest));
+  if (!at_smallest) return std::nullopt;
+  if (*at_smallest <= late_share) return smallest;
   if (lateShare(episodes_with(largest)) > late_share) return std::nullopt;
   while (largest - smallest > kConfidenceStep) {
     const double middle = 0.5 * (smallest + largest);

@@ -27,9 +27,6 @@ struct Consistency {
 /// Nothing for an empty list.
 std::optional<Consistency> consistencyOf(const std::vector<double>& normalised_errors_squared, int dof);
 
-/// Share of a 2-dof Gaussian within `sigmas`: 1 - exp(-sigmas^2 / 2).
-double expectedWithin2d(double sigmas);
-
 /// The error of an estimated motion about the axes of its begin, in geometry/pose.hpp's covariance convention:
 /// the truth is (t + dt, Exp(dr) R).
 Vector6d motionError(const Pose& truth, const Pose& estimate);

@@ -25,7 +25,7 @@ std::optional<double> etaThreshold(const std::vector<FailAwareEpisode>& episodes
 std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& episodes, double passed_by);
 
 /// `episodes_with(confidence)`: the episodes replayed with that confidence. Found by bisection between the limits, to
-/// 0.005; nothing if even the largest is late too often.
+/// 0.005; nothing if even the largest is late too often, or if no episode fails: then none can be late.
 std::optional<double> confidenceForLateShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
                                              double late_share, double smallest = 0.5, double largest = 0.995);
 

@@ -7,6 +7,10 @@
 // covariance; errors of one episode are treated as independent (a composite likelihood), which does not bias the
 // estimate.
 // Runs where the odometry is lost say nothing about either: leave them out.
+//
+// Not fitted: what only widens the error of the moment (DriftModel's passing_share, passing_rotation_share),
+// DriftModel's tilt, and the predictor's Student's t (degrees_of_freedom), which takes the fitted covariance as its
+// scale. They are chosen by hand, from coverage and missed failures of runs: README says which.
 #pragma once
 
 #include <vector>
@@ -39,8 +43,8 @@ struct DriftFitOptions {
   double episode_every_s = 5.0, every_s = 5.0, until_s = 60.0;
 };
 
-/// `others` with position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws InputError without
-/// data.
+/// `others` with measured_share, position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws
+/// InputError without data.
 DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
                             const DriftFitOptions& options = {});
 
