@@ -13,7 +13,7 @@ import tempfile
 import xml.etree.ElementTree as ElementTree
 
 PACKAGE = "fail_aware_lidar_odometry"
-BAG = "/data/drive with blank.bag"
+BAG = "drive with blank.bag"  # in a temporary folder
 CASES = {
     "odometry.launch": [{}, {"rviz": "true"}, {"start_manager": "false", "manager": "/other"}, {"profile": "paper"},
                         {"namespace": "second"}],
@@ -48,6 +48,13 @@ TWO_VEHICLES = """<launch>
   <group ns="car_2"><include file="%(file)s"><arg name="cloud" value="/car_2/points"/><arg name="rviz" value="true"/></include></group>
 </launch>
 """
+
+
+def write_bag(path):
+    import rosbag
+    import std_msgs.msg
+    with rosbag.Bag(path, "w") as bag:
+        bag.write("/said", std_msgs.msg.String("hello"))
 
 
 def load(path, arguments):
@@ -93,7 +100,7 @@ def check(root, name, arguments, config, nodelets):
         expect(("rosbag_play" in names) == ("bag" in arguments), "rosbag play")
         if "bag" in arguments:
             play = names["rosbag_play"]
-            expect("'%s'" % BAG in play.args and "--clock" in play.args, play.args)
+            expect("'%s'" % arguments["bag"] in play.args and "--clock" in play.args, play.args)
             expect(("--loop" in play.args) == ("loop" in arguments), play.args)
             expect(play.remap_args == ([] if bag_tf else [["/tf", "/kitti/tf"]]), play.remap_args)
     else:
@@ -102,6 +109,15 @@ def check(root, name, arguments, config, nodelets):
         manager = "manager" if arguments.get("driver") == "false" else "/velodyne_nodelet_manager"
         fusion = names["fusion_ukf"]
         expect(fusion.args.split()[2] == manager, fusion.args)
+
+
+def check_bag_is_refused(root, bag):
+    try:
+        load(os.path.join(root, "launch", "kitti_replay.launch"), {"bag": bag})
+    except Exception as error:  # a parser's any
+        expect("rosbag" in str(error), str(error))
+        return
+    raise AssertionError("it would start without a bag to play")
 
 
 def check_two_vehicles(root, folder):
@@ -144,8 +160,18 @@ def main(arguments):
             path.append(folder)
         before = os.environ.get("ROS_PACKAGE_PATH", "/usr/share")
         os.environ["ROS_PACKAGE_PATH"] = os.pathsep.join(path + [before])
+        write_bag(os.path.join(folder, BAG))
+        for bag in ("/no/such.bag", BAG, ""):
+            try:
+                check_bag_is_refused(root, bag)
+                print("ok: '%s' is refused" % bag)
+            except Exception as error:  # a parser's any
+                failures += 1
+                print("FAILED: bag '%s': %s" % (bag, error))
         for name in files:
             for case in CASES.get(name, [{}]):
+                if "bag" in case:
+                    case = dict(case, bag=os.path.join(folder, BAG))
                 try:
                     config = load(os.path.join(root, "launch", name), case)
                     check(root, name, case, config, nodelets)
