@@ -20,6 +20,7 @@ MonitorOutput staleOutput(MonitorOutput last) {
   last.state = FailAwareState::kFailed;
   last.reasons |= kReasonStale;
   last.time_to_failure = TimeToFailure::reached();
+  last.time_to_failure_indicator = last.time_to_failure_covariance = TimeToFailure::unknown();
   return last;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "../parameters/error_of.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -382,14 +383,9 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(MonitorParameters&)>& change) {
     MonitorParameters params = independentSweeps();
     change(params);
-    try {
-      FailAwareMonitor monitor(params);
-    } catch (const ParameterError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return errorOf([&] { FailAwareMonitor monitor(params); });
   };
-  EXPECT_EQ(refused([](MonitorParameters&) {}), "");
+  EXPECT_EQ(refused([](MonitorParameters&) {}), "no error");
   EXPECT_NE(refused([](MonitorParameters& p) { p.sweeps_to_recover = 0; }).find("sweeps_to_recover"),
             std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.disagreement_m = 0.0; }).find("disagreement_m"), std::string::npos);

@@ -19,11 +19,14 @@ TEST(Silence, SaysFailedAndKeepsWhatWasKnown) {
   last.state = FailAwareState::kOk;
   last.reasons = kReasonMissingCorners;
   last.time_to_failure = TimeToFailure::fromSeconds(20.0, 60.0);
+  last.time_to_failure_indicator = last.time_to_failure_covariance = last.time_to_failure;
   last.eta = 1e-4;
   const MonitorOutput stale = staleOutput(last);
   EXPECT_EQ(stale.state, FailAwareState::kFailed);
   EXPECT_EQ(stale.reasons, kReasonMissingCorners | kReasonStale);
   EXPECT_EQ(stale.time_to_failure.status, TimeToFailureStatus::kReached);
+  EXPECT_EQ(stale.time_to_failure_indicator.status, TimeToFailureStatus::kUnknown);
+  EXPECT_EQ(stale.time_to_failure_covariance.status, TimeToFailureStatus::kUnknown);
   EXPECT_EQ(stale.eta, 1e-4);
 }
 

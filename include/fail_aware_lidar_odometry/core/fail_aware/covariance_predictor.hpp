@@ -1,8 +1,9 @@
 // Beyond the paper: the time at which the horizontal error since t1 passes the alert limit with a given probability,
 // from the accumulated covariance and its present growth.
 //
-// The error (x, y) is Student's t with the covariance as its scale and `degrees_of_freedom` n: most drives err less than a
-// Gaussian of the same tails would, some a lot more. With scales a >= b along its axes and c = 1 - b/a it is within r with
+// The error (x, y) is Student's t with the covariance as its scale and `degrees_of_freedom` n: most drives err less than
+// a Gaussian of the same tails would, some a lot more. With scales a >= b along its axes and c = 1 - b/a it is within r
+// with
 //   p = 1 - 1/(2 pi) integral over phi of (1 + r^2 / (n a (1 - c sin^2 phi)))^(-n/2),
 // for a Gaussian (n infinite; here 0) of exp(-r^2 / (2 a (1 - c sin^2 phi))): from a circle's sqrt(-2 ln(1 - p)) sigma
 // down to a normal's two-sided quantile for a line. `radius` is that r.

@@ -10,7 +10,6 @@
 // slope); for noise in sigma, eta's growth per second goes with the sweep rate squared. So a threshold belongs to one
 // sweep rate.
 //
-//
 // Sweep by sweep the sum is made of the jitter of s, whatever the road; and a heading error becomes a position error by
 // the distance driven. So, beyond the article, (t_k, s_k) may be means over average_s, and each term is then weighted
 // with v_k / reference_speed_mps, the mean speed of that time. 0 of either: the article's sum (profile paper). While

@@ -1,4 +1,5 @@
-// Silence is a failure (not in the paper): when no filter state comes for some sweep periods, the monitor says so by itself.
+// Silence is a failure (not in the paper): when no filter state comes for some sweep periods, the monitor says so by
+// itself.
 //
 // Live, a timer asks; offline, the evaluation looks at the time from one sweep to the next. No failure modes.
 #pragma once
@@ -24,7 +25,8 @@ struct SilenceParams {
 /// `period_s`: from the last filter state but one to the last.
 double staleAfter_s(const SilenceParams& params, double period_s);
 
-/// What is said from then on, until the next filter state. `last`: what was said of the last one.
+/// What is said from then on, until the next filter state: failed, now; the two times that it is made of are unknown,
+/// since nobody computes them. Eta and the sigmas stay those of `last`, what was said of the last filter state.
 MonitorOutput staleOutput(MonitorOutput last);
 
 }  // namespace fail_aware
