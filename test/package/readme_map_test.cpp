@@ -1,5 +1,5 @@
-// README's map from the article's equations to files: each named file has its header, source and test, and each folder
-// of the core stands in the map.
+// README's map from the article's equations to files: each equation stands in it once, each named file has its header,
+// source and test, each named test is in the test of a file of its row, and each folder of the core stands in the map.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -34,10 +34,45 @@ std::vector<std::string> namedFiles(const std::string& section) {
     std::string folder;
     for (std::sregex_iterator it(line.begin(), line.end(), quoted), end; it != end; ++it) {
       if ((*it)[1].matched) folder = (*it)[1];
+      if (folder == "scripts/") continue;
       names.push_back(folder + (*it)[2].str());
     }
   }
   return names;
+}
+
+std::string contentOf(const fs::path& path) {
+  std::ifstream file(path);
+  std::stringstream content;
+  content << file.rdbuf();
+  return content.str();
+}
+
+constexpr int kEquations = 24;  // of the article
+
+TEST(ReadmeMap, EveryEquationHasItsRowAndEveryRowItsTest) {
+  static const std::regex equation(R"(\((\d+)\))"), test("`([A-Z][A-Za-z]+)\\.([A-Za-z]+)`");
+  std::multiset<int> equations;
+  std::istringstream lines(sectionOfReadme("From equation to file"));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("| ", 0) != 0 || line.rfind("| article", 0) == 0) continue;
+    const std::string article = line.substr(0, line.find('|', 1));
+    for (std::sregex_iterator it(article.begin(), article.end(), equation), end; it != end; ++it) {
+      equations.insert(std::stoi((*it)[1]));
+    }
+    std::string tests_of_row;
+    for (const std::string& name : namedFiles(line)) {
+      tests_of_row += contentOf(fs::path(FAIL_AWARE_SOURCE_DIR) / "test/core" / (name + "_test.cpp"));
+    }
+    int named = 0;
+    for (std::sregex_iterator it(line.begin(), line.end(), test), end; it != end; ++it, ++named) {
+      const std::string written = "(" + (*it)[1].str() + ", " + (*it)[2].str() + ")";
+      EXPECT_NE(tests_of_row.find(written), std::string::npos) << written << " in " << line;
+    }
+    EXPECT_GT(named, 0) << line;
+  }
+  for (int number = 1; number <= kEquations; ++number) EXPECT_EQ(equations.count(number), 1u) << number;
+  EXPECT_EQ(equations.size(), static_cast<std::size_t>(kEquations));
 }
 
 TEST(ReadmeMap, EveryNamedFileHasItsHeaderSourceAndTest) {

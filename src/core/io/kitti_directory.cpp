@@ -157,8 +157,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   KittiDirectory kitti;
   const std::vector<std::uint64_t> numbers = sortScans(scans);
   for (const fs::path& scan : scans) kitti.scan_paths_.push_back(scan.string());
-  kitti.has_times_file_ = fs::exists(root / "times.txt", error);
-  if (kitti.has_times_file_) {
+  if (fs::exists(root / "times.txt", error)) {
     kitti.stamps_s_ = readTimes(root / "times.txt", scans.size());
   } else {
     for (std::size_t i = 0; i < scans.size(); ++i) {

@@ -7,16 +7,11 @@
 #include <random>
 #include <vector>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 
 namespace fail_aware {
 namespace {
-
-Vector6d vector6(double a, double b, double c, double d, double e, double f) {
-  Vector6d v;
-  v << a, b, c, d, e, f;
-  return v;
-}
 
 Vector6d twistOf(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotation) {
   Vector6d twist;

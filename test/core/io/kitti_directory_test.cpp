@@ -62,7 +62,6 @@ TEST_F(KittiDirectoryTest, ReadsScansInOrderWithTimesAndIntensities) {
   writeText("times.txt", "0.0\n1.0360e-01\r\n0.2072\n\n");
   const KittiDirectory kitti = KittiDirectory::open(root_.string());
   ASSERT_EQ(kitti.size(), 3u);
-  EXPECT_TRUE(kitti.hasTimesFile());
   EXPECT_FALSE(kitti.hasPointTimes());
   Sweep sweep;
   const ReadResult result = kitti.read(1, sweep);

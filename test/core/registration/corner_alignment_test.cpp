@@ -8,18 +8,12 @@
 #include <random>
 #include <vector>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
-
-Pose poseAt(double x, double y, double z, double roll, double pitch, double yaw) {
-  Pose T = Pose::Identity();
-  T.linear() = rotationFromRpy(roll, pitch, yaw);
-  T.translation() = Eigen::Vector3d(x, y, z);
-  return T;
-}
 
 Corner cornerAt(double x, double y, double turn_rad = 0.0) {
   Corner corner;
@@ -61,8 +55,8 @@ double normal(std::mt19937& generator) {
 }
 
 TEST(CornerAlignment, recoversTheMotionFromTwoCornersAndMore) {
-  const Pose truth = poseAt(1.5, 0.2, 0.1, 0.01, -0.02, 0.08);
-  const Pose prediction = poseAt(1.3, 0.3, 0.1, 0.01, -0.02, 0.07);
+  const Pose truth = pose(1.5, 0.2, 0.1, 0.01, -0.02, 0.08);
+  const Pose prediction = pose(1.3, 0.3, 0.1, 0.01, -0.02, 0.07);
   for (std::size_t count = 2; count <= town().size(); ++count) {
     std::vector<Corner> some = town();
     some.resize(count);
@@ -76,8 +70,8 @@ TEST(CornerAlignment, recoversTheMotionFromTwoCornersAndMore) {
 }
 
 TEST(CornerAlignment, heightRollAndPitchStayAtThePredictionAndSaySo) {
-  const Pose truth = poseAt(1.5, 0.2, 0.3, 0.02, -0.01, 0.08);
-  const Pose prediction = poseAt(1.4, 0.2, 0.0, 0.0, 0.0, 0.08);
+  const Pose truth = pose(1.5, 0.2, 0.3, 0.02, -0.01, 0.08);
+  const Pose prediction = pose(1.4, 0.2, 0.0, 0.0, 0.0, 0.08);
   const Measurement result = align(seenFrom(truth, town()), town(), prediction);
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result.weak_directions, 3);
@@ -102,9 +96,9 @@ TEST(CornerAlignment, withoutAReferenceThereIsNoReference) {
 }
 
 TEST(CornerAlignment, atSpeedItTakesThePrediction) {
-  const Pose truth = poseAt(2.5, 0.0, 0.0, 0.0, 0.0, 0.02);  // 25 m/s
+  const Pose truth = pose(2.5, 0.0, 0.0, 0.0, 0.0, 0.02);  // 25 m/s
   EXPECT_EQ(align(seenFrom(truth, town()), town(), Pose::Identity()).status, MeasurementStatus::kTooFewCorners);
-  EXPECT_TRUE(align(seenFrom(truth, town()), town(), poseAt(2.3, 0.1, 0.0, 0.0, 0.0, 0.02)).ok());
+  EXPECT_TRUE(align(seenFrom(truth, town()), town(), pose(2.3, 0.1, 0.0, 0.0, 0.0, 0.02)).ok());
 }
 
 TEST(CornerAlignment, cornersThatStandTogetherAreDegenerate) {
@@ -113,7 +107,7 @@ TEST(CornerAlignment, cornersThatStandTogetherAreDegenerate) {
 }
 
 TEST(CornerAlignment, movingEdgesAreLeftOut) {
-  const Pose truth = poseAt(1.5, 0.2, 0.0, 0.0, 0.0, 0.05);
+  const Pose truth = pose(1.5, 0.2, 0.0, 0.0, 0.0, 0.05);
   std::vector<Corner> now = town();
   now.push_back(cornerAt(9.4, -2.0));
   now.push_back(cornerAt(15.35, 2.1));
@@ -135,7 +129,7 @@ TEST(CornerAlignment, twoCornersThatContradictEachOtherAreTooFew) {
 TEST(CornerAlignment, NInTheOtherPlaneIsPutRight) {
   std::vector<Corner> now = town();
   for (Corner& corner : now) corner = withOtherPlane(corner);
-  const Measurement result = align(now, town(), poseAt(0.1, 0, 0, 0, 0, 0.01));
+  const Measurement result = align(now, town(), pose(0.1, 0, 0, 0, 0, 0.01));
   ASSERT_TRUE(result.ok());
   EXPECT_TRUE(result.T_odom_cog.isApprox(Pose::Identity(), 1e-9));
 }
@@ -145,7 +139,7 @@ TEST(CornerAlignment, statedCovarianceIsThatOfTheError) {
   const CornerAlignment::Params params;
   const double place_variance = 0.02 * 0.02 + 0.5 * 2.0 * 4.0 * 0.02 * 0.02 / 20.0;
   const double direction_variance = std::pow(0.5 * 3.14159265 / 180.0, 2) + 0.02 * 0.02 / 20.0;
-  const Pose truth = poseAt(2.0, 1.0, 0.0, 0.0, 0.0, 0.3);
+  const Pose truth = pose(2.0, 1.0, 0.0, 0.0, 0.0, 0.3);
   std::mt19937 generator(1);
   Eigen::Matrix3d measured = Eigen::Matrix3d::Zero(), stated = Eigen::Matrix3d::Zero();
   const int trials = 2000;

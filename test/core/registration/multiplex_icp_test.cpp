@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "expect_usable.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
@@ -55,13 +56,6 @@ Matrix6d covarianceOf(double sigma_x, double sigma_y, double sigma_z, double sig
   Vector6d sigmas;
   sigmas << sigma_x, sigma_y, sigma_z, 0.01, 0.01, sigma_yaw_deg * kDegree;
   return sigmas.cwiseAbs2().asDiagonal();
-}
-
-void expectUsable(const Measurement& m) {
-  EXPECT_TRUE(isFinite(m.T_odom_cog));
-  ASSERT_TRUE(m.covariance.allFinite());
-  EXPECT_LT((m.covariance - m.covariance.transpose()).norm(), 1e-9);
-  EXPECT_GT(m.covariance.eigenvalues().real().minCoeff(), 0.0);
 }
 
 TEST(MultiplexIcp, eightSeedsLieOneSigmaOffAlongEachBodyAxisAndYaw) {

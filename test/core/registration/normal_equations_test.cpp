@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -30,12 +31,6 @@ NormalEquations diagonalEquations(const Vector6d& shares, double weight) {
   equations.H = (weight * shares.cwiseProduct(lever2)).asDiagonal();
   equations.weight = weight;
   return equations;
-}
-
-Vector6d vector6(double a, double b, double c, double d, double e, double f) {
-  Vector6d v;
-  v << a, b, c, d, e, f;
-  return v;
 }
 
 NormalEquations wellConditioned() {

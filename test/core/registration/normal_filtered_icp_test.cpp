@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "expect_usable.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
@@ -52,13 +53,6 @@ VoxelMap mapOf(const Scene& scene, unsigned seed) {
 
 Points sweepOf(const Scene& scene, const Pose& T_odom_cog, unsigned seed, double max_range_m = 30.0) {
   return seenFrom(sampleScene(scene, 4.0, kNoise_m, seed), T_odom_cog, max_range_m);
-}
-
-void expectUsable(const Measurement& m) {
-  EXPECT_TRUE(isFinite(m.T_odom_cog));
-  ASSERT_TRUE(m.covariance.allFinite());
-  EXPECT_LT((m.covariance - m.covariance.transpose()).norm(), 1e-9);
-  EXPECT_GT(m.covariance.eigenvalues().real().minCoeff(), 0.0);
 }
 
 TEST(NormalFilteredIcp, recoversKnownMotionsBothWays) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
@@ -13,12 +14,6 @@ namespace fail_aware {
 namespace {
 
 constexpr double kPeriod_s = 0.1;
-
-Vector6d vector6(double a, double b, double c, double d, double e, double f) {
-  Vector6d v;
-  v << a, b, c, d, e, f;
-  return v;
-}
 
 /// A drive with constant twist of the centre of gravity, in a hall of 60 m x 40 m x 6 m, with a lidar off the centre.
 struct Drive {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -13,12 +14,6 @@ namespace {
 
 constexpr double kPeriod_s = 0.1;
 constexpr int kPoints = 720;
-
-Vector6d vector6(double a, double b, double c, double d, double e, double f) {
-  Vector6d v;
-  v << a, b, c, d, e, f;
-  return v;
-}
 
 const Pose kT_cog_lidar = poseFromVector(vector6(-0.8, 0.1, 1.2, 0.01, 0.02, -0.03));
 const Vector6d kTwistCog = vector6(14.0, 0.2, 0.0, 0.0, 0.0, 0.4);

@@ -8,14 +8,16 @@
 namespace fail_aware {
 namespace {
 
+constexpr double kKittiAngle_deg = 0.205;
+
 VerticalAngleCorrectionParams kitti() {
   VerticalAngleCorrectionParams params;
-  params.angle_deg = kKittiVerticalAngleDeg;
+  params.angle_deg = kKittiAngle_deg;
   return params;
 }
 
 TEST(VerticalAngleCorrection, RaisesElevationByTheAngleAndKeepsRangeAndAzimuth) {
-  const double angle = kKittiVerticalAngleDeg * M_PI / 180.0;
+  const double angle = kKittiAngle_deg * M_PI / 180.0;
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 150; ++i) {  // not a multiple of the block size
     const double azimuth = 0.11 * i - 3.1, elevation = 0.02 * (i % 30) - 0.43, range = 2.0 + 0.7 * i;

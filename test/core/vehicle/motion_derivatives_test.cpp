@@ -7,17 +7,12 @@
 #include <limits>
 #include <random>
 
+#include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
-
-Pose pose(double x, double y, double z, double roll, double pitch, double yaw) {
-  Vector6d state;
-  state << x, y, z, roll, pitch, yaw;
-  return poseFromVector(state);
-}
 
 // Speed s(t) = 8 + 1.5 t along the heading yaw(t) = 0.3 t + 0.1 t^2, integrated finely.
 Pose curvedDrive(double t) {

@@ -12,6 +12,25 @@ namespace {
 
 TEST(VehicleParameters, defaultsAreValid) { EXPECT_NO_THROW(VehicleParameters().validate()); }
 
+TEST(VehicleParameters, defaultsAreTheArticlesTable) {
+  const VehicleParameters v;
+  EXPECT_EQ(v.mass_kg, 1750.0);
+  EXPECT_EQ(v.spring_front_n_per_m, 30800.0);
+  EXPECT_EQ(v.spring_rear_n_per_m, 28900.0);
+  EXPECT_EQ(v.damper_front_ns_per_m, 4500.0);
+  EXPECT_EQ(v.damper_rear_ns_per_m, 3500.0);
+  EXPECT_EQ(v.cog_above_roll_axis_m, 0.1);
+  EXPECT_EQ(v.cog_above_pitch_axis_m, 0.25);
+  EXPECT_EQ(v.inertia_x_kg_m2, 540.0);
+  EXPECT_EQ(v.inertia_y_kg_m2, 2398.0);
+  EXPECT_EQ(v.inertia_z_kg_m2, 2875.0);
+  EXPECT_EQ(v.cog_height_m, 0.543);
+  EXPECT_EQ(v.cog_to_front_axle_m, 1.07);
+  EXPECT_EQ(v.cog_to_rear_axle_m, 1.6);
+  EXPECT_EQ(v.track_front_m, 1.5);
+  EXPECT_EQ(v.track_rear_m, 1.5);
+}
+
 TEST(VehicleParameters, everyFieldIsCheckedAndNamed) {
   VehicleParameters vehicle;
   int fields = 0;

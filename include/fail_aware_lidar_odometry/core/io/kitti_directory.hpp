@@ -44,7 +44,6 @@ class KittiDirectory {
   std::size_t size() const { return scan_paths_.size(); }
   const std::vector<std::string>& scanPaths() const { return scan_paths_; }
   const std::vector<double>& stamps() const { return stamps_s_; }
-  bool hasTimesFile() const { return has_times_file_; }
   bool hasPointTimes() const { return !stamps_folder_.empty(); }
   bool hasRings() const { return !rings_folder_.empty(); }
 
@@ -57,7 +56,6 @@ class KittiDirectory {
 
   std::vector<std::string> scan_paths_;
   std::vector<double> stamps_s_;
-  bool has_times_file_ = false;
   std::string stamps_folder_;  ///< empty: there is none
   std::string rings_folder_;
 };

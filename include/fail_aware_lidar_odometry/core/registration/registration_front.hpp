@@ -42,8 +42,6 @@ class RegistrationFront {
   const VoxelMap& map() const { return reference_.map(); }
   /// Where registration starts: the prediction, or, while no motion is known, what the search found.
   const Pose& T_odom_cog_start() const { return T_odom_cog_start_; }
-  /// Its covariance: the prediction's, but as sure of the position as the search.
-  const Matrix6d& startCovariance() const { return start_covariance_; }
 
   /// The prepared sweep against the reference, from the start pose; kTooFewPoints if prepare() said false,
   /// kNotConverged as long as the way is lost after a gap.
@@ -80,6 +78,7 @@ class RegistrationFront {
   bool lost_ = false;        ///< after a gap, not found again yet
   int unplaced_sweeps_ = 0;  ///< in a row
   Pose T_odom_cog_start_ = Pose::Identity();
+  /// Of T_odom_cog_start_: the prediction's, but as sure of the position as the search.
   Matrix6d start_covariance_ = Matrix6d::Identity();
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;

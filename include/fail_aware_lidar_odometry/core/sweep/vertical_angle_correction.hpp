@@ -26,8 +26,6 @@ struct VerticalAngleCorrectionParams {
   void validate() const { requireWithin("angle_deg", angle_deg, -5.0, 5.0); }
 };
 
-constexpr double kKittiVerticalAngleDeg = 0.205;
-
 void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar);
 
 }  // namespace fail_aware
