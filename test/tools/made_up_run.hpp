@@ -44,6 +44,7 @@ struct MadeUpRun {
       s.sigma_yaw_rad = 1e-3 + 1e-6 * (i % 2);
       s.corrected = true;
       s.fusion.valid_inputs = 3;
+      s.fusion.confirmed = true;
       s.fusion.has_measurement = true;
       s.fusion.weights = {1.0, 1.0, 1.0};
       s.fusion.nis = {6.0, 6.0, -1.0};

@@ -24,6 +24,7 @@ struct Drive {
       if (i > 0) input.state.T_previous_now.translation() << 1.0, drift_m, 0.0;
       input.state.corrected = true;
       input.state.fusion.valid_inputs = 3;
+      input.state.fusion.confirmed = true;
       input.state.increment_covariance = 1e-4 * Matrix6d::Identity();
       log.push_back(input);
     }

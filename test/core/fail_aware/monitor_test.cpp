@@ -33,6 +33,7 @@ class Road {
           sigma_yaw_step_rad * sigma_yaw_step_rad;
       state.corrected = true;
       state.fusion.valid_inputs = 3;
+      state.fusion.confirmed = true;
     }
     T_odom_cog_ = T_odom_cog_ * state.T_previous_now;
     state.T_odom_cog = T_odom_cog_;
