@@ -77,10 +77,12 @@ TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
 /// Predictions that are far too early even at the smallest confidence, and an alarm that is up all the time.
 TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
   MadeUpRun failing, sound;
-  failing.drift_m = 0.01;
-  failing.said_sigma_m = sound.said_sigma_m = 1.0;
-  failing.write(folder_ / "failing");
-  sound.write(folder_ / "sound");
+  failing.sweeps = sound.sweeps = 120;
+  failing.drift_m = 0.02;
+  PipelineParameters timid;
+  timid.profile.monitor.drift.position_per_root_metre_m = 0.5;
+  failing.write(folder_ / "failing", timid);
+  sound.write(folder_ / "sound", timid);
   run(CALIBRATE_FAIL_AWARE, options("failing") + options("sound") + " --alarm 0");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_NE(result_.err.find("alarm_confidence lowered to the confidence"), std::string::npos) << result_.err;
@@ -93,7 +95,9 @@ TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
 }
 
 TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {
-  MadeUpRun().write(folder_ / "good");
+  MadeUpRun good;
+  good.sweeps = 120;
+  good.write(folder_ / "good");
   run(CALIBRATE_FAIL_AWARE, options("good"));
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_NE(result_.err.find("monitor.predictor.confidence left as it is: no run fails"), std::string::npos);

@@ -135,7 +135,7 @@ TEST(Coasting, TheAccumulatedVarianceIsThatOfAContinuedError) {
     coasting.coast(motionOf(10.0), kDt_s, nullptr);
     Pose next = T;
     next.translation().x() += 1.0;
-    ASSERT_TRUE(accumulated.propagate(T, next, {lost, lost, kDt_s, coasting.speedError()}));
+    ASSERT_TRUE(accumulated.propagate(T, next, {lost, lost, kDt_s, coasting.speedError(), false, {}}));
     T = next;
   }
   const double sigma_mps = std::sqrt(2.0) * 0.02 / kDt_s;
