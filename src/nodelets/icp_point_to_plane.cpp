@@ -3,8 +3,8 @@
 #include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/make_front.hpp"
+#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"
 #include "topics.hpp"

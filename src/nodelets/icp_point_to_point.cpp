@@ -3,8 +3,8 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "fail_aware_lidar_odometry/core/make_front.hpp"
+#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"

@@ -51,7 +51,7 @@ std::string contentOf(const fs::path& path) {
 constexpr int kEquations = 24;  // of the article
 
 TEST(ReadmeMap, EveryEquationHasItsRowAndEveryRowItsTest) {
-  static const std::regex equation(R"(\((\d+)\))"), test("`([A-Z][A-Za-z]+)\\.([A-Za-z]+)`");
+  static const std::regex equation(R"(\((\d+)\))"), test("`([A-Z][A-Za-z0-9]+)\\.([A-Za-z0-9]+)`");
   std::multiset<int> equations;
   std::istringstream lines(sectionOfReadme("From equation to file"));
   for (std::string line; std::getline(lines, line);) {
