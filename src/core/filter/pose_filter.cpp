@@ -56,6 +56,7 @@ void PoseFilter::Params::validate() const {
   requirePositive("max_speed_mps", max_speed_mps);
   requirePositive("max_yaw_rate_rps", max_yaw_rate_rps);
   requirePositive("increment_scale", increment_scale);
+  requirePositive("coasting_increment_factor", coasting_increment_factor);
   requireNotNegative("increment_floor_m", increment_floor_m);
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
@@ -324,8 +325,9 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
   }
   const Vector6d x = vectorFromPose(state.T_odom_cog);
   const Eigen::Matrix3d R_previous_odom = prediction.T_odom_cog_previous.linear().transpose();
+  const double scale = params_.increment_scale * (coasting_.active() ? params_.coasting_increment_factor : 1.0);
   const auto aboutPrevious = [&](const Matrix6d& C) {
-    const Matrix6d scaled = 0.5 * params_.increment_scale * (C + C.transpose());
+    const Matrix6d scaled = 0.5 * scale * (C + C.transpose());
     return rotateCovariance(toPoseCovariance(scaled, x), R_previous_odom);
   };
   state.unobserved_covariance = aboutPrevious(lasting);

@@ -321,6 +321,22 @@ TEST(PoseFilter, TheIncrementsCovarianceIsOneAndGrowsWhenCoasting) {
   }
 }
 
+TEST(PoseFilter, WhereItCoastsTheIncrementIsThatMuchLessSure) {
+  Matrix6d observed[2], coasting[2];
+  for (const int factor : {1, 2}) {
+    PoseFilter::Params params;
+    params.increment_floor_m = params.increment_per_metre_m = params.increment_floor_deg = 0.0;
+    params.coasting_increment_factor = factor;
+    PoseFilter filter = makeFilter(params);
+    const Drive drive;
+    observed[factor - 1] = driveMeasured(filter, drive, 10).state.increment_covariance;
+    step(filter, drive.stamp(11), {});  // from here on the speed is unsure
+    coasting[factor - 1] = step(filter, drive.stamp(12), {}).state.increment_covariance;
+  }
+  EXPECT_TRUE(observed[1].isApprox(observed[0], 1e-9));
+  EXPECT_TRUE(coasting[1].isApprox(2.0 * coasting[0], 1e-9));
+}
+
 TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
   const Drive drive;
   const auto variancesWith = [&](int apart_sweeps) {

@@ -46,6 +46,22 @@ TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
   EXPECT_NEAR(model.lasting(C, Matrix6d::Zero(), 0.0)(5, 5), 0.25 * 5e-6, 1e-15) << "standing still there is no drift";
 }
 
+// In the open there is hardly a map to jitter about.
+TEST(DriftModel, WhereLittleIsObservedTheJitterAddsUp) {
+  DriftModel::Params params;
+  params.measured_share = 0.01;
+  params.position_per_root_metre_m = params.tilt_per_root_metre_deg = params.heading_per_root_metre_deg = 0.0;
+  params.passing_share = params.passing_rotation_share = 1.0;
+  const DriftModel model(params);
+  const Matrix6d C = diagonal(4e-4, 4e-6);
+  for (const double u : {0.2, 0.8, 1.0}) {
+    const Matrix6d U = diagonal(u * 4e-4, 1e-6);
+    const double share = std::max(0.01, std::pow(u, 4));
+    EXPECT_NEAR(model.lasting(C, U, 5.0)(5, 5), 1e-6 + share * 3e-6, 1e-15) << u;
+    EXPECT_NEAR(model.passing(C, U)(5, 5), 0.5 * (1.0 - share) * 3e-6, 1e-15) << u;
+  }
+}
+
 TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {
   DriftModel::Params params;
   params.heading_bias_deg_per_m = 0.001;

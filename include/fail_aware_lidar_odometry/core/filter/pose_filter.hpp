@@ -69,8 +69,9 @@ class PoseFilter {
     double initial_sigma_deg = 0.01;
     double max_speed_mps = 80.0;  ///< derivatives are cut to these
     double max_yaw_rate_rps = 3.0;
-    double increment_scale = 0.7;       ///< on the covariance that one sweep adds to the odometry
-    double increment_floor_m = 0.0005;  ///< standard deviation a sweep, at least, and per metre driven:
+    double increment_scale = 0.4;             ///< on the covariance that one sweep adds to the odometry
+    double coasting_increment_factor = 5.0;  ///< on that, where the filter coasts: what observes little misleads, too
+    double increment_floor_m = 0.0005;        ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.02;
     double lasting_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
@@ -84,6 +85,7 @@ class PoseFilter {
       v("max_speed_mps", self.max_speed_mps);
       v("max_yaw_rate_rps", self.max_yaw_rate_rps);
       v("increment_scale", self.increment_scale);
+      v("coasting_increment_factor", self.coasting_increment_factor);
       v("increment_floor_m", self.increment_floor_m);
       v("increment_per_metre_m", self.increment_per_metre_m);
       v("increment_floor_deg", self.increment_floor_deg);

@@ -3,6 +3,7 @@
 // A sweep is registered against a map, so most of a measurement's error is gone with the next sweep: the pose jitters
 // about the map, the jitter does not add up. What adds up is
 //   - what the measurements leave open: FilterState::unobserved_covariance (filter/pose_filter.hpp), all of it
+//   - where little of the way is observed (u below), that jitter, too, times u^4: there is hardly a map to hold on to
 //   - the slow drift of the map itself, which goes with the distance driven, not with the number of sweeps (a standing
 //     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
@@ -23,7 +24,7 @@ namespace fail_aware {
 class DriftModel {
  public:
   struct Params {
-    double measured_share = 0.0;  ///< of the observed part's variance, that adds up too
+    double measured_share = 0.0;  ///< of the observed part's variance, that adds up too, at least
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.025;
     double heading_per_root_metre_deg = 0.0003;
@@ -61,10 +62,12 @@ class DriftModel {
   /// Variances of the two constants: heading (rad^2/m^2) and scale.
   Eigen::Vector2d biasVariances() const;
 
-  /// How little of the motion along the body's x axis is observed: 0 well, 1 not at all.
+  /// u: how little of the motion along the body's x axis is observed: 0 well, 1 not at all.
   double unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const;
 
  private:
+  double lastingShare(const Matrix6d& increment, const Matrix6d& unobserved) const;
+
   Params params_;
 };
 
