@@ -209,14 +209,16 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   /// More patience with those that are at work: a late estimate is better than none. But what a sweep has waited for its
   /// turn is taken off it, or under load each would be later by that.
   bool isOverdue() const {
-    const double open_s = (ros::SteadyTime::now() - opened_at_).toSec();
-    return open_s >= longest_s() || (open_s >= params_.deadline_s && !sources_->isAtWork(!searches_));
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    const double open_s = (now - opened_at_).toSec();
+    if (open_s < params_.deadline_s) return false;
+    if (!sources_->isAtWork(!searches_)) return true;
+    return searches_ ? open_s >= params_.first_deadline_s : (now - arrived_at_).toSec() >= params_.late_deadline_s;
   }
 
-  /// The open sweep stays so no longer.
+  /// The open sweep's if nothing came before it: an answer that takes longer than this gains nothing.
   double longest_s() const {
-    const double waited_s = (opened_at_ - arrived_at_).toSec();
-    return std::max(params_.deadline_s, searches_ ? params_.first_deadline_s : params_.late_deadline_s - waited_s);
+    return std::max(params_.deadline_s, searches_ ? params_.first_deadline_s : params_.late_deadline_s);
   }
 
   void close() {

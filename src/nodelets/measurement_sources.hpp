@@ -61,7 +61,7 @@ class MeasurementSources {
   /// One of the three measurements: false: neither waited for nor fused.
   void use(const std::string& name, bool used);
 
-  /// `longest_s`: the sweep stays open no longer, whoever has not answered.
+  /// `longest_s`: what takes longer than this is too late for any sweep.
   void open(const ros::Time& stamp, double longest_s);
   bool allAnswered() const;
   /// Somebody at work has not answered yet: for `late_only` one whose last answer was late.
@@ -110,7 +110,7 @@ class MeasurementSources {
   std::function<void()> answered_;
   int absent_after_sweeps_ = 3;
   ros::Time open_;  ///< zero: none
-  /// When the last sweeps would have been closed at the latest.
+  /// Until when an answer to the last sweeps was of use.
   struct Latest {
     ros::Time stamp;
     ros::SteadyTime at;
