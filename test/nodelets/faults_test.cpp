@@ -256,6 +256,15 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
   load("fusion_ukf");
 }
 
+/// The corners' answer to the sweep at `stamp`: none to measure.
+messages::PoseMeasurement noCorners(const ros::Time& stamp) {
+  messages::PoseMeasurement message;
+  message.header.stamp = stamp;
+  message.source = kCornerSvd;
+  message.status = messages::PoseMeasurement::TOO_FEW_CORNERS;
+  return message;
+}
+
 TEST_F(Faults, AStageThatIsConnectedButSilentIsWaitedForToTheDeadlineAndThenNoLonger) {
   setDeadline(1.0);
   loadAllBut("corner_svd");
@@ -269,15 +278,10 @@ TEST_F(Faults, AStageThatIsConnectedButSilentIsWaitedForToTheDeadlineAndThenNoLo
   ASSERT_TRUE(reconfigureDeadline(600.0));
   drive();
   // it speaks, too late, of the last sweep: the next one waits for it again
-  messages::PoseMeasurement late;
-  late.header.stamp = stampOfSweep(next_ - 1);
-  late.source = kCornerSvd;
-  late.status = messages::PoseMeasurement::TOO_FEW_CORNERS;
-  silent.publish(late);
+  silent.publish(noCorners(stampOfSweep(next_ - 1)));
   ros::Subscriber answer = graph_.node().subscribe<messages::SweepPrediction>(
       "sweep/prediction", 10, [&](const messages::SweepPredictionConstPtr& prediction) {
-        late.header.stamp = prediction->header.stamp;
-        silent.publish(late);
+        silent.publish(noCorners(prediction->header.stamp));
       });
   ASSERT_TRUE(waitFor([&] { return answer.getNumPublishers() > 0; }));
   EXPECT_TRUE(waitFor([&] { return !has(drive(), Reason::REASON_NO_ANSWER); }));
@@ -294,19 +298,12 @@ TEST_F(Faults, AStageThatAnswersLateIsGivenMoreTime) {
   ASSERT_TRUE(graph_.waitUntilLinked());
   start();
   if (HasFatalFailure()) return;
-  const auto answer = [&](const ros::Time& stamp) {
-    messages::PoseMeasurement message;
-    message.header.stamp = stamp;
-    message.source = kCornerSvd;
-    message.status = messages::PoseMeasurement::TOO_FEW_CORNERS;
-    slow.publish(message);
-  };
   EXPECT_TRUE(waitFor([&] {
-    answer(stampOfSweep(next_ - 1));  // too late
+    slow.publish(noCorners(stampOfSweep(next_ - 1)));  // too late
     const ros::Time stamp = stampOfSweep(next_);
     graph_.publish(streetCloud(next_++));
     if (waitFor([&] { return graph_.answered(stamp); }, 3.0 * kDeadline_s)) return false;  // the next one then
-    answer(stamp);  // after the deadline, and in time nevertheless
+    slow.publish(noCorners(stamp));  // after the deadline, and in time nevertheless
     return waitFor([&] { return graph_.answered(stamp); }) &&
            !has(graph_.times.at(stamp).reasons, Reason::REASON_NO_ANSWER);
   }));
@@ -331,14 +328,7 @@ TEST_F(Faults, AStageThatIsAlwaysTooLateIsWaitedForNoLonger) {
   if (HasFatalFailure()) return;
   const ros::Time stamp = stampOfSweep(next_);
   EXPECT_TRUE(has(drive(), Reason::REASON_NO_ANSWER)) << "closed by its deadline";
-  const auto answer = [&](const ros::Time& to) {
-    messages::PoseMeasurement message;
-    message.header.stamp = to;
-    message.source = kCornerSvd;
-    message.status = messages::PoseMeasurement::TOO_FEW_CORNERS;
-    slow.publish(message);
-  };
-  for (int i = 0; i < 3; ++i) answer(stamp);
+  for (int i = 0; i < 3; ++i) slow.publish(noCorners(stamp));
   ASSERT_TRUE(waitFor([&] { return said == "no answer from corner_svd (too late)"; })) << said;
   // From here on no deadline comes: a sweep is closed when nobody is left to wait for.
   ASSERT_TRUE(reconfigureDeadline(600.0));
@@ -346,7 +336,7 @@ TEST_F(Faults, AStageThatIsAlwaysTooLateIsWaitedForNoLonger) {
   // In the midst of a sweep that waits for nobody else there is no saying when it comes; sooner than 600 s it is in time.
   ros::Subscriber quick = graph_.node().subscribe<messages::SweepPrediction>(
       "sweep/prediction", 10,
-      [&](const messages::SweepPredictionConstPtr& prediction) { answer(prediction->header.stamp); });
+      [&](const messages::SweepPredictionConstPtr& prediction) { slow.publish(noCorners(prediction->header.stamp)); });
   ASSERT_TRUE(waitFor([&] { return quick.getNumPublishers() > 0; }));
   EXPECT_TRUE(waitFor([&] { return !has(drive(), Reason::REASON_NO_ANSWER); }));
 }
