@@ -9,7 +9,8 @@ namespace fail_aware {
 inline RegistrationFront makeFront(const RegistrationParameters& params) {
   return RegistrationFront(params.cloud, params.reference, params.initialization, params.relief,
                            Relocalization(params.relocalization, params.point),
-                           TurnSearch(params.turn_search, params.plane), params.refine_correction);
+                           TurnSearch(params.turn_search, params.plane), StandingMatch(params.standing, params.plane),
+                           params.refine_correction);
 }
 
 }  // namespace fail_aware

@@ -17,6 +17,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
+#include "fail_aware_lidar_odometry/core/registration/standing_match.hpp"
 #include "fail_aware_lidar_odometry/core/registration/turn_search.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
@@ -73,6 +74,7 @@ struct RegistrationParameters {
   RoadRelief::Params relief;
   Relocalization::Params relocalization;
   TurnSearch::Params turn_search;
+  StandingMatch::Params standing;
   MultiplexIcp::Params point;
   NormalFilteredIcp::Params plane;
   CornerExtractor::Params corner_extraction;
@@ -91,6 +93,7 @@ struct RegistrationParameters {
     v("relief", self.relief);
     v("relocalization", self.relocalization);
     v("turn_search", self.turn_search);
+    v("standing", self.standing);
     v("point", self.point);
     v("plane", self.plane);
     v("corner_extraction", self.corner_extraction);

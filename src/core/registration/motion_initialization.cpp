@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -57,50 +56,22 @@ std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep&
   return points_cog;
 }
 
-std::vector<MotionInitialization::StandingPoint> MotionInitialization::standingPoints(
-    const std::vector<Eigen::Vector3f>& points_cog, std::size_t& cells) const {
-  const auto cellOf = [](const Eigen::Vector3f& p, double size_m) {
-    return packVoxel(fastFloor(static_cast<double>(p.x()) / size_m), fastFloor(static_cast<double>(p.y()) / size_m), 0);
-  };
-  std::unordered_map<VoxelKey, float, VoxelHash> lowest;
-  for (const Eigen::Vector3f& p : points_cog) {
-    const auto [it, added] = lowest.try_emplace(cellOf(p, params_.column_m), p.z());
-    if (!added) it->second = std::min(it->second, p.z());
-  }
-  std::vector<std::size_t> standing;
-  for (std::size_t i = 0; i < points_cog.size(); ++i) {
-    const Eigen::Vector3f& p = points_cog[i];
-    if (static_cast<double>(p.z() - lowest[cellOf(p, params_.column_m)]) >= params_.min_height_m) standing.push_back(i);
-  }
-  constexpr std::size_t kEnough = 2000;
-  const std::size_t stride = 1 + standing.size() / kEnough;
-  std::unordered_map<VoxelKey, std::size_t, VoxelHash> numbers;
-  std::vector<StandingPoint> points;
-  for (std::size_t k = 0; k < standing.size(); k += stride) {
-    const Eigen::Vector3f& p = points_cog[standing[k]];
-    const auto number = numbers.try_emplace(cellOf(p, params_.cell_m), numbers.size()).first->second;
-    points.push_back({p.cast<double>(), number});
-  }
-  cells = numbers.size();
-  return points;
-}
-
 void MotionInitialization::setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar) {
   first_.clear();
   first_.insert(thinned(sweep, T_cog_lidar), Pose::Identity());
 }
 
-double MotionInitialization::votes(const std::vector<StandingPoint>& points, std::size_t cells, const Pose& motion,
-                                   double kernel_m) const {
+double MotionInitialization::votes(const StandingPoints& standing, const Pose& motion, double kernel_m) const {
+  const std::size_t cells = standing.places;
   const double kernel2 = kernel_m * kernel_m, max_distance = 3.0 * kernel_m;
   std::vector<double> fit(cells, 0.0);
   std::vector<int> count(cells, 0);
   VoxelMap::PointMatch match;
-  for (const StandingPoint& point : points) {
-    ++count[point.cell];
-    if (!first_.findNearest(motion * point.point_cog, max_distance, match)) continue;
+  for (const StandingPoint& point : standing.points) {
+    ++count[point.place];
+    if (!first_.findNearest(motion * point.position, max_distance, match)) continue;
     const double kernel = kernel2 / (kernel2 + static_cast<double>(match.distance2_m2));
-    fit[point.cell] += kernel * kernel;
+    fit[point.place] += kernel * kernel;
   }
   double sum = 0.0;
   for (std::size_t k = 0; k < cells; ++k) sum += count[k] > 0 ? fit[k] / count[k] : 0.0;
@@ -110,8 +81,9 @@ double MotionInitialization::votes(const std::vector<StandingPoint>& points, std
 std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
                                                         double dt_s, double* places_met) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
-  std::size_t cells = 0;
-  const std::vector<StandingPoint> points = standingPoints(thinned(sweep, T_cog_lidar), cells);
+  constexpr std::size_t kEnough = 2000;
+  const StandingPoints standing = findStandingPoints(thinned(sweep, T_cog_lidar),
+                                                     {params_.cell_m, params_.column_m, params_.min_height_m}, kEnough);
   Vector6d best = Vector6d::Zero();
   double best_votes = 0.0;
   const auto consider = [&](double speed_mps, double yaw_rate_rps, double kernel_m) {
@@ -123,7 +95,7 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
     Vector6d twist = Vector6d::Zero();
     twist[0] = speed_mps;
     twist[5] = yaw_rate_rps;
-    const double v = votes(points, cells, expSe3(twist * dt_s), kernel_m);
+    const double v = votes(standing, expSe3(twist * dt_s), kernel_m);
     if (v > best_votes) {
       best_votes = v;
       best = twist;

@@ -1,5 +1,6 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -21,13 +22,15 @@ RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& clo
                                      const ReferenceMap::Params& reference,
                                      const MotionInitialization::Params& initialization,
                                      const RoadRelief::Params& relief, const Relocalization& relocalization,
-                                     const TurnSearch& turn_search, bool refine_correction)
+                                     const TurnSearch& turn_search, const StandingMatch& standing,
+                                     bool refine_correction)
     : builder_(cloud),
       reference_(reference),
       relocalization_(relocalization),
       initialization_(initialization),
       relief_(relief),
       turn_search_(turn_search),
+      standing_(standing),
       refine_correction_(refine_correction) {}
 
 bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
@@ -44,11 +47,16 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   T_odom_cog_previous_ = prediction.T_odom_cog_previous;
   dt_s_ = prediction.dt_s;
   searched_sigma_m_ = 0.0;
+  standing_pose_.reset();
+  open_country_ = false;
   updateRelief(sweep, prediction, T_cog_lidar);
   if (!prepared_) return false;
   if (prediction.motion_known) {
     relocalize();
-    if (!lost_) findTurn(prediction.sigma_yaw_rad);
+    if (!lost_) {
+      findTurn(prediction.sigma_yaw_rad);
+      matchStanding(prediction.sigma_yaw_rad);
+    }
     return true;
   }
   if (map().empty()) {
@@ -67,15 +75,19 @@ Measurement withoutPose(MeasurementStatus status) {
   return measurement;
 }
 
-// One Kalman step: along `axis` (odom's) the position is off by offset_m, known to sigma_m.
+// One Kalman step: along `along` (odom's axes) the pose is off by `offset`, known to `sigma`.
+void addOffset(const Vector6d& along, double offset, double sigma, Measurement& measurement) {
+  const Vector6d C_along = measurement.covariance * along;
+  const Vector6d gain = C_along / (along.dot(C_along) + sigma * sigma);
+  measurement.T_odom_cog = applyStep(measurement.T_odom_cog, gain * offset);
+  measurement.covariance -= (gain * C_along.transpose()).eval();
+  measurement.covariance = (0.5 * (measurement.covariance + measurement.covariance.transpose())).eval();
+}
+
 void addPosition(const Eigen::Vector3d& axis, double offset_m, double sigma_m, Measurement& measurement) {
   Vector6d along = Vector6d::Zero();
   along.head<3>() = axis;
-  const Vector6d C_along = measurement.covariance * along;
-  const Vector6d gain = C_along / (along.dot(C_along) + sigma_m * sigma_m);
-  measurement.T_odom_cog = applyStep(measurement.T_odom_cog, gain * offset_m);
-  measurement.covariance -= (gain * C_along.transpose()).eval();
-  measurement.covariance = (0.5 * (measurement.covariance + measurement.covariance.transpose())).eval();
+  addOffset(along, offset_m, sigma_m, measurement);
 }
 
 }  // namespace
@@ -87,6 +99,7 @@ Measurement RegistrationFront::align(const MultiplexIcp& icp, std::vector<SeedTr
   Measurement measurement = icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_, tracks);
   addSearchedMotion(measurement);
   doubtStandstill(measurement);
+  addStanding(measurement);
   return measurement;
 }
 
@@ -97,6 +110,7 @@ Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_
   addSearchedMotion(measurement);
   doubtStandstill(measurement);
   addReliefSpeed(measurement);
+  addStanding(measurement);
   return measurement;
 }
 
@@ -178,6 +192,7 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   first.recorrect(*twist);
   reference_.clear();
   reference_.add(first.map_points_cog, T_odom_cog_first_);
+  if (standing_.params().enabled) standing_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);
 }
 
 void RegistrationFront::findTurn(double sigma_yaw_rad) {
@@ -188,6 +203,48 @@ void RegistrationFront::findTurn(double sigma_yaw_rad) {
   Vector6d twist_cog = corrected_twist_cog_;
   twist_cog.tail<3>() += *rate_rad_s;
   recorrectFor(twist_cog, middle_s);
+}
+
+void RegistrationFront::matchStanding(double sigma_yaw_rad) {
+  const StandingMatch::Params& params = standing_.params();
+  if (!params.enabled) return;
+  const double share = standing_.shareOfPlanes(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
+  nearly_open_ = share <= 2.0 * params.max_information_share;
+  if (share > params.max_information_share) return;
+  const StandingPoints standing = standing_.select(cloud_.map_points_cog);
+  open_country_ = standing.share <= params.max_standing_share;
+  if (!open_country_) return;
+  standing_pose_ = standing_.find(standing, T_odom_cog_start_);
+  if (standing_pose_) T_odom_cog_start_ = standing_pose_->T_odom_cog;
+}
+
+// Surfaces keep height, roll and pitch; of the rest they know little there, whatever their R says.
+void RegistrationFront::addStanding(Measurement& measurement) const {
+  if (!open_country_ || !measurement.ok()) return;
+  const StandingMatch::Params& params = standing_.params();
+  // what travels with the sensor is off by no more than the way
+  const double way_m = corrected_twist_cog_.head<3>().norm() * dt_s_;
+  const double surface_sigma_m = std::min(params.surface_sigma_m, 0.5 * way_m);
+  const double surface_sigma_rad = params.surface_sigma_deg * M_PI / 180.0 * surface_sigma_m / params.surface_sigma_m;
+  measurement.covariance.diagonal().head<2>().array() += surface_sigma_m * surface_sigma_m;
+  measurement.covariance(5, 5) += surface_sigma_rad * surface_sigma_rad;
+  if (!standing_pose_) return;
+  const Pose& T = standing_pose_->T_odom_cog;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(standing_pose_->covariance);
+  for (int i = 0; i < 3; ++i) {  // along these the errors are independent
+    Vector6d direction = Vector6d::Zero();
+    direction.head<2>() = eigen.eigenvectors().col(i).head<2>();
+    direction[5] = eigen.eigenvectors()(2, i);
+    Vector6d offset;
+    offset << T.translation() - measurement.T_odom_cog.translation(),
+        logSo3(T.linear() * measurement.T_odom_cog.linear().transpose());
+    addOffset(direction, direction.dot(offset), std::sqrt(std::max(eigen.eigenvalues()[i], 0.0)), measurement);
+  }
+}
+
+void RegistrationFront::keepStanding(const FilterState& state) {
+  if (!standing_.params().enabled || !nearly_open_ || !standing_.isStale(state.T_odom_cog, state.stamp_s)) return;
+  standing_.keep(cloud_.map_points_cog, state.T_odom_cog, state.stamp_s);
 }
 
 void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s) {
@@ -219,6 +276,7 @@ void RegistrationFront::place(const FilterState& state) {
     T_odom_cog_first_ = state.T_odom_cog;
   }
   reference_.add(cloud_.map_points_cog, state.T_odom_cog);
+  keepStanding(state);
 }
 
 void RegistrationFront::enterOdom(int epoch) {
@@ -226,12 +284,15 @@ void RegistrationFront::enterOdom(int epoch) {
   odom_epoch_ = epoch;
   reference_.clear();
   relief_.clear();
+  standing_.clear();
 }
 
 void RegistrationFront::reset() {
   reference_.clear();
   initialization_.reset();
   relief_.clear();
+  standing_.clear();
+  nearly_open_ = true;
   relief_speed_.reset();
   speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;

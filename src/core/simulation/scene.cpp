@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "fail_aware_lidar_odometry/core/simulation/country_scene.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/highway_scene.hpp"
@@ -14,6 +15,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kRoadAhead_m = 400.0, kRoadBehind_m = 190.0;
+constexpr double kRoadStep_m = 2.0;
 constexpr double kChunk_m = 25.0, kAhead_m = 160.0, kBehind_m = 140.0;
 constexpr double kCell_m = 40.0, kGroundRadius_m = 130.0, kGroundForget_m = 150.0;
 constexpr int kGrid = 16;                                 // squares along a cell's side
@@ -104,7 +106,7 @@ SceneTile Scene::makeChunk(std::int64_t index) const {
 SceneTile Scene::makeGround(const Cell& cell, double s_m) const {
   const Eigen::Vector2d low(kCell_m * static_cast<double>(cell.first), kCell_m * static_cast<double>(cell.second));
   const Eigen::Vector2d middle = low + Eigen::Vector2d::Constant(0.5 * kCell_m);
-  // the stretch of road that can be near this cell, thinned to 2 m
+  // the stretch of road that can be near this cell, thinned
   struct Near {
     Eigen::Vector2d position;
     double half_width_m, roughness_m;
@@ -112,7 +114,10 @@ SceneTile Scene::makeGround(const Cell& cell, double s_m) const {
   std::vector<Near> near;
   double nearest_m = 1e9;
   SceneKind kind = road_.kindAt(s_m);
-  for (double s = std::max(road_.begin(), s_m - kRoadBehind_m); s <= s_m + kRoadAhead_m; s += 2.0) {
+  const double from_m = std::max(road_.begin(), s_m - kRoadBehind_m);
+  const int steps = static_cast<int>(std::floor((s_m + kRoadAhead_m - from_m) / kRoadStep_m));
+  for (int step = 0; step <= steps; ++step) {
+    const double s = from_m + kRoadStep_m * step;
     const Eigen::Vector2d p = road_.at(s).position;
     const double distance_m = (p - middle).norm();
     if (distance_m < nearest_m) {
@@ -129,7 +134,7 @@ SceneTile Scene::makeGround(const Cell& cell, double s_m) const {
   constexpr double kSpacing_m = kCell_m / kGrid;
   constexpr int kSide = kGrid + 1;
   std::vector<double> beside_road_m;
-  beside_road_m.reserve(kSide * kSide);
+  beside_road_m.reserve(static_cast<std::size_t>(kSide) * kSide);
   const double far_roughness_m = roadCharacter(kind).verge_roughness_m;
   for (int iy = 0; iy < kSide; ++iy) {
     for (int ix = 0; ix < kSide; ++ix) {

@@ -40,7 +40,9 @@ double SpeedProfile::target(const Road& road, double s_m, double speed_mps, doub
   planStop(road, s_m);
   double target = limit(road, s_m);
   const double reach_m = speed_mps * speed_mps / (2.0 * params_.brake_mps2) + 10.0;
-  for (double d = kLookStep_m; d < reach_m; d += kLookStep_m) {
+  const int steps = static_cast<int>(std::ceil(reach_m / kLookStep_m)) - 1;
+  for (int step = 1; step <= steps; ++step) {
+    const double d = kLookStep_m * step;
     const double there = limit(road, s_m + d);
     target = std::min(target, std::sqrt(there * there + 2.0 * params_.brake_mps2 * d));
   }

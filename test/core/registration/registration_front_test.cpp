@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
@@ -17,9 +18,12 @@ using Points = std::vector<Eigen::Vector3f>;
 // mean distance of a sweep's points to the scene: of noise alone, and where 12 m/s was not corrected for
 constexpr double kStraight_m = 0.012, kBent_m = 0.035;
 
-RegistrationFront makeFront(bool refine_correction, int min_points = 500, bool search_turn = true) {
+RegistrationFront makeFront(bool refine_correction, int min_points = 500, bool search_turn = true,
+                            bool match_standing = true) {
   TurnSearch::Params turn_search;
   turn_search.enabled = search_turn;
+  StandingMatch::Params standing;
+  standing.enabled = match_standing;
   RegistrationCloudBuilder::Params cloud;
   cloud.min_range_m = 3.0;
   cloud.max_range_m = 60.0;
@@ -30,7 +34,8 @@ RegistrationFront makeFront(bool refine_correction, int min_points = 500, bool s
   initialization.max_range_m = 40.0;
   return RegistrationFront(cloud, reference, initialization, RoadRelief::Params(),
                            Relocalization(Relocalization::Params(), MultiplexIcp::Params()),
-                           TurnSearch(turn_search, NormalFilteredIcp::Params()), refine_correction);
+                           TurnSearch(turn_search, NormalFilteredIcp::Params()),
+                           StandingMatch(standing, NormalFilteredIcp::Params()), refine_correction);
 }
 
 SyntheticDrive curve() {
@@ -131,6 +136,47 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
   }
   EXPECT_GT(distances_m[false], 1.5 * kStraight_m);
   EXPECT_LT(distances_m[true], 0.7 * distances_m[false]);
+}
+
+/// A field with five posts, `way_m` along it, and scan lines, which travel with the sensor.
+CorrectedSweep fieldSweep(double way_m, double stamp_s, unsigned seed) {
+  SyntheticDrive field;
+  field.scene = {ground(-30.0, -30.0, 30.0, 30.0)};
+  field.ground_rings = true;
+  CorrectedSweep sweep = field.sweep(0.0, seed);
+  sweep.stamp_s = stamp_s;
+  SyntheticDrive posts;
+  posts.scene.clear();
+  for (const auto& [x, y] : {std::pair{9.0, 7.0}, {14.0, -8.0}, {21.0, 5.0}, {-12.0, 9.0}, {18.0, -15.0}}) {
+    addPost(posts.scene, x - way_m, y, 0.06, 2.0);
+  }
+  posts.points_per_m2 = 600.0;
+  const CorrectedSweep standing = posts.sweep(0.0, seed);
+  sweep.points_lidar.insert(sweep.points_lidar.end(), standing.points_lidar.begin(), standing.points_lidar.end());
+  sweep.times_s.insert(sweep.times_s.end(), standing.times_s.begin(), standing.times_s.end());
+  return sweep;
+}
+
+// The vehicle has driven 1 m and was predicted to drive 0.6 m.
+TEST(RegistrationFront, inOpenCountryWhatStandsTellsTheWay) {
+  const Pose T_cog_lidar = SyntheticDrive().T_cog_lidar;
+  const NormalFilteredIcp planes{NormalFilteredIcp::Params()};
+  double way_m[2], sigma_m[2];
+  for (const bool match_standing : {false, true}) {
+    RegistrationFront front = makeFront(false, 500, false, match_standing);
+    SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
+    ASSERT_TRUE(front.prepare(fieldSweep(0.0, 0.0, 1), prediction, T_cog_lidar));
+    front.place(stateOf(prediction, Pose::Identity(), false));
+    prediction = predictionOf(0.1, 0.1, Pose::Identity(), poseOf(0.6, 0.0, 0.0, 0.0, 0.0, 0.0), true);
+    ASSERT_TRUE(front.prepare(fieldSweep(1.0, 0.1, 2), prediction, T_cog_lidar));
+    const Measurement measured = front.align(planes, 0.01);
+    ASSERT_TRUE(measured.ok());
+    way_m[match_standing] = measured.T_odom_cog.translation().x();
+    sigma_m[match_standing] = std::sqrt(measured.covariance(0, 0));
+  }
+  EXPECT_GT(std::abs(way_m[false] - 1.0), 0.2);
+  EXPECT_NEAR(way_m[true], 1.0, 0.05);
+  EXPECT_LT(sigma_m[true], 0.1);
 }
 
 TEST(RegistrationFront, theSecondSweepStartsWhereTheSearchFoundIt) {

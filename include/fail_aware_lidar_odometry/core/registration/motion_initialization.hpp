@@ -20,6 +20,7 @@
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/registration/standing_points.hpp"
 
 namespace fail_aware {
 
@@ -80,13 +81,8 @@ class MotionInitialization {
   const Params& params() const { return params_; }
 
  private:
-  struct StandingPoint {
-    Eigen::Vector3d point_cog;
-    std::size_t cell;
-  };
   std::vector<Eigen::Vector3f> thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const;
-  double votes(const std::vector<StandingPoint>& points, std::size_t cells, const Pose& motion, double kernel_m) const;
-  std::vector<StandingPoint> standingPoints(const std::vector<Eigen::Vector3f>& points_cog, std::size_t& cells) const;
+  double votes(const StandingPoints& standing, const Pose& motion, double kernel_m) const;
 
   Params params_;
   VoxelMap first_;

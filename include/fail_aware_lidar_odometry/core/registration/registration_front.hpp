@@ -25,6 +25,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
+#include "fail_aware_lidar_odometry/core/registration/standing_match.hpp"
 #include "fail_aware_lidar_odometry/core/registration/turn_search.hpp"
 
 namespace fail_aware {
@@ -33,7 +34,8 @@ class RegistrationFront {
  public:
   RegistrationFront(const RegistrationCloudBuilder::Params& cloud, const ReferenceMap::Params& reference,
                     const MotionInitialization::Params& initialization, const RoadRelief::Params& relief,
-                    const Relocalization& relocalization, const TurnSearch& turn_search, bool refine_correction);
+                    const Relocalization& relocalization, const TurnSearch& turn_search, const StandingMatch& standing,
+                    bool refine_correction);
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -57,6 +59,9 @@ class RegistrationFront {
   void initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void recorrectFor(const Vector6d& twist_cog, double middle_s = 0.0);
   void findTurn(double sigma_yaw_rad);
+  void matchStanding(double sigma_yaw_rad);
+  void keepStanding(const FilterState& state);
+  void addStanding(Measurement& measurement) const;
   void enterOdom(int epoch);
   void relocalize();
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -70,6 +75,7 @@ class RegistrationFront {
   MotionInitialization initialization_;
   RoadRelief relief_;
   TurnSearch turn_search_;
+  StandingMatch standing_;
   bool refine_correction_;
   RegistrationCloud cloud_;
   RegistrationCloud first_cloud_;  ///< the only sweep in the reference so far, at T_odom_cog_first_
@@ -83,6 +89,9 @@ class RegistrationFront {
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
   std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep
+  std::optional<StandingPose> standing_pose_;      ///< likewise
+  bool open_country_ = false;                      ///< of the prepared sweep: see standing_match.hpp
+  bool nearly_open_ = true;                        ///< the last one's planes told little: what stands in it is kept
   double searched_sigma_m_ = 0.0;                  ///< of the start pose, if the search gave it; else 0
   Pose T_odom_cog_previous_ = Pose::Identity();
   double dt_s_ = 0.0;

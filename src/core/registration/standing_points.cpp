@@ -1,0 +1,40 @@
+#include "fail_aware_lidar_odometry/core/registration/standing_points.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
+
+namespace fail_aware {
+
+StandingPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
+                                  std::size_t enough) {
+  const auto cellOf = [](const Eigen::Vector3f& p, double size_m) {
+    return packVoxel(fastFloor(static_cast<double>(p.x()) / size_m), fastFloor(static_cast<double>(p.y()) / size_m), 0);
+  };
+  std::unordered_map<VoxelKey, float, VoxelHash> lowest;
+  for (const Eigen::Vector3f& p : points) {
+    const auto [it, added] = lowest.try_emplace(cellOf(p, params.column_m), p.z());
+    if (!added) it->second = std::min(it->second, p.z());
+  }
+  std::vector<std::size_t> standing;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f& p = points[i];
+    if (static_cast<double>(p.z() - lowest[cellOf(p, params.column_m)]) >= params.min_height_m) standing.push_back(i);
+  }
+  const std::size_t stride = 1 + standing.size() / enough;
+  std::unordered_map<VoxelKey, std::size_t, VoxelHash> numbers;
+  StandingPoints result;
+  for (std::size_t k = 0; k < standing.size(); k += stride) {
+    const Eigen::Vector3f& p = points[standing[k]];
+    const auto number = numbers.try_emplace(cellOf(p, params.cell_m), numbers.size()).first->second;
+    result.points.push_back({p.cast<double>(), number});
+  }
+  result.places = numbers.size();
+  result.counts.assign(result.places, 0.0);
+  for (const StandingPoint& point : result.points) result.counts[point.place] += 1.0;
+  if (!points.empty()) result.share = static_cast<double>(standing.size()) / static_cast<double>(points.size());
+  return result;
+}
+
+}  // namespace fail_aware
