@@ -32,7 +32,7 @@ class CornerSvdAlgorithm {
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
     if (!used_) return Measurement();
-    const Measurement measurement = corners_.measure(sweep, task.prediction, task.T_cog_lidar);
+    Measurement measurement = corners_.measure(sweep, task.prediction, task.T_cog_lidar);
     T_odom_cog_ = measurement.ok() ? measurement.T_odom_cog : task.prediction.T_odom_cog;
     return measurement;
   }

@@ -51,9 +51,10 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
   return sources;
 }
 
-MeasurementSources::MeasurementSources(ros::NodeHandle node, const std::map<std::string, ExtraSourceParams>& extra,
+MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
+                                       const std::map<std::string, ExtraSourceParams>& extra,
                                        const std::string& odom_frame, std::function<void()> answered)
-    : node_(std::move(node)), odom_frame_(withoutSlash(odom_frame)), answered_(std::move(answered)) {
+    : node_(node), odom_frame_(withoutSlash(odom_frame)), answered_(std::move(answered)) {
   check_subscriber_ = node_.subscribe<messages::SweepCheck>(
       topics::kSweepCheck, topics::kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
   for (const char* name : kBuiltIn) {

@@ -49,7 +49,7 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
 class MeasurementSources {
  public:
   /// `answered` is called whenever something came for the open sweep.
-  MeasurementSources(ros::NodeHandle node, const std::map<std::string, ExtraSourceParams>& extra,
+  MeasurementSources(const ros::NodeHandle& node, const std::map<std::string, ExtraSourceParams>& extra,
                      const std::string& odom_frame, std::function<void()> answered);
   ~MeasurementSources();
   /// `answered` is called no more.

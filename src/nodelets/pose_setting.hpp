@@ -38,7 +38,7 @@ class PoseSetting {
     pose.T_odom_base = *T_odom_base;
     pose.covariance = fromMessage(message.pose.covariance);
     if (!pose.covariance.isZero(0.0)) {
-      const std::string reason = unusableReason(pose);
+      std::string reason = unusableReason(pose);
       if (!reason.empty()) return reason;
     }
     const bool stamped = !message.header.stamp.isZero() && !last_stamp.isZero();

@@ -45,7 +45,7 @@ class SweepMatcher {
     if (measured_.isZero()) return nullptr;
     const State* found = states_.find(measured_);
     if (found == nullptr) return nullptr;
-    const State state = *found;
+    State state = *found;
     states_.popThrough(measured_);
     measured_ = ros::Time();
     return state;

@@ -30,7 +30,7 @@ fs::path findScript(const std::string& name) {
 #endif
   }
   for (const fs::path& folder : folders) {
-    const fs::path script = folder / name;
+    fs::path script = folder / name;
     if (access(script.c_str(), X_OK) == 0) return script;
   }
   return {};

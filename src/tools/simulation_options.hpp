@@ -11,6 +11,7 @@ namespace fail_aware {
 
 inline std::vector<Fault> parseFaults(const std::vector<std::string>& texts) {
   std::vector<Fault> faults;
+  faults.reserve(texts.size());
   for (const std::string& text : texts) faults.push_back(Fault::parse(text));
   return faults;
 }

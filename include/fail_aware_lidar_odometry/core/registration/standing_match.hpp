@@ -47,7 +47,7 @@ class StandingMatch {
     double kernel_m = 0.2;      ///< Geman-McClure scale at the end
     double contrast_m = 0.6;    ///< looked so far beyond the window:
     double min_contrast = 0.3;  ///< a place's best less its worst vote, at least
-    double sigma_m = 0.15;      ///< of one place
+    double sigma_m = 0.25;      ///< of one place
     double min_places = 1.7;
     double max_way_m = 10.0;  ///< since a sweep was kept; then it is another one
     double max_age_s = 1.0;
