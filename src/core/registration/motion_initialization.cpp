@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -61,23 +62,6 @@ void MotionInitialization::setFirst(const CorrectedSweep& sweep, const Pose& T_c
   first_.insert(thinned(sweep, T_cog_lidar), Pose::Identity());
 }
 
-double MotionInitialization::votes(const StandingPoints& standing, const Pose& motion, double kernel_m) const {
-  const std::size_t cells = standing.places;
-  const double kernel2 = kernel_m * kernel_m, max_distance = 3.0 * kernel_m;
-  std::vector<double> fit(cells, 0.0);
-  std::vector<int> count(cells, 0);
-  VoxelMap::PointMatch match;
-  for (const StandingPoint& point : standing.points) {
-    ++count[point.place];
-    if (!first_.findNearest(motion * point.position, max_distance, match)) continue;
-    const double kernel = kernel2 / (kernel2 + static_cast<double>(match.distance2_m2));
-    fit[point.place] += kernel * kernel;
-  }
-  double sum = 0.0;
-  for (std::size_t k = 0; k < cells; ++k) sum += count[k] > 0 ? fit[k] / count[k] : 0.0;
-  return sum;
-}
-
 std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
                                                         double dt_s, double* places_met) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
@@ -95,7 +79,8 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
     Vector6d twist = Vector6d::Zero();
     twist[0] = speed_mps;
     twist[5] = yaw_rate_rps;
-    const double v = votes(standing, expSe3(twist * dt_s), kernel_m);
+    const std::vector<double> votes = votesOfPlaces(standing, first_, expSe3(twist * dt_s), kernel_m);
+    const double v = std::accumulate(votes.begin(), votes.end(), 0.0);
     if (v > best_votes) {
       best_votes = v;
       best = twist;

@@ -5,6 +5,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
 
 namespace fail_aware {
 
@@ -120,8 +121,7 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
     if (!map.findNearest(arm + t, params_.max_distance_m, match)) continue;
     const double e2 = match.distance2_m2;
     const Eigen::Vector3d e = match.offset_m.cast<double>();
-    const double kernel = kernel2 / (kernel2 + e2);
-    const double w = kernel * kernel;
+    const double w = gemanMcClureWeight(e2, kernel2);
     w_sum += w;
     w_arm += w * arm;
     w_arm_arm.selfadjointView<Eigen::Lower>().rankUpdate(arm, w);
@@ -175,10 +175,10 @@ std::optional<MultiplexIcp::WeakHorizontal> MultiplexIcp::weakHorizontal(const s
   for (const Eigen::Vector3f& point : points_cog) {
     const Eigen::Vector3d p = T_odom_cog * point.cast<double>();
     if (!map.findNearest(p, params_.max_distance_m, match)) continue;
-    const double kernel = kernel2 / (kernel2 + static_cast<double>(match.distance2_m2));
+    const double w = gemanMcClureWeight(match.distance2_m2, kernel2);
     forEachInformedDirection(map.surface(match.voxel), [&](const Eigen::Vector3d& n) {
       const double along = weak.direction.dot(n.head<2>());
-      support.add(p, kernel * kernel * along * along);
+      support.add(p, w * along * along);
     });
   }
   weak.counted_share = support.countedShare();

@@ -10,6 +10,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
 
 namespace fail_aware {
 
@@ -91,8 +92,7 @@ class PlanePairs {
       pair.normal = match.normal.cast<double>();
       pair.J << pair.normal, arm.cross(pair.normal);
       pair.residual_m = r;
-      const double kernel = kernel2 / (kernel2 + r * r);
-      pair.kernel_weight = kernel * kernel;
+      pair.kernel_weight = gemanMcClureWeight(r * r, kernel2);
       pair.weight = pair.kernel_weight / (point_variance + match.variance);
       if (filter_.isGround(match.normal)) pair.weight *= params_.ground_weight;
       if (params_.range_weight_m > 0.0) pair.weight *= static_cast<double>(q.norm()) / params_.range_weight_m;

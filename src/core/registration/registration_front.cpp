@@ -243,7 +243,7 @@ void RegistrationFront::addStanding(Measurement& measurement) const {
 }
 
 void RegistrationFront::keepStanding(const FilterState& state) {
-  if (!standing_.params().enabled || !nearly_open_ || !standing_.isStale(state.T_odom_cog, state.stamp_s)) return;
+  if (!standing_.params().enabled || !nearly_open_ || !standing_.isDue(state.T_odom_cog, state.stamp_s)) return;
   standing_.keep(cloud_.map_points_cog, state.T_odom_cog, state.stamp_s);
 }
 

@@ -6,6 +6,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 #include "plane_pairs.hpp"
 
@@ -15,20 +16,15 @@ namespace {
 
 constexpr std::size_t kMatched = 1000, kKept = 20000;  // points, about
 constexpr double kWideKernel = 2.0;                    // of the search, in kernels
-constexpr double kCutOff = 3.0;                        // likewise: farther points are none
 constexpr int kIterations = 8;
+constexpr double kLeastWindow_m = 0.4;   // however little was driven
+constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' share
 
 VoxelMap::Params denseMap() {
   VoxelMap::Params map;
   map.max_points = VoxelMap::kMaxPoints;
   map.min_point_spacing_m = 0.1;
   return map;
-}
-
-double kernelWeight(const VoxelMap::PointMatch& match, double kernel_m) {
-  const double kernel2 = kernel_m * kernel_m;
-  const double kernel = kernel2 / (kernel2 + static_cast<double>(match.distance2_m2));
-  return kernel * kernel;
 }
 
 Pose movedAlong(const Pose& T_odom_cog, double way_m) {
@@ -76,10 +72,13 @@ StandingMatch::StandingMatch(const Params& params, const NormalFilteredIcp::Para
 
 double StandingMatch::shareOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                     const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
+  const std::size_t stride = 1 + points_cog.size() / kLookedAt;
+  std::vector<Eigen::Vector3f> looked_at;
+  for (std::size_t i = 0; i < points_cog.size(); i += stride) looked_at.push_back(points_cog[i]);
   const PlanePairs pairs(planes_, T_odom_cog_predicted, sigma_yaw_rad);
   NormalEquations equations;
   const auto positionOf = [](const Eigen::Vector3d& arm, std::size_t) { return arm; };
-  pairs.forEach(points_cog, map, T_odom_cog_predicted, planes_.initial_kernel_m, positionOf,
+  pairs.forEach(looked_at, map, T_odom_cog_predicted, planes_.initial_kernel_m, positionOf,
                 [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
   equations.H = equations.H.selfadjointView<Eigen::Lower>();
   return solveObserved(equations, planes_.observability).min_horizontal_share;
@@ -103,32 +102,20 @@ StandingPoints StandingMatch::select(const std::vector<Eigen::Vector3f>& points_
 }
 
 void StandingMatch::keep(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog, double stamp_s) {
-  clear();
+  kept_.clear();
+  T_odom_cog_kept_ = T_odom_cog;
+  kept_stamp_s_ = stamp_s;
   const StandingPoints standing = standingWithin(params_.max_range_m, points_cog, kKept);
   if (standing.share > params_.max_standing_share) return;
   std::vector<Eigen::Vector3f> points;
   points.reserve(standing.points.size());
   for (const StandingPoint& point : standing.points) points.push_back(point.position.cast<float>());
   kept_.insert(points, T_odom_cog);
-  T_odom_cog_kept_ = T_odom_cog;
-  kept_stamp_s_ = stamp_s;
 }
 
-bool StandingMatch::isStale(const Pose& T_odom_cog, double stamp_s) const {
-  return kept_.empty() || (T_odom_cog.translation() - T_odom_cog_kept_.translation()).norm() > params_.max_way_m ||
-         std::abs(secondsBetween(kept_stamp_s_, stamp_s)) > params_.max_age_s;
-}
-
-// Each place's mean weight.
-std::vector<double> StandingMatch::votes(const StandingPoints& standing, const Pose& T_odom_cog,
-                                         double kernel_m) const {
-  std::vector<double> votes(standing.places, 0.0);
-  VoxelMap::PointMatch match;
-  for (const StandingPoint& point : standing.points) {
-    if (!kept_.findNearest(T_odom_cog * point.position, kCutOff * kernel_m, match)) continue;
-    votes[point.place] += kernelWeight(match, kernel_m) / standing.counts[point.place];
-  }
-  return votes;
+bool StandingMatch::isDue(const Pose& T_odom_cog, double stamp_s) const {
+  return !kept_stamp_s_ || (T_odom_cog.translation() - T_odom_cog_kept_.translation()).norm() > params_.max_way_m ||
+         std::abs(secondsBetween(*kept_stamp_s_, stamp_s)) > params_.max_age_s;
 }
 
 // Gauss-Newton's equations for x, y and yaw about the vehicle; a place weighs 1 at most.
@@ -139,8 +126,8 @@ StandingMatch::Fit StandingMatch::fit(const StandingPoints& standing, const std:
   for (const StandingPoint& point : standing.points) {
     if (!has_vote[point.place]) continue;
     const Eigen::Vector3d arm = T_odom_cog.linear() * point.position;
-    if (!kept_.findNearest(arm + T_odom_cog.translation(), kCutOff * kernel_m, match)) continue;
-    const double weight = kernelWeight(match, kernel_m) / standing.counts[point.place];
+    if (!kept_.findNearest(arm + T_odom_cog.translation(), kFarthestInKernels * kernel_m, match)) continue;
+    const double weight = gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m) / standing.counts[point.place];
     Eigen::Matrix<double, 2, 3> J;
     J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
     fit.votes += weight;
@@ -153,12 +140,14 @@ StandingMatch::Fit StandingMatch::fit(const StandingPoints& standing, const std:
 std::optional<Pose> StandingMatch::searchAlong(const StandingPoints& standing, const Pose& T_odom_cog_predicted,
                                                std::vector<bool>& has_vote) const {
   const double way_m = (T_odom_cog_predicted.translation() - T_odom_cog_kept_.translation()).norm();
-  const double window_m = std::clamp(0.5 * way_m, std::min(0.4, params_.window_m), params_.window_m);
+  const double window_m = std::clamp(0.5 * way_m, std::min(kLeastWindow_m, params_.window_m), params_.window_m);
   const int steps = static_cast<int>(window_m / params_.step_m + 1e-9);
   const int beyond = steps + static_cast<int>(std::ceil(params_.contrast_m / params_.step_m));
   const auto tried = [&](int i) { return movedAlong(T_odom_cog_predicted, i * params_.step_m); };
   std::vector<std::vector<double>> profile;
-  for (int i = -beyond; i <= beyond; ++i) profile.push_back(votes(standing, tried(i), kWideKernel * params_.kernel_m));
+  for (int i = -beyond; i <= beyond; ++i) {
+    profile.push_back(votesOfPlaces(standing, kept_, tried(i), kWideKernel * params_.kernel_m));
+  }
   has_vote.assign(standing.places, false);
   for (std::size_t place = 0; place < standing.places; ++place) {
     const auto less = [&](const std::vector<double>& a, const std::vector<double>& b) { return a[place] < b[place]; };
@@ -200,6 +189,9 @@ std::optional<StandingPose> StandingMatch::find(const StandingPoints& standing_c
   return StandingPose{*T, covariance};
 }
 
-void StandingMatch::clear() { kept_.clear(); }
+void StandingMatch::clear() {
+  kept_.clear();
+  kept_stamp_s_.reset();
+}
 
 }  // namespace fail_aware

@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
+#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
 
 namespace fail_aware {
 
@@ -35,6 +36,17 @@ StandingPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, co
   for (const StandingPoint& point : result.points) result.counts[point.place] += 1.0;
   if (!points.empty()) result.share = static_cast<double>(standing.size()) / static_cast<double>(points.size());
   return result;
+}
+
+std::vector<double> votesOfPlaces(const StandingPoints& standing, const VoxelMap& map, const Pose& T, double kernel_m) {
+  std::vector<double> votes(standing.places, 0.0);
+  VoxelMap::PointMatch match;
+  for (const StandingPoint& point : standing.points) {
+    if (!map.findNearest(T * point.position, kFarthestInKernels * kernel_m, match)) continue;
+    votes[point.place] += gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m);
+  }
+  for (std::size_t place = 0; place < standing.places; ++place) votes[place] /= standing.counts[place];
+  return votes;
 }
 
 }  // namespace fail_aware

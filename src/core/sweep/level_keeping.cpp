@@ -8,6 +8,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {
@@ -237,11 +238,11 @@ void LevelKeeping::update() {
       const double residual = u.value - row.dot(x_);
       const double prior_variance = iteration == 0 ? row.dot(P_ * row) : 0.0;
       const double kernel2 = kKernelSigmas * kKernelSigmas * (u.sigma * u.sigma + prior_variance);
-      const double kernel = kernel2 / (kernel2 + residual * residual);
-      const double w = kernel * kernel / (u.sigma * u.sigma * params_.correlation_inflation);
+      const double kernel_weight = gemanMcClureWeight(residual * residual, kernel2);
+      const double w = kernel_weight / (u.sigma * u.sigma * params_.correlation_inflation);
       information += w * row * row.transpose();
       right += w * (u.value - row.dot(x_prior)) * row;
-      trust += kernel * kernel;
+      trust += kernel_weight;
     }
     gain = P_ * (Covariance::Identity() + information * P_).inverse();
     x_ = x_prior + gain * right;

@@ -165,20 +165,24 @@ TEST(StandingMatch, OnePlaceIsTooFew) {
 TEST(StandingMatch, NothingKeptNothingFound) {
   const StandingMatch match(anyShare(), NormalFilteredIcp::Params());
   EXPECT_FALSE(match.find(match.select(posts()), Pose::Identity()));
-  EXPECT_TRUE(match.isStale(Pose::Identity(), 0.0));
+  EXPECT_TRUE(match.isDue(Pose::Identity(), 0.0));
 }
 
 TEST(StandingMatch, KeptForSomeWayAndTime) {
   StandingMatch match = matchAgainst(posts());
-  EXPECT_FALSE(match.isStale(planarPose(9.0, 0.0, 0.0), 0.9));
-  EXPECT_TRUE(match.isStale(planarPose(11.0, 0.0, 0.0), 0.9));
-  EXPECT_TRUE(match.isStale(planarPose(9.0, 0.0, 0.0), 1.1));
+  EXPECT_FALSE(match.isDue(planarPose(9.0, 0.0, 0.0), 0.9));
+  EXPECT_TRUE(match.isDue(planarPose(11.0, 0.0, 0.0), 0.9));
+  EXPECT_TRUE(match.isDue(planarPose(9.0, 0.0, 0.0), 1.1));
   match.clear();
-  EXPECT_TRUE(match.isStale(Pose::Identity(), 0.0));
+  EXPECT_TRUE(match.isDue(Pose::Identity(), 0.0));
 }
 
-TEST(StandingMatch, ASweepInWhichMuchStandsIsNotKept) {
-  EXPECT_TRUE(matchAgainst(posts(), StandingMatch::Params()).isStale(Pose::Identity(), 0.0));
+TEST(StandingMatch, ASweepInWhichMuchStandsIsNotKeptNorAskedForAgainAtOnce) {
+  const StandingMatch match = matchAgainst(posts(), StandingMatch::Params());
+  EXPECT_FALSE(match.find(match.select(posts()), Pose::Identity()));
+  EXPECT_TRUE(matchAgainst(posts()).find(match.select(posts()), Pose::Identity()));
+  EXPECT_FALSE(match.isDue(planarPose(9.0, 0.0, 0.0), 0.9));
+  EXPECT_TRUE(match.isDue(planarPose(11.0, 0.0, 0.0), 0.9));
 }
 
 TEST(StandingMatch, PlanesOfARoomTellAndThoseOfAFieldDoNot) {

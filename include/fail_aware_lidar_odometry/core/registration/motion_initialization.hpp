@@ -82,7 +82,6 @@ class MotionInitialization {
 
  private:
   std::vector<Eigen::Vector3f> thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const;
-  double votes(const StandingPoints& standing, const Pose& motion, double kernel_m) const;
 
   Params params_;
   VoxelMap first_;

@@ -8,7 +8,7 @@
 // for some metres, a vote each place: a search along the way, then Gauss-Newton over x, y and heading.
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
-// distance ahead is outside of the window, which is never more than half of the way driven since the sweep was kept.
+// distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4 m).
 //
 // Frames: points of the centre of gravity; poses odom. Failure: nothing. Cost: the planes' equations once (2 ms); in
 // open country 1 to 2 ms more.
@@ -89,8 +89,8 @@ class StandingMatch {
   /// The sweep that later ones are matched with; forgotten if too much stands in it.
   void keep(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog, double stamp_s);
 
-  /// Kept too far or too long ago, or none at all.
-  bool isStale(const Pose& T_odom_cog, double stamp_s) const;
+  /// It is time to keep another: the last was too far or too long ago, whether kept or not, or there was none.
+  bool isDue(const Pose& T_odom_cog, double stamp_s) const;
 
   std::optional<StandingPose> find(const StandingPoints& standing_cog, const Pose& T_odom_cog_predicted) const;
 
@@ -106,7 +106,6 @@ class StandingMatch {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
   };
-  std::vector<double> votes(const StandingPoints& standing, const Pose& T_odom_cog, double kernel_m) const;
   Fit fit(const StandingPoints& standing, const std::vector<bool>& has_vote, const Pose& T_odom_cog,
           double kernel_m) const;
   std::optional<Pose> searchAlong(const StandingPoints& standing, const Pose& T_odom_cog_predicted,
@@ -116,7 +115,7 @@ class StandingMatch {
   NormalFilteredIcp::Params planes_;
   VoxelMap kept_;
   Pose T_odom_cog_kept_ = Pose::Identity();
-  double kept_stamp_s_ = 0.0;
+  std::optional<double> kept_stamp_s_;  ///< of the sweep that was kept, or would have been
 };
 
 }  // namespace fail_aware

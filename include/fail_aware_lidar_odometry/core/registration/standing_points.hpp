@@ -10,6 +10,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
 namespace fail_aware {
 
 struct StandingPoint {
@@ -33,5 +36,11 @@ struct StandingPointsParams {
 /// At most about `enough` of them, every n-th.
 StandingPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
                                   std::size_t enough);
+
+/// Each place's mean weight, 0 ... 1: how near its points, moved by T, are to those of `map` (Geman-McClure kernel, none
+/// beyond kFarthestInKernels of it).
+std::vector<double> votesOfPlaces(const StandingPoints& standing, const VoxelMap& map, const Pose& T, double kernel_m);
+
+constexpr double kFarthestInKernels = 3.0;
 
 }  // namespace fail_aware
