@@ -109,9 +109,6 @@ struct OdometryPipeline::Stages {
 
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
   const RegistrationParameters& use = params.profile.registration;
-  Stopwatch thinning;
-  front.prepare(corrected, prediction, T_cog_lidar);
-  result.times.correction_ms += thinning.lapMs();
   const auto point = [&] {
     Stopwatch watch;
     if (use.use_point) result.point = exchanged(front.align(multiplex));
@@ -128,10 +125,14 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
     result.times.corners_ms = watch.lapMs();
   };
   arena.execute([&] {
-    tbb::parallel_invoke(point, [&] {
-      plane();
-      corners();
-    });
+    tbb::parallel_invoke(
+        [&] {
+          Stopwatch thinning;
+          front.prepare(corrected, prediction, T_cog_lidar);
+          result.times.correction_ms += thinning.lapMs();
+          tbb::parallel_invoke(point, plane);
+        },
+        corners);
   });
 }
 

@@ -10,6 +10,7 @@ namespace fail_aware {
 
 namespace {
 
+constexpr float kNowhere = 1e18f;  // a coordinate of what is no point, m; its distance is finite and beyond any limit
 constexpr double kUpright = 0.8;  // cosine of a post's tilt; a single scan line, thin too, lies flatter
 
 /// False for what is not finite or has no voxel: |v| >= 1e9.
@@ -29,6 +30,7 @@ void VoxelMap::Params::validate() const {
 
 VoxelMap::VoxelMap(const Params& params) : params_(params), inverse_size_(1.0 / params.voxel_size_m) {
   params_.validate();
+  lanes_ = (static_cast<std::size_t>(params_.max_points) + kLane - 1) / kLane * kLane;
 }
 
 std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z) {
@@ -41,7 +43,7 @@ std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z
     voxel.y = y;
     voxel.z = z;
     voxels_.push_back(voxel);
-    points_.resize(points_.size() + static_cast<std::size_t>(params_.max_points));
+    points_.resize(points_.size() + 3 * lanes_, kNowhere);
     point_counts_.push_back(0);
   }
   return it->second;
@@ -78,11 +80,16 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
     }
     const std::size_t count = point_counts_[i];
     if (count < max_points) {
-      Eigen::Vector3f* stored = &points_[i * max_points];
+      float* const xs = &points_[i * 3 * lanes_];
+      float *const ys = xs + lanes_, *const zs = ys + lanes_;
       bool spaced = true;
-      for (std::size_t k = 0; k < count && spaced; ++k) spaced = (stored[k] - local).squaredNorm() >= spacing2;
+      for (std::size_t k = 0; k < count && spaced; ++k) {
+        spaced = (Eigen::Vector3f(xs[k], ys[k], zs[k]) - local).squaredNorm() >= spacing2;
+      }
       if (spaced) {
-        stored[count] = local;
+        xs[count] = local.x();
+        ys[count] = local.y();
+        zs[count] = local.z();
         ++point_counts_[i];
       }
     }
@@ -127,7 +134,6 @@ void VoxelMap::fitPlane(Voxel& voxel) const {
 }
 
 void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position_odom) {
-  const auto max_points = static_cast<std::size_t>(params_.max_points);
   const double range2 = range_m * range_m;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
@@ -135,14 +141,14 @@ void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position
     if (kept != i) {
       voxels_[kept] = voxels_[i];
       point_counts_[kept] = point_counts_[i];
-      std::copy_n(points_.begin() + static_cast<std::ptrdiff_t>(i * max_points), max_points,
-                  points_.begin() + static_cast<std::ptrdiff_t>(kept * max_points));
+      std::copy_n(points_.begin() + static_cast<std::ptrdiff_t>(i * 3 * lanes_), 3 * lanes_,
+                  points_.begin() + static_cast<std::ptrdiff_t>(kept * 3 * lanes_));
     }
     ++kept;
   }
   if (kept == voxels_.size()) return;
   voxels_.resize(kept);
-  points_.resize(kept * max_points);
+  points_.resize(kept * 3 * lanes_);
   point_counts_.resize(kept);
   index_.clear();
   for (std::size_t i = 0; i < kept; ++i) index_.emplace(voxels_[i].key, static_cast<std::uint32_t>(i));
@@ -202,7 +208,8 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
     cell[axis][1] = own_is_upper ? upper - 1 : upper;
     gap2_m2[axis] = static_cast<float>(gap_m * gap_m);
   }
-  const auto max_points = static_cast<std::size_t>(params_.max_points);
+  using Lane = Eigen::Array<float, static_cast<int>(kLane), 1>;
+  const auto lane = [](const float* values) { return Eigen::Map<const Lane>(values); };
   float best = static_cast<float>(max_distance_m * max_distance_m);
   bool found = false;
   for (const int far : {0, 1, 2, 4, 3, 5, 6, 7}) {  // bits: the axes across whose face the voxel lies
@@ -213,29 +220,30 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
     const auto it = index_.find(packVoxel(vx, vy, vz));
     if (it == index_.end()) continue;
     const Eigen::Vector3f local = (query_odom - centreOf(vx, vy, vz)).cast<float>();
-    const Eigen::Vector3f* stored = &points_[it->second * max_points];
-    const int count = point_counts_[it->second];
-    for (int k = 0; k < count; ++k) {
-      const Eigen::Vector3f offset = stored[k] - local;
-      const float d2 = offset.squaredNorm();
-      if (d2 < best) {
-        best = d2;
-        match.offset_m = offset;
-        match.distance2_m2 = d2;
-        match.voxel = it->second;
-        found = true;
-      }
+    const float* const x = &points_[it->second * 3 * lanes_];
+    const float *const y = x + lanes_, *const z = y + lanes_;
+    const std::size_t count = point_counts_[it->second];
+    for (std::size_t k = 0; k < count; k += kLane) {
+      const Lane dx = lane(x + k) - local.x(), dy = lane(y + k) - local.y(), dz = lane(z + k) - local.z();
+      const Lane d2 = dx * dx + (dy * dy + dz * dz);
+      if (!(d2.minCoeff() < best)) continue;
+      Eigen::Index nearest = 0;
+      best = d2.minCoeff(&nearest);
+      match.offset_m = {dx[nearest], dy[nearest], dz[nearest]};
+      match.distance2_m2 = best;
+      match.voxel = it->second;
+      found = true;
     }
   }
   return found;
 }
 
 std::vector<Eigen::Vector3d> VoxelMap::points() const {
-  const auto max_points = static_cast<std::size_t>(params_.max_points);
   std::vector<Eigen::Vector3d> all;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
-    for (int k = 0; k < point_counts_[i]; ++k) {
-      all.push_back(centreOf(voxels_[i]) + points_[i * max_points + static_cast<std::size_t>(k)].cast<double>());
+    const float* const x = &points_[i * 3 * lanes_];
+    for (std::size_t k = 0; k < point_counts_[i]; ++k) {
+      all.push_back(centreOf(voxels_[i]) + Eigen::Vector3f(x[k], x[k + lanes_], x[k + 2 * lanes_]).cast<double>());
     }
   }
   return all;

@@ -1,5 +1,9 @@
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -38,6 +42,31 @@ bool forEachInformedDirection(const PlanePatch& surface, Inform inform) {
   inform(Eigen::Vector3d::UnitY());
   return true;
 }
+
+constexpr std::size_t kBlock = 1000;  // points at most that are summed in one go; blocks may run beside each other
+
+// Sums over pairs: those of `equations` and what the rest is made of.
+struct PairSums {
+  NormalEquations equations;
+  double w = 0.0;
+  Eigen::Vector3d w_arm = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d w_arm_arm = Eigen::Matrix3d::Zero();
+
+  PairSums operator+(const PairSums& other) const {
+    PairSums sum = *this;
+    sum.w += other.w;
+    sum.w_arm += other.w_arm;
+    sum.w_arm_arm += other.w_arm_arm;
+    NormalEquations& e = sum.equations;
+    e.b += other.equations.b;
+    e.information += other.equations.information;
+    e.information_b += other.equations.information_b;
+    e.information_weight += other.equations.information_weight;
+    e.squared_error += other.equations.squared_error;
+    e.inliers += other.equations.inliers;
+    return sum;
+  }
+};
 
 bool sameBasin(const Pose& a, const Pose& b, const MultiplexIcp::Params& params) {
   return (a.translation() - b.translation()).norm() < params.merge_translation_m &&
@@ -105,54 +134,61 @@ bool MultiplexIcp::stepWithin(const Vector6d& dx, double factor) const {
 
 NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride,
                                         const VoxelMap& map, const Pose& T_odom_cog, double kernel_m) const {
-  NormalEquations equations;
   const Eigen::Matrix3d R = T_odom_cog.linear();
   const Eigen::Vector3d t = T_odom_cog.translation();
   const double kernel2 = kernel_m * kernel_m;
   // residual e = p - (R q + t); moved by -dt - dr x arm, so J = [I, -[arm]x] acts on -e
-  double w_sum = 0.0;
-  Eigen::Vector3d w_arm = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d w_arm_arm = Eigen::Matrix3d::Zero();
-  VoxelMap::PointMatch match;
-  Matrix6d& information = equations.information;
-  equations.has_information = equations.slides = params_.surface_information;
-  for (std::size_t i = 0; i < points_cog.size(); i += stride) {
+  const auto add = [&](std::size_t i, PairSums& sums) {
+    VoxelMap::PointMatch match;
     const Eigen::Vector3d arm = R * points_cog[i].cast<double>();
-    if (!map.findNearest(arm + t, params_.max_distance_m, match)) continue;
+    if (!map.findNearest(arm + t, params_.max_distance_m, match)) return;
     const double e2 = match.distance2_m2;
     const Eigen::Vector3d e = match.offset_m.cast<double>();
     const double w = gemanMcClureWeight(e2, kernel2);
-    w_sum += w;
-    w_arm += w * arm;
-    w_arm_arm.selfadjointView<Eigen::Lower>().rankUpdate(arm, w);
+    NormalEquations& equations = sums.equations;
+    sums.w += w;
+    sums.w_arm += w * arm;
+    sums.w_arm_arm.selfadjointView<Eigen::Lower>().rankUpdate(arm, w);
     equations.b.head<3>() += w * e;
     equations.b.tail<3>() += w * arm.cross(e);
     equations.squared_error += w * e2;
     ++equations.inliers;
-    if (!params_.surface_information) continue;
-    const PlanePatch& surface = map.surface(match.voxel);
+    if (!params_.surface_information) return;
     const auto inform = [&](const Eigen::Vector3d& n) {
       Vector6d J;
       J << n, arm.cross(n);
-      information.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
+      equations.information.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
       equations.information_b += w * n.dot(e) * J;
     };
-    if (forEachInformedDirection(surface, inform)) equations.information_weight += w;
-  }
-  information = information.selfadjointView<Eigen::Lower>();
+    if (forEachInformedDirection(map.surface(match.voxel), inform)) equations.information_weight += w;
+  };
+  // the blocks do not depend on the number of threads, nor does the order in which they are added up
+  using Block = tbb::blocked_range<std::size_t>;
+  const std::size_t used = (points_cog.size() + stride - 1) / stride;
+  const PairSums sums = tbb::parallel_deterministic_reduce(
+      Block(0, used, kBlock), PairSums(),
+      [&](const Block& block, PairSums of_block) {
+        for (std::size_t k = block.begin(); k != block.end(); ++k) add(k * stride, of_block);
+        return of_block;
+      },
+      [](const PairSums& a, const PairSums& b) { return a + b; });
+
+  NormalEquations equations = sums.equations;
+  equations.has_information = equations.slides = params_.surface_information;
+  equations.information = equations.information.selfadjointView<Eigen::Lower>();
   if (equations.information_weight > 0.0) {  // pairs whose surface is not known inform as the others do
-    const double all = w_sum / equations.information_weight;
-    information *= all;
+    const double all = sums.w / equations.information_weight;
+    equations.information *= all;
     equations.information_b *= all;
-    equations.information_weight = w_sum;
+    equations.information_weight = sums.w;
   }
-  w_arm_arm = w_arm_arm.selfadjointView<Eigen::Lower>();
-  equations.H.topLeftCorner<3, 3>().diagonal().setConstant(w_sum);
-  equations.H.topRightCorner<3, 3>() = -skew(w_arm);
-  equations.H.bottomLeftCorner<3, 3>() = skew(w_arm);
+  const Eigen::Matrix3d w_arm_arm = sums.w_arm_arm.selfadjointView<Eigen::Lower>();
+  equations.H.topLeftCorner<3, 3>().diagonal().setConstant(sums.w);
+  equations.H.topRightCorner<3, 3>() = -skew(sums.w_arm);
+  equations.H.bottomLeftCorner<3, 3>() = skew(sums.w_arm);
   equations.H.bottomRightCorner<3, 3>() = w_arm_arm.trace() * Eigen::Matrix3d::Identity() - w_arm_arm;
-  equations.weight = w_sum;
-  equations.weight_unscaled = w_sum;
+  equations.weight = sums.w;
+  equations.weight_unscaled = sums.w;
   return equations;
 }
 
@@ -214,15 +250,16 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     const std::size_t stride = thinningStride(points_cog);
     double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
     for (int iteration = 0; iteration < params_.max_joint_iterations; ++iteration) {
-      bool all_settled = true;
-      for (Descent& descent : descents) {
-        if (descent.settled) continue;
+      tbb::parallel_for(std::size_t{0}, descents.size(), [&](std::size_t i) {
+        Descent& descent = descents[i];
+        if (descent.settled) return;
         NormalEquations equations = linearize(points_cog, stride, map, descent.T, kernel_m);
         const Solution step = solve(equations, weak);
         descent.T = applyStep(descent.T, step.dx);
         descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, 5.0);  // refinement follows
-        all_settled = all_settled && descent.settled;
-      }
+      });
+      const bool all_settled =
+          std::all_of(descents.begin(), descents.end(), [](const Descent& descent) { return descent.settled; });
       for (std::size_t i = 1; i < descents.size();) {
         const auto end = descents.begin() + static_cast<std::ptrdiff_t>(i);
         const auto met = std::find_if(descents.begin(), end,
