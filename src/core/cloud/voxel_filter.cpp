@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "fail_aware_lidar_odometry/core/cloud/scattered_order.hpp"
@@ -9,10 +10,11 @@ namespace fail_aware {
 
 namespace {
 
+constexpr VoxelKey kOutOfRange = ~VoxelKey{0};  // a voxel's has 63 bits
+constexpr std::size_t kAhead = 32;              // slots that are fetched before the first of them is needed
+
 VoxelKey keyOf(const Eigen::Vector3f& p, float inverse_size) {
-  return packVoxel(fastFloor(static_cast<double>(p.x() * inverse_size)),
-                   fastFloor(static_cast<double>(p.y() * inverse_size)),
-                   fastFloor(static_cast<double>(p.z() * inverse_size)));
+  return packVoxel(fastFloor(p.x() * inverse_size), fastFloor(p.y() * inverse_size), fastFloor(p.z() * inverse_size));
 }
 
 }  // namespace
@@ -51,6 +53,13 @@ bool VoxelFilter::insert(VoxelKey key) {
   return true;
 }
 
+void VoxelFilter::keepNew(const std::uint32_t* ahead, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) __builtin_prefetch(&table_[VoxelHash{}(keys_[ahead[k]]) & mask_], 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (insert(keys_[ahead[k]])) kept_.push_back(ahead[k]);
+  }
+}
+
 const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
                                                       double min_range_m, double max_range_m) {
   prepare();
@@ -59,13 +68,25 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
   const auto max2 = static_cast<float>(std::min(max_range_m * max_range_m, kLargest));
   const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
   const auto count = static_cast<std::uint32_t>(points.size());
-  ScatteredOrder order(count);
-  for (std::uint32_t k = 0; k < count; ++k) {
-    const std::uint32_t i = order.next();
+  keys_.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
     const float range2 = points[i].squaredNorm();
-    if (!(range2 >= min2 && range2 <= max2)) continue;  // also refuses NaN
-    if (voxel_size_m > 0.0 && !insert(keyOf(points[i], inverse_size))) continue;
-    kept_.push_back(i);
+    const bool in_range = range2 >= min2 && range2 <= max2;  // false for NaN
+    keys_[i] = !in_range ? kOutOfRange : voxel_size_m > 0.0 ? keyOf(points[i], inverse_size) : 0;
+  }
+  ScatteredOrder order(count);
+  std::array<std::uint32_t, kAhead> ahead;
+  for (std::uint32_t k = 0; k < count;) {
+    std::size_t found = 0;
+    for (; k < count && found < kAhead; ++k) {
+      const std::uint32_t i = order.next();
+      if (keys_[i] != kOutOfRange) ahead[found++] = i;
+    }
+    if (voxel_size_m > 0.0) {
+      keepNew(ahead.data(), found);
+    } else {
+      kept_.insert(kept_.end(), ahead.begin(), ahead.begin() + found);
+    }
   }
   return kept_;
 }
@@ -80,8 +101,10 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
     return kept_;
   }
   const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
-  for (const std::uint32_t i : candidates) {
-    if (insert(keyOf(points[i], inverse_size))) kept_.push_back(i);
+  keys_.resize(points.size());
+  for (const std::uint32_t i : candidates) keys_[i] = keyOf(points[i], inverse_size);
+  for (std::size_t k = 0; k < candidates.size(); k += kAhead) {
+    keepNew(candidates.data() + k, std::min(kAhead, candidates.size() - k));
   }
   return kept_;
 }

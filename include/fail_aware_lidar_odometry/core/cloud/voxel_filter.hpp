@@ -33,11 +33,14 @@ class VoxelFilter {
   void resize(std::size_t slots);
   Slot* find(VoxelKey key);  ///< where the key is or belongs
   bool insert(VoxelKey key);
+  /// Keeps of `ahead`, indices into keys_, those whose key is new.
+  void keepNew(const std::uint32_t* ahead, std::size_t count);
 
   std::vector<Slot> table_;  ///< at most half full; no larger, so that it stays in the cache
   std::size_t filled_ = 0;
   std::size_t mask_ = 0;
   std::uint32_t generation_ = 0;
+  std::vector<VoxelKey> keys_;  ///< of the points
   std::vector<std::uint32_t> kept_;
 };
 

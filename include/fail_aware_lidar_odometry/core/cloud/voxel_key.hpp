@@ -15,6 +15,11 @@ inline std::int32_t fastFloor(double v) {
   return i - (static_cast<double>(i) > v ? 1 : 0);
 }
 
+inline std::int32_t fastFloor(float v) {
+  const auto i = static_cast<std::int32_t>(v);
+  return i - (static_cast<float>(i) > v ? 1 : 0);
+}
+
 /// 21 bits an axis: +-1,048,575 voxels, 500 km at 0.5 m; beyond that keys wrap.
 inline VoxelKey packVoxel(std::int32_t x, std::int32_t y, std::int32_t z) {
   constexpr std::uint64_t mask = (1u << 21) - 1;
