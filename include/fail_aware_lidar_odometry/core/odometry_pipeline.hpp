@@ -3,8 +3,9 @@
 //
 //   predict -> correct the sweep -> three measurements -> fuse, correct the filter -> place the reference -> monitor
 //
-// Deterministic: the same sweeps give the same bits for any number of threads (threads only run whole measurements
-// beside each other). Failure is data: SweepResult says what a sweep gave; every sweep whose stamp advances has a pose.
+// Deterministic: the same sweeps give the same bits for any number of threads (what runs beside each other, and in which
+// order it is added up, does not depend on it). Failure is data: SweepResult says what a sweep gave; every sweep whose
+// stamp advances has a pose.
 #pragma once
 
 #include <memory>

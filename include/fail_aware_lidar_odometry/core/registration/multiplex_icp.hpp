@@ -11,7 +11,8 @@
 // all directions as these do together. Directions that no surface stands across (along a tunnel) are left at the
 // prediction, and R says so.
 //
-// Cost: (seeds alive) * points * iterations nearest-point queries.
+// Cost: (seeds alive) * points * iterations nearest-point queries, on the threads of the TBB arena of the caller; the
+// same bits for any number of them.
 #pragma once
 
 #include <Eigen/Core>
