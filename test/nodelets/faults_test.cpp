@@ -100,7 +100,7 @@ TEST_P(FaultsOfAStage, AbsentKilledAndBackEachIsToldInTheNextSweep) {
     // back: a reference has to be there before the first measurement
     bool recovered = false;
     for (int i = 0; i < 5 && !recovered; ++i) {
-      recovered = (drive() & stage.reasons & ~Reason::REASON_MISSING_CORNERS) == 0;
+      recovered = (drive() & stage.reasons & ~static_cast<std::uint32_t>(Reason::REASON_MISSING_CORNERS)) == 0;
     }
     EXPECT_TRUE(recovered) << "round " << round;
     EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);

@@ -12,7 +12,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kExternalSigmas = 3.0;
+constexpr double kDisagreementSigmas = 3.0;
 constexpr double kLargestCoordinate = 1e9;  // m; beyond this a pose is garbage
 constexpr double kLargestVariance = 1e12;   // m^2, rad^2; "not observed" needs no more
 constexpr double kSmallestVariance = 1e-14;
@@ -170,6 +170,7 @@ struct Distance {
   std::size_t one, other;  ///< inputs
   double distance_m;       ///< horizontal
   bool abstains;           ///< one of them is external and its covariance bears the other out
+  bool expected;           ///< both know where they are, and their covariances say no better
 };
 
 bool isOutvoted(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
@@ -196,7 +197,9 @@ void judgeDisagreement(const std::vector<Distance>& distances, double agreement_
     const auto outvoted = [&](std::size_t input) {
       return isOutvoted(input, distances, result->weights, agreement_distance_m);
     };
-    if (!outvoted(d.one) && !outvoted(d.other)) result->undecided_m = std::max(result->undecided_m, d.distance_m);
+    if (!d.expected && !outvoted(d.one) && !outvoted(d.other)) {
+      result->undecided_m = std::max(result->undecided_m, d.distance_m);
+    }
   }
   result->confirmed = any_agree && result->undecided_m < agreement_distance_m;
 }
@@ -245,8 +248,11 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
       const Vector6d apart = stateDifference(c.z, candidates[j].z);
       const bool external = inputs[c.input].external || inputs[candidates[j].input].external;
       const Eigen::Matrix2d R_xy = c.R.topLeftCorner<2, 2>() + candidates[j].R.topLeftCorner<2, 2>();
-      const bool abstains = external && mahalanobis2d(apart.head<2>(), R_xy) <= kExternalSigmas;
-      distances.push_back({c.input, candidates[j].input, apart.head<2>().norm(), abstains});
+      const bool borne_out = mahalanobis2d(apart.head<2>(), R_xy) <= kDisagreementSigmas;
+      const bool known = R_xy.trace() <= params_.agreement_distance_m * params_.agreement_distance_m;
+      const double distance_m = apart.head<2>().norm();
+      const bool abstains = external && borne_out;
+      distances.push_back({c.input, candidates[j].input, distance_m, abstains, borne_out && known});
       if (!abstains) result.disagreement_yaw_rad = std::max(result.disagreement_yaw_rad, std::abs(apart[5]));
     }
   }

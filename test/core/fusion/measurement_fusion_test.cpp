@@ -126,7 +126,7 @@ TEST(MeasurementFusion, AnOutvotedMeasurementDecidesNothing) {
   FusionResult r = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
   EXPECT_EQ(r.weights[2], 0.0);
   EXPECT_NEAR(r.disagreement_m, 1.0, 1e-3);
-  EXPECT_NEAR(r.undecided_m, std::hypot(0.02, 0.01), 1e-12);
+  EXPECT_EQ(r.undecided_m, 0.0);
   m.erase(m.begin() + 1);
   r = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
   EXPECT_EQ(r.weights[1], 0.0);
@@ -145,11 +145,28 @@ TEST(MeasurementFusion, TwoInsideTheGateDoNotOutvoteTwoOutsideThatAgree) {
   const FusionResult alone_each =
       defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.02), at(1.0), at(-1.0)}));
   EXPECT_NEAR(alone_each.disagreement_m, 2.0, 1e-12);
-  EXPECT_NEAR(alone_each.undecided_m, 0.02, 1e-12) << "two against one, twice";
+  EXPECT_EQ(alone_each.undecided_m, 0.0) << "two against one, twice";
   EXPECT_TRUE(alone_each.confirmed);
   const FusionResult three =
       defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.02), at(1.0), at(0.03), at(1.1)}));
-  EXPECT_NEAR(three.undecided_m, 0.03, 1e-12) << "three against two";
+  EXPECT_EQ(three.undecided_m, 0.0) << "three against two";
+}
+
+TEST(MeasurementFusion, ADistanceThatTheCovariancesExpectDecidesNothing) {
+  const Matrix6d P = diagonal(0.04, 0.1, 0.1), R = diagonal(1e-4, 0.1, 0.1);
+  const auto undecidedWith = [&](double sigma_m) {
+    const std::vector<Measurement> m = {
+        measurementAt(vector6(0.01, 0, 0, 0, 0, 0), R), measurementAt(vector6(-0.01, 0, 0, 0, 0, 0), R),
+        measurementAt(vector6(0.0, 0.25, 0, 0, 0, 0), diagonal(sigma_m * sigma_m, 0.1, 0.1))};
+    const FusionResult r = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
+    EXPECT_GT(r.weights[2], 0.0);
+    EXPECT_NEAR(r.disagreement_m, std::hypot(0.25, 0.01), 1e-12) << "is told all the same";
+    EXPECT_EQ(r.confirmed, r.undecided_m < 0.2);
+    return r.undecided_m;
+  };
+  EXPECT_EQ(undecidedWith(0.1), 0.0);
+  EXPECT_NEAR(undecidedWith(0.05), std::hypot(0.25, 0.01), 1e-12) << "five sigma are no chance";
+  EXPECT_NEAR(undecidedWith(0.3), std::hypot(0.25, 0.01), 1e-12) << "what knows next to nothing bears nobody out";
 }
 
 TEST(MeasurementFusion, TheGatesEdge) {

@@ -7,7 +7,8 @@
 //   - the slow drift of the map itself, which goes with the distance driven, not with the number of sweeps (a standing
 //     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
-//     Unknown and constant; they make the error grow with distance squared and distance.
+//     Unknown and constant; they make the error grow with distance squared and distance. Each head has its own (0.1 to
+//     0.5 m per km of scale in ten simulated ones), so that one head's errors are alike on all its drives.
 //   - the error of a speed that is not observed: how large and how lasting it is says filter/coasting.hpp; here, how
 //     much of it goes into an increment
 //
@@ -28,8 +29,8 @@ class DriftModel {
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.025;
     double heading_per_root_metre_deg = 0.0003;
-    double heading_bias_deg_per_m = 0.000005;  ///< standard deviation of the constant
-    double scale_bias = 0.00005;               ///< likewise: metres per metre
+    double heading_bias_deg_per_m = 0.00003;  ///< standard deviation of the constant
+    double scale_bias = 0.0002;               ///< likewise: metres per metre
     double passing_share = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
     double passing_rotation_share = 0.02;  ///< likewise rotation
 

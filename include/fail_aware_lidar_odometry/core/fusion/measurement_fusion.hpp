@@ -14,6 +14,8 @@
 //
 // Disagreement. One that is gated out is outvoted, and its disagreement decides nothing, if more of those that are used
 // speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
+// Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are: their
+// sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
 // An external one abstains as long as its covariance bears the other out (FusionInput::external).
 //
 // Failure: `has_measurement` false (nothing usable, all gated out, prediction unusable); z, R are then the prediction.
@@ -46,7 +48,7 @@ struct FusionResult {
   bool prediction_invalid = false;    ///< predicted state or covariance not usable
   double disagreement_m = 0.0;        ///< largest horizontal distance between two usable measurements
   double disagreement_yaw_rad = 0.0;
-  double undecided_m = 0.0;  ///< the same between those that are not outvoted
+  double undecided_m = 0.0;  ///< the same, where it is unexpected, between those that are not outvoted
   bool confirmed = false;    ///< some two are within agreement_distance_m, and so is undecided_m
   int valid_inputs = 0;
   int invalid_inputs = 0;  ///< said ok, but unusable
