@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -18,6 +17,7 @@
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
 
+#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
@@ -89,12 +89,6 @@ class PclScanToScan {
 
 double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-double quantile(std::vector<double> values, double share) {
-  const auto index = static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index), values.end());
-  return values[index];
 }
 
 Json statistics(const std::vector<double>& ms) {
