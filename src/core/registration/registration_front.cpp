@@ -15,6 +15,7 @@ constexpr double kFineStep = 0.25;          // of the search for the first motio
 constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
+constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
 
 }  // namespace
 
@@ -59,6 +60,8 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
     }
     return true;
   }
+  // a search that failed would fail for good: this sweep is the first one now
+  if (secondsBetween(first_cloud_.stamp_s, prediction.stamp_s) > kMaxSearchTime_s) reference_.clear();
   if (map().empty()) {
     initialization_.setFirst(sweep, T_cog_lidar);
   } else {

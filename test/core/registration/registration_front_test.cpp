@@ -237,6 +237,22 @@ TEST(RegistrationFront, aLostSecondSweepDoesNotShiftTheThird) {
   EXPECT_LT(meanDistance(front.map().points(), drive.scene), kStraight_m);
 }
 
+TEST(RegistrationFront, aSearchThatCameToNothingBeginsAnewWithALaterSweep) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  const SweepPrediction later = predictionOf(1.5, 1.5, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(1.5, 2), later, drive.T_cog_lidar));
+  EXPECT_TRUE(front.map().empty());
+  front.place(stateOf(later, Pose::Identity(), false));
+  EXPECT_FALSE(front.map().empty());
+  const SweepPrediction next = predictionOf(1.6, 0.1, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(1.6, 3), next, drive.T_cog_lidar));
+  const Pose T_1500_1600 = drive.pose(1.5).inverse() * drive.pose(1.6);
+  EXPECT_LT(translationError(front.T_odom_cog_start(), T_1500_1600), 0.15);
+  EXPECT_LT(rotationErrorDeg(front.T_odom_cog_start(), T_1500_1600), 0.5);
+}
+
 TEST(RegistrationFront, whereNoMotionIsFoundItStartsAtThePrediction) {
   RegistrationFront front = makeFront(true);
   SyntheticDrive drive = curve();

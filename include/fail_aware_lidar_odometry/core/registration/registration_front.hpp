@@ -10,7 +10,7 @@
 // Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
 // measured.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
-// (motion_initialization.hpp) and sweep 0 is corrected for it afterwards.
+// (motion_initialization.hpp) and sweep 0 is corrected for it afterwards; a second later, another sweep is sweep 0.
 #pragma once
 
 #include <vector>

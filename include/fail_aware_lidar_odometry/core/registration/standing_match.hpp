@@ -34,7 +34,7 @@ class StandingMatch {
  public:
   struct Params {
     bool enabled = true;
-    double max_information_share = 0.03;  ///< of the weakest horizontal direction among the planes
+    double max_information_share = 0.12;  ///< of the weakest horizontal direction among the planes
     double max_standing_share = 0.1;      ///< of the points
     double surface_sigma_m = 0.3;         ///< of what surfaces tell there of the horizontal position
     double surface_sigma_deg = 0.3;       ///< and of the heading
