@@ -99,7 +99,7 @@ class CovariancePredictor {
     double alert_limit_m = 0.6;
     double confidence = 0.99;         ///< that what works now does not fail before the published time
     double alarm_confidence = 0.9;    ///< of the time that the state acts on: a lower one gives fewer false alarms
-    double degrees_of_freedom = 6.0;  ///< of the error's distribution; 0: Gaussian
+    double degrees_of_freedom = 8.0;  ///< of the error's distribution; 0: Gaussian
     double horizon_s = 60.0;
     double step_s = 0.25;
     double rate_scale = 1.0;  ///< on the growth of the covariance
