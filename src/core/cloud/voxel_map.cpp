@@ -11,7 +11,7 @@ namespace fail_aware {
 namespace {
 
 constexpr float kNowhere = 1e18f;  // a coordinate of what is no point, m; its distance is finite and beyond any limit
-constexpr double kUpright = 0.8;  // cosine of a post's tilt; a single scan line, thin too, lies flatter
+constexpr double kUpright = 0.8;   // cosine of a post's tilt; a single scan line, thin too, lies flatter
 
 /// False for what is not finite or has no voxel: |v| >= 1e9.
 bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e18; }
