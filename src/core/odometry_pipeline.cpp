@@ -7,7 +7,6 @@
 #include <chrono>
 
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
-#include "fail_aware_lidar_odometry/core/make_front.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
@@ -77,7 +76,7 @@ struct OdometryPipeline::Stages {
         corrector(p.sensor.vertical_angle, p.sensor.timing, p.profile.sweep_correction, p.profile.level_keeping),
         filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
                p.profile.road, p.profile.fusion),
-        front(makeFront(p.profile.registration)),
+        front(p.profile.registration),
         multiplex(p.profile.registration.point),
         normal_filtered(p.profile.registration.plane),
         corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/validate_nested.hpp"
 
 namespace fail_aware {
 
@@ -16,29 +15,6 @@ void requireFinite(const char* name, const std::vector<double>& values, std::siz
   if (values.size() == count && finite) return;
   throw ParameterError(std::string(name) + ": must be " + std::to_string(count) + " finite numbers, has " +
                        std::to_string(values.size()));
-}
-
-// The structs name their fields without a prefix; here the message gets it. Innermost first: a struct that checks its
-// nested structs without naming them finds nothing wrong with them any more.
-template <class Params>
-void validateAs(const std::string& prefix, const Params& params) {
-  Params::visit(params, [&](const char* name, const auto& field) {
-    using Field = std::decay_t<decltype(field)>;
-    if constexpr (!detail::is_parameter_value<Field>) validateAs(prefix + name + '.', field);
-  });
-  try {
-    params.validate();
-  } catch (const ParameterError& error) {
-    throw ParameterError(prefix + error.what());
-  }
-}
-
-template <class Params>
-void validateNested(const Params& params) {
-  Params::visit(params, [](const char* name, const auto& field) {
-    using Field = std::decay_t<decltype(field)>;
-    if constexpr (!detail::is_parameter_value<Field>) validateAs(std::string(name) + '.', field);
-  });
 }
 
 }  // namespace
@@ -59,12 +35,6 @@ Pose VehicleFileParameters::T_base_cog() const {
   Pose T = Pose::Identity();
   T.translation() = Eigen::Vector3d(cog_in_base.data());
   return T;
-}
-
-void RegistrationParameters::validate() const {
-  requireParameter(use_point || use_plane, "use_point", use_point,
-                   "true, or use_plane be true (corners alone cannot find the first motion)");
-  validateNested(*this);
 }
 
 void ProfileParameters::validate() const { validateNested(*this); }

@@ -3,7 +3,6 @@
 #include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
-#include "fail_aware_lidar_odometry/core/make_front.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"
@@ -22,7 +21,7 @@ class IcpPointToPlaneAlgorithm {
   IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : local_map_(node.advertise<sensor_msgs::PointCloud2>(topics::kLocalMap, 1)),
         used_(params.profile.registration.use_plane),
-        front_(makeFront(params.profile.registration)),
+        front_(params.profile.registration),
         tuning_{params.profile.registration.plane},
         icp_(tuning_.icp) {}
 

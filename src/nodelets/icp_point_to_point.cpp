@@ -3,7 +3,6 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/make_front.hpp"
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
@@ -21,7 +20,7 @@ class IcpPointToPointAlgorithm {
   IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
         used_(params.profile.registration.use_point),
-        front_(makeFront(params.profile.registration)),
+        front_(params.profile.registration),
         tuning_{params.profile.registration.point},
         icp_(tuning_.icp) {}
 

@@ -30,7 +30,7 @@ void VoxelMap::Params::validate() const {
 
 VoxelMap::VoxelMap(const Params& params) : params_(params), inverse_size_(1.0 / params.voxel_size_m) {
   params_.validate();
-  lanes_ = (static_cast<std::size_t>(params_.max_points) + kLane - 1) / kLane * kLane;
+  slots_ = (static_cast<std::size_t>(params_.max_points) + kLane - 1) / kLane * kLane;
 }
 
 std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z) {
@@ -43,7 +43,7 @@ std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z
     voxel.y = y;
     voxel.z = z;
     voxels_.push_back(voxel);
-    points_.resize(points_.size() + 3 * lanes_, kNowhere);
+    points_.resize(points_.size() + 3 * slots_, kNowhere);
     point_counts_.push_back(0);
   }
   return it->second;
@@ -80,8 +80,8 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
     }
     const std::size_t count = point_counts_[i];
     if (count < max_points) {
-      float* const xs = &points_[i * 3 * lanes_];
-      float *const ys = xs + lanes_, *const zs = ys + lanes_;
+      float* const xs = &points_[i * 3 * slots_];
+      float *const ys = xs + slots_, *const zs = ys + slots_;
       bool spaced = true;
       for (std::size_t k = 0; k < count && spaced; ++k) {
         spaced = (Eigen::Vector3f(xs[k], ys[k], zs[k]) - local).squaredNorm() >= spacing2;
@@ -141,14 +141,14 @@ void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position
     if (kept != i) {
       voxels_[kept] = voxels_[i];
       point_counts_[kept] = point_counts_[i];
-      std::copy_n(points_.begin() + static_cast<std::ptrdiff_t>(i * 3 * lanes_), 3 * lanes_,
-                  points_.begin() + static_cast<std::ptrdiff_t>(kept * 3 * lanes_));
+      std::copy_n(points_.begin() + static_cast<std::ptrdiff_t>(i * 3 * slots_), 3 * slots_,
+                  points_.begin() + static_cast<std::ptrdiff_t>(kept * 3 * slots_));
     }
     ++kept;
   }
   if (kept == voxels_.size()) return;
   voxels_.resize(kept);
-  points_.resize(kept * 3 * lanes_);
+  points_.resize(kept * 3 * slots_);
   point_counts_.resize(kept);
   index_.clear();
   for (std::size_t i = 0; i < kept; ++i) index_.emplace(voxels_[i].key, static_cast<std::uint32_t>(i));
@@ -220,8 +220,8 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
     const auto it = index_.find(packVoxel(vx, vy, vz));
     if (it == index_.end()) continue;
     const Eigen::Vector3f local = (query_odom - centreOf(vx, vy, vz)).cast<float>();
-    const float* const x = &points_[it->second * 3 * lanes_];
-    const float *const y = x + lanes_, *const z = y + lanes_;
+    const float* const x = &points_[it->second * 3 * slots_];
+    const float *const y = x + slots_, *const z = y + slots_;
     const std::size_t count = point_counts_[it->second];
     for (std::size_t k = 0; k < count; k += kLane) {
       const Lane dx = lane(x + k) - local.x(), dy = lane(y + k) - local.y(), dz = lane(z + k) - local.z();
@@ -241,9 +241,9 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
 std::vector<Eigen::Vector3d> VoxelMap::points() const {
   std::vector<Eigen::Vector3d> all;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
-    const float* const x = &points_[i * 3 * lanes_];
+    const float* const x = &points_[i * 3 * slots_];
     for (std::size_t k = 0; k < point_counts_[i]; ++k) {
-      all.push_back(centreOf(voxels_[i]) + Eigen::Vector3f(x[k], x[k + lanes_], x[k + 2 * lanes_]).cast<double>());
+      all.push_back(centreOf(voxels_[i]) + Eigen::Vector3f(x[k], x[k + slots_], x[k + 2 * slots_]).cast<double>());
     }
   }
   return all;

@@ -10,7 +10,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
-#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
+#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 
 namespace fail_aware {
 
@@ -70,11 +70,11 @@ class PlanePairs {
   PlanePairs(const NormalFilteredIcp::Params& params, const Pose& T_odom_cog_predicted, double sigma_yaw_rad)
       : params_(params), filter_(params, rpyFromRotation(T_odom_cog_predicted.linear()).z(), sigma_yaw_rad) {}
 
-  /// take(pair, i) for each point i that has one. positionOf(R q, i): where the point is, relative to the vehicle's
-  /// position, in odom's axes.
+  /// take(pair, i) for each point i that has one, of every stride-th. positionOf(R q, i): where the point is, relative
+  /// to the vehicle's position, in odom's axes.
   template <class PositionOf, class Take>
   void forEach(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map, const Pose& T_odom_cog,
-               double kernel_m, const PositionOf& positionOf, const Take& take) const {
+               double kernel_m, const PositionOf& positionOf, const Take& take, std::size_t stride = 1) const {
     const double point_variance = params_.point_sigma_m * params_.point_sigma_m;
     const auto max_distance_m = static_cast<float>(params_.max_distance_m);
     const double kernel2 = kernel_m * kernel_m;
@@ -82,7 +82,7 @@ class PlanePairs {
     const Eigen::Vector3d t = T_odom_cog.translation();
     VoxelMap::PlaneMatch match;
     PlanePair pair;
-    for (std::size_t i = 0; i < points_cog.size(); ++i) {
+    for (std::size_t i = 0; i < points_cog.size(); i += stride) {
       const Eigen::Vector3f& q = points_cog[i];
       const Eigen::Vector3d arm = positionOf(Eigen::Vector3d(R * q.cast<double>()), i);
       pair.position = arm + t;

@@ -19,26 +19,26 @@ void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>
   for (const std::uint32_t i : indices) out_times.push_back(times[i]);
 }
 
+double middleOf(const std::vector<float>& times_s) {
+  if (times_s.empty()) return 0.0;
+  const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
+  return 0.5 * (static_cast<double>(*first) + static_cast<double>(*last));
+}
+
 }  // namespace
 
-void RegistrationCloud::recorrect(const Vector6d& delta_twist_cog, double middle_s) {
+void RegistrationCloud::recorrect(const Vector6d& delta_twist_cog, double still_s) {
   if (map_times_s.empty()) return;
   const SweepCorrection correction;
-  std::vector<float> since_middle_s;
+  std::vector<float> since_still_s;
   const auto move = [&](std::vector<Eigen::Vector3f>& points_cog, const std::vector<float>& times_s) {
-    since_middle_s = times_s;
-    for (float& time_s : since_middle_s) time_s -= static_cast<float>(middle_s);
-    correction.recorrect(points_cog, since_middle_s, delta_twist_cog);
+    since_still_s = times_s;
+    for (float& time_s : since_still_s) time_s -= static_cast<float>(still_s);
+    correction.recorrect(points_cog, since_still_s, delta_twist_cog);
   };
   move(map_points_cog, map_times_s);
   move(plane_points_cog, plane_times_s);
   move(point_points_cog, point_times_s);
-}
-
-double RegistrationCloud::middle_s() const {
-  if (map_times_s.empty()) return 0.0;
-  const auto [first, last] = std::minmax_element(map_times_s.begin(), map_times_s.end());
-  return 0.5 * (static_cast<double>(*first) + static_cast<double>(*last));
 }
 
 void RegistrationCloudBuilder::Params::validate() const {
@@ -57,6 +57,7 @@ void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_
   cloud.stamp_s = sweep.stamp_s;
   of_sweep_ = filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m);
   gather(sweep.points_lidar, sweep.times_s, of_sweep_, cloud.map_points_cog, cloud.map_times_s);
+  cloud.middle_s = middleOf(cloud.map_times_s);
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
   const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
   for (Eigen::Vector3f& p : cloud.map_points_cog) p = (R * p + t).eval();

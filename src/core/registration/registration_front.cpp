@@ -19,20 +19,15 @@ constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is
 
 }  // namespace
 
-RegistrationFront::RegistrationFront(const RegistrationCloudBuilder::Params& cloud,
-                                     const ReferenceMap::Params& reference,
-                                     const MotionInitialization::Params& initialization,
-                                     const RoadRelief::Params& relief, const Relocalization& relocalization,
-                                     const TurnSearch& turn_search, const StandingMatch& standing,
-                                     bool refine_correction)
-    : builder_(cloud),
-      reference_(reference),
-      relocalization_(relocalization),
-      initialization_(initialization),
-      relief_(relief),
-      turn_search_(turn_search),
-      standing_(standing),
-      refine_correction_(refine_correction) {}
+RegistrationFront::RegistrationFront(const RegistrationParameters& params)
+    : builder_(params.cloud),
+      reference_(params.reference),
+      relocalization_(params.relocalization, params.point),
+      initialization_(params.initialization),
+      relief_(params.relief),
+      turn_search_(params.turn_search, params.plane),
+      standing_(params.standing, params.plane),
+      refine_correction_(params.refine_correction) {}
 
 bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                 const Pose& T_cog_lidar) {
@@ -199,7 +194,7 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
 }
 
 void RegistrationFront::findTurn(double sigma_yaw_rad) {
-  const double middle_s = cloud_.middle_s();
+  const double middle_s = cloud_.middle_s;
   const std::optional<Eigen::Vector3d> rate_rad_s = turn_search_.find(
       cloud_.plane_points_cog, cloud_.plane_times_s, middle_s, map(), T_odom_cog_start_, sigma_yaw_rad);
   if (!rate_rad_s) return;
@@ -267,7 +262,7 @@ void RegistrationFront::place(const FilterState& state) {
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
   if (refine_correction_ && between_measured && state.dt_s > 0.0) {
-    recorrectFor(logSe3(state.T_previous_now) / state.dt_s, cloud_.middle_s());
+    recorrectFor(logSe3(state.T_previous_now) / state.dt_s, cloud_.middle_s);
   }
   // a prediction's error would be in the map for good, and the sweeps after it register to it
   unplaced_sweeps_ = state.corrected || map().empty() ? 0 : unplaced_sweeps_ + 1;

@@ -6,7 +6,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
+#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 #include "plane_pairs.hpp"
 
@@ -73,13 +73,12 @@ StandingMatch::StandingMatch(const Params& params, const NormalFilteredIcp::Para
 double StandingMatch::shareOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                     const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   const std::size_t stride = 1 + points_cog.size() / kLookedAt;
-  std::vector<Eigen::Vector3f> looked_at;
-  for (std::size_t i = 0; i < points_cog.size(); i += stride) looked_at.push_back(points_cog[i]);
   const PlanePairs pairs(planes_, T_odom_cog_predicted, sigma_yaw_rad);
   NormalEquations equations;
   const auto positionOf = [](const Eigen::Vector3d& arm, std::size_t) { return arm; };
-  pairs.forEach(looked_at, map, T_odom_cog_predicted, planes_.initial_kernel_m, positionOf,
-                [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
+  pairs.forEach(
+      points_cog, map, T_odom_cog_predicted, planes_.initial_kernel_m, positionOf,
+      [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); }, stride);
   equations.H = equations.H.selfadjointView<Eigen::Lower>();
   return solveObserved(equations, planes_.observability).min_horizontal_share;
 }

@@ -4,7 +4,7 @@
 #include <unordered_map>
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
-#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
+#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 
 namespace fail_aware {
 

@@ -8,7 +8,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/robust_kernel.hpp"
+#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {

@@ -155,7 +155,7 @@ TEST(RegistrationCloud, recorrectLeavesTheMiddleWhereItIs) {
   }
   RegistrationCloud before;
   RegistrationCloudBuilder(testParams()).build(sweep, Pose::Identity(), before);
-  EXPECT_NEAR(before.middle_s(), -0.05, 1e-3);
+  EXPECT_NEAR(before.middle_s, -0.05, 1e-3);
   RegistrationCloud after = before;
   Vector6d twist_cog = Vector6d::Zero();
   twist_cog[0] = 12.0;
@@ -165,7 +165,7 @@ TEST(RegistrationCloud, recorrectLeavesTheMiddleWhereItIs) {
     const double moved_m = static_cast<double>(after.map_points_cog[i].x() - before.map_points_cog[i].x());
     EXPECT_NEAR(moved_m, 12.0 * (static_cast<double>(before.map_times_s[i]) + 0.05), 2e-4);
   }
-  EXPECT_EQ(RegistrationCloud().middle_s(), 0.0);
+  EXPECT_EQ(RegistrationCloud().middle_s, 0.0);
 }
 
 TEST(RegistrationCloud, withoutTimesRecorrectChangesNothing) {

@@ -20,22 +20,16 @@ constexpr double kStraight_m = 0.012, kBent_m = 0.035;
 
 RegistrationFront makeFront(bool refine_correction, int min_points = 500, bool search_turn = true,
                             bool match_standing = true) {
-  TurnSearch::Params turn_search;
-  turn_search.enabled = search_turn;
-  StandingMatch::Params standing;
-  standing.enabled = match_standing;
-  RegistrationCloudBuilder::Params cloud;
-  cloud.min_range_m = 3.0;
-  cloud.max_range_m = 60.0;
-  cloud.min_points = min_points;
-  ReferenceMap::Params reference;
-  reference.sweeps = 0;
-  MotionInitialization::Params initialization;
-  initialization.max_range_m = 40.0;
-  return RegistrationFront(cloud, reference, initialization, RoadRelief::Params(),
-                           Relocalization(Relocalization::Params(), MultiplexIcp::Params()),
-                           TurnSearch(turn_search, NormalFilteredIcp::Params()),
-                           StandingMatch(standing, NormalFilteredIcp::Params()), refine_correction);
+  RegistrationParameters params;
+  params.refine_correction = refine_correction;
+  params.turn_search.enabled = search_turn;
+  params.standing.enabled = match_standing;
+  params.cloud.min_range_m = 3.0;
+  params.cloud.max_range_m = 60.0;
+  params.cloud.min_points = min_points;
+  params.reference.sweeps = 0;
+  params.initialization.max_range_m = 40.0;
+  return RegistrationFront(params);
 }
 
 SyntheticDrive curve() {

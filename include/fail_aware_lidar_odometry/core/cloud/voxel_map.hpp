@@ -122,8 +122,8 @@ class VoxelMap {
   tsl::robin_map<VoxelKey, std::uint32_t, VoxelHash> index_;
   std::vector<Voxel> voxels_;
   static constexpr std::size_t kLane = 4;   ///< points whose distances are computed at once
-  std::size_t lanes_;                       ///< max_points, rounded up to whole lanes
-  std::vector<float> points_;               ///< 3 lanes_ a voxel, in the order of voxels_: all x, all y, all z
+  std::size_t slots_;                       ///< max_points, rounded up to whole lanes
+  std::vector<float> points_;               ///< 3 slots_ a voxel, in the order of voxels_: all x, all y, all z
   std::vector<std::uint8_t> point_counts_;  ///< of these in use; apart from voxels_, so that queries stay in the cache
   std::vector<std::uint32_t> touched_;
 };

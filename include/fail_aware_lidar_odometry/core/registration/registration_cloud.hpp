@@ -16,6 +16,7 @@ namespace fail_aware {
 
 struct RegistrationCloud {
   double stamp_s = 0.0;
+  double middle_s = 0.0;  ///< of the points' times, relative to the stamp; 0: no timing
   std::vector<Eigen::Vector3f> map_points_cog;
   std::vector<float> map_times_s;  ///< relative to the stamp; empty: no timing
   std::vector<Eigen::Vector3f> plane_points_cog;
@@ -24,10 +25,8 @@ struct RegistrationCloud {
   std::vector<float> point_times_s;
 
   /// Moves all points for a refined motion: delta_twist_cog (m/s, rad/s) is what the correction had missed.
-  /// What was measured at middle_s (relative to the stamp) stays where it is.
-  void recorrect(const Vector6d& delta_twist_cog, double middle_s = 0.0);
-  /// Of the points' times; 0 if there are none.
-  double middle_s() const;
+  /// What was measured at still_s (relative to the stamp) stays where it is.
+  void recorrect(const Vector6d& delta_twist_cog, double still_s = 0.0);
 };
 
 class RegistrationCloudBuilder {

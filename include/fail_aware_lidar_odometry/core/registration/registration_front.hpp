@@ -13,29 +13,19 @@
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards; a second later, another sweep is sweep 0.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
-#include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
-#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
-#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
-#include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
-#include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
-#include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
-#include "fail_aware_lidar_odometry/core/registration/standing_match.hpp"
-#include "fail_aware_lidar_odometry/core/registration/turn_search.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
 
 namespace fail_aware {
 
 class RegistrationFront {
  public:
-  RegistrationFront(const RegistrationCloudBuilder::Params& cloud, const ReferenceMap::Params& reference,
-                    const MotionInitialization::Params& initialization, const RoadRelief::Params& relief,
-                    const Relocalization& relocalization, const TurnSearch& turn_search, const StandingMatch& standing,
-                    bool refine_correction);
+  explicit RegistrationFront(const RegistrationParameters& params);
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
