@@ -12,6 +12,7 @@
 #include "fail_aware_lidar_odometry/core/evaluation/relative_step_error.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "json.hpp"
@@ -25,7 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "evaluate_trajectory";
-constexpr double kDegrees = 180.0 / M_PI;
 
 struct Options {
   std::string ground_truth, estimate, calib, times, output;
@@ -102,7 +102,7 @@ void addAbsoluteError(Json& json, const std::string& prefix, const AbsoluteTraje
   json[prefix + "_rmse_m"] = error.rmse_m;
   json[prefix + "_mean_m"] = error.mean_m;
   json[prefix + "_max_m"] = error.max_m;
-  json[prefix + "_yaw_rmse_deg"] = error.yaw_rmse_rad * kDegrees;
+  json[prefix + "_yaw_rmse_deg"] = error.yaw_rmse_rad / kDegree;
 }
 
 /// Turns summed up with their sign, left positive: two rounds of a block are 720.
@@ -111,7 +111,7 @@ double headingChange(const std::vector<Pose>& poses) {
   for (std::size_t i = 1; i < poses.size(); ++i) {
     heading_rad += rpyFromRotation(poses[i - 1].linear().transpose() * poses[i].linear()).z();
   }
-  return heading_rad * kDegrees;
+  return heading_rad / kDegree;
 }
 
 Json episodesJson(const Trajectories& in, const FailureEpisode::Params& params) {
@@ -156,7 +156,7 @@ Json evaluate(const Trajectories& in, const Options& options, const AbsoluteTraj
   addAbsoluteError(json, "ate", ate);
   addAbsoluteError(json, "ate_aligned", ate_aligned);
   json["step_translation_rmse_m"] = step_error.translation_rmse_m;
-  json["step_rotation_rmse_deg"] = step_error.rotation_rmse_rad * kDegrees;
+  json["step_rotation_rmse_deg"] = step_error.rotation_rmse_rad / kDegree;
   json["episodes"] = episodesJson(in, options.episodes);
   return json;
 }

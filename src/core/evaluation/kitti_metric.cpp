@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -11,12 +12,10 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kDegrees = 180.0 / M_PI;
-
 KittiMetric::Average average(double length_m, std::size_t segments, double t_err_sum, double r_err_sum) {
   if (segments == 0) return {length_m, 0, 0.0, 0.0};
   const double count = static_cast<double>(segments);
-  return {length_m, segments, 100.0 * t_err_sum / count, kDegrees * r_err_sum / count};
+  return {length_m, segments, 100.0 * t_err_sum / count, r_err_sum / count / kDegree};
 }
 
 }  // namespace

@@ -8,13 +8,13 @@
 #include "fail_aware_lidar_odometry/core/evaluation/consistency.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/nelder_mead.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kSmallestFactor = 1e-3;  // on a parameter's start: its effect is gone
 constexpr double kStampTolerance_s = 1e-6;
 constexpr std::size_t kFewest = 10;

@@ -4,15 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 
-namespace {
-
-constexpr double kDegree = M_PI / 180.0;
-
-}  // namespace
+namespace {}  // namespace
 
 void Coasting::Params::validate() const {
   requirePositive("observed_sigma_m", observed_sigma_m);

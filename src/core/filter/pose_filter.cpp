@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
@@ -12,7 +13,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kRotationSweeps = 2;  // in which what one leaves open is measured again

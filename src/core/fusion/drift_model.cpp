@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 double squared(double value) { return value * value; }
 

@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+
 namespace fail_aware {
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 // How two corners differ; distance_m is infinite where the normals do not agree either way round.
 struct Difference {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rigid_alignment.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -13,7 +14,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 // A plane's offset where it ends, at the corner, has four times the variance of that at its middle.
 constexpr double kVarianceAtEnd = 4.0;
 

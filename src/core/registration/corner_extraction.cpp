@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/dbscan.hpp"
 
@@ -14,7 +15,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
 constexpr float kMaxHeight = 1000.0F;  // m; above it a height is no measurement
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
@@ -14,8 +15,6 @@
 namespace fail_aware {
 
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 struct Descent {
   Pose T;

@@ -7,13 +7,13 @@
 #include <limits>
 #include <random>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kRefinements = 2;
 
 struct Plane {
@@ -141,7 +141,7 @@ RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen:
     if (refinement == kRefinements) break;
     result.rms_m = fitPlane(points, result.inliers, plane);
   }
-  if (std::abs(plane.normal.dot(up)) > std::sin(params.max_tilt_deg * kPi / 180.0)) return result;
+  if (std::abs(plane.normal.dot(up)) > std::sin(params.max_tilt_deg * kDegree)) return result;
   const double sign = plane.d_m < 0.0 ? -1.0 : 1.0;
   result.normal = sign * plane.normal;
   result.d_m = sign * plane.d_m;

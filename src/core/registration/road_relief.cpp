@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -12,7 +13,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kBelowLidar_m = 0.5;   // the road is at least that far below the lidar
 constexpr double kRangeNoise_m = 0.02;  // only the ratio to the relief's matters
 constexpr std::size_t kMinSamples = 1000;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <sstream>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -13,7 +14,6 @@ namespace fail_aware {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kShortest_m = 30.0;  // of a part without a length
 constexpr double kMeanSpeed = 0.6;    // share of the limit that is driven on average
 constexpr SceneKind kKinds[] = {SceneKind::kTown, SceneKind::kCountry, SceneKind::kHighway, SceneKind::kTunnel,

@@ -6,6 +6,7 @@
 #include <bitset>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
@@ -15,7 +16,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kStartTilt = 0.1;  // rad: mount and slope at the start
 constexpr double kRangeEdges_m[] = {7.0, 10.0, 14.0, 20.0};
 constexpr float kMaxNormalZ = 0.26f;  // 15 deg: steeper surfaces are not meant to be upright

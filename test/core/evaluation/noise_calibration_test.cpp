@@ -5,12 +5,11 @@
 #include <cmath>
 #include <random>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 TEST(NoiseCalibration, FindsTheIncrementsNoiseThatWasPutIn) {
   PoseFilter::Params truth;

@@ -7,13 +7,13 @@
 #include <random>
 
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
 
 constexpr double kDt_s = 0.1;
-constexpr double kDegree = M_PI / 180.0;
 
 Coasting::Measured measured(double speed_mps, double sigma_along_m, double yaw_rate_rad_s = 0.0,
                             double sigma_yaw_rad = 1e-3) {

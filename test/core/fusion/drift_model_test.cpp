@@ -6,12 +6,11 @@
 #include <functional>
 #include <limits>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 Matrix6d diagonal(double position, double rotation) {
   Vector6d d;

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -16,7 +17,6 @@ namespace fail_aware {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
 constexpr double kSensorHeight = 1.73;
 
 struct Wall {
@@ -34,9 +34,9 @@ class Scanner {
     Points points;
     rings.clear();
     for (int column = 0; column < 2000; ++column) {
-      const double azimuth = column * 0.18 * kRadiansPerDegree;
+      const double azimuth = column * 0.18 * kDegree;
       for (int ring = 0; ring < 64; ++ring) {
-        const double elevation = (-24.8 + 26.8 / 63.0 * ring) * kRadiansPerDegree;
+        const double elevation = (-24.8 + 26.8 / 63.0 * ring) * kDegree;
         const Eigen::Vector3d ray(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                                   std::sin(elevation));
         const double range = cast(T_world_lidar.translation(), T_world_lidar.linear() * ray);
@@ -80,7 +80,7 @@ Pose poseAt(double x, double y, double roll, double pitch, double yaw) {
 
 // Two walls that meet at `apex` with the given angle between them, seen from the origin on the inside.
 std::vector<Wall> wallsAtAngle(const Eigen::Vector2d& apex, double angle_deg, double length_m) {
-  const double bisector = std::atan2(-apex.y(), -apex.x()), half = 0.5 * angle_deg * kRadiansPerDegree;
+  const double bisector = std::atan2(-apex.y(), -apex.x()), half = 0.5 * angle_deg * kDegree;
   const Eigen::Vector2d a(std::cos(bisector - half), std::sin(bisector - half));
   const Eigen::Vector2d b(std::cos(bisector + half), std::sin(bisector + half));
   return {{apex, apex + length_m * a}, {apex, apex + length_m * b}};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "expect_usable.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kNoise_m = 0.01;
 
 MultiplexIcp::Params testParams() {

@@ -6,13 +6,12 @@
 #include <cmath>
 
 #include "../../support/poses.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 ObservabilityParams testParams() {
   ObservabilityParams params;

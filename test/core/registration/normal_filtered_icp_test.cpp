@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "expect_usable.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
@@ -17,7 +18,6 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kNoise_m = 0.01;
 
 NormalFilteredIcp::Params testParams() {

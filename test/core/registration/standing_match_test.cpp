@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/standing_points.hpp"
@@ -17,8 +18,6 @@ namespace fail_aware {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
-
-constexpr double kDegree = M_PI / 180.0;
 
 /// 1.5 m high, on the ground at z = -1.
 void addPost(double x, double y, Points& points) {

@@ -8,14 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "synthetic_drive.hpp"
 
 namespace fail_aware {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 struct Look {
   std::vector<Eigen::Vector3f> points_cog;

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 
 namespace fail_aware {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 LidarModel::Params perfect() {
   LidarModel::Params params;

@@ -7,12 +7,11 @@
 #include <random>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 /// Sensor frame, level sensor: walls ahead, behind and beside, and poles; each leans by `lean_rad` away from the
 /// sensor.
