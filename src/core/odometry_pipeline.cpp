@@ -9,6 +9,7 @@
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"

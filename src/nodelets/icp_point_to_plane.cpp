@@ -4,6 +4,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"
 #include "topics.hpp"

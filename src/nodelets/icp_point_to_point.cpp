@@ -4,6 +4,7 @@
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"
