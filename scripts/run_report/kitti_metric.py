@@ -1,28 +1,17 @@
 """KITTI's translation and rotation error, by the package's own evaluate_trajectory."""
 import json
 import os
-import pathlib
-import shutil
 import subprocess
 import tempfile
 
-PACKAGE = "fail_aware_lidar_odometry"
-
-
-def find_tool():
-    """Beside the script (installed), in this tree's build, in the PATH; None: nowhere."""
-    scripts = pathlib.Path(__file__).resolve().parent.parent
-    name = "evaluate_trajectory"
-    for candidate in (scripts / name, scripts.parent / "build/workspace/devel/lib" / PACKAGE / name):
-        if os.access(candidate, os.X_OK):
-            return str(candidate)
-    return shutil.which(name)
+from offline_tools import find_tool
 
 
 def evaluate(truth, estimate):
     """Poses n x 4 x 4 -> ({"t_err_percent", "r_err_deg_per_m", "lengths_m", ...}, "") or (None, why not)."""
-    tool = find_tool()
-    if tool is None:
+    try:
+        tool = find_tool("evaluate_trajectory", LookupError)
+    except LookupError:
         return None, "evaluate_trajectory is not built"
     with tempfile.TemporaryDirectory() as folder:
         paths = []

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
@@ -16,8 +17,6 @@ namespace fail_aware {
 namespace {
 
 const std::string kCloudType = ros::message_traits::datatype<sensor_msgs::PointCloud2>();
-
-std::string withoutSlash(const std::string& name) { return name.empty() || name[0] != '/' ? name : name.substr(1); }
 
 void open(rosbag::Bag& bag, const std::string& path) {
   std::error_code error;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -90,7 +91,7 @@ struct OdometryPipeline::Stages {
   SweepResult step(Sweep& sweep);
   void beginDrive(const Pose& T_odom_cog);
   void measure(const SweepPrediction& prediction, SweepResult& result);
-  SweepCondition condition(const Sweep& sweep, const SweepFindings& findings, const SweepResult& result) const;
+  SweepCondition condition(const SweepFindings& findings, const SweepResult& result);
 
   PipelineParameters params;
   Pose T_base_cog;
@@ -105,6 +106,7 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
+  int refused = 0;  ///< sweeps since the last one that was taken
 };
 
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
@@ -136,11 +138,11 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
   });
 }
 
-SweepCondition OdometryPipeline::Stages::condition(const Sweep& sweep, const SweepFindings& findings,
-                                                   const SweepResult& result) const {
+SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings, const SweepResult& result) {
   SweepCondition condition;
   const RegistrationParameters& use = params.profile.registration;
-  condition.empty = sweep.empty();
+  condition.empty = corrected.points_lidar.empty();
+  condition.dropped_before = std::exchange(refused, 0);
   condition.incomplete = findings.incomplete;
   condition.low_visibility = findings.low_visibility;
   condition.frozen = findings.frozen;
@@ -153,6 +155,7 @@ SweepCondition OdometryPipeline::Stages::condition(const Sweep& sweep, const Swe
 }
 
 void OdometryPipeline::Stages::beginDrive(const Pose& T_odom_cog) {
+  refused = 0;
   corrector.reset();
   filter.reset(T_odom_cog);
   front.reset();
@@ -169,6 +172,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
     beginDrive(Pose(last.T_odom_cog));
   }
   if (!filter.predict(sweep.stamp_s, prediction)) {
+    ++refused;
     result.status = SweepStatus::kStampNotAdvancing;
     result.state = filter.state();
     result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
@@ -182,20 +186,18 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   measure(prediction, result);
   stage.lapMs();
   const bool first = prediction.dt_s <= 0.0;
-  result.state = filter.correct(
-      {{"icp_point_to_point", &result.point}, {"icp_point_to_plane", &result.plane}, {"corner_svd", &result.corners}},
-      middle_s);
+  result.state = exchanged(filter.correct(
+      {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}}, middle_s));
   result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
   result.status = first                    ? SweepStatus::kFirst
                   : result.state.corrected ? SweepStatus::kCorrected
                                            : SweepStatus::kPredicted;
   result.times.fusion_ms = stage.lapMs();
-  const FilterState placed = exchanged(result.state);
-  front.place(placed);
-  corner_measurement.place(placed);
+  front.place(result.state);
+  corner_measurement.place(result.state);
   result.times.reference_ms = stage.lapMs();
-  result.condition = condition(sweep, findings, result);
-  result.monitor = monitor.update(placed, result.condition);
+  result.condition = condition(findings, result);
+  result.monitor = monitor.update(result.state, result.condition);
   result.times.total_ms = total.lapMs();
   return result;
 }

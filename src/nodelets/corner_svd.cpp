@@ -19,7 +19,6 @@ class CornerSvdAlgorithm {
 
   CornerSvdAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
-        used_(params.profile.registration.use_corners),
         tuning_{params.profile.registration.corner_alignment},
         corners_(params.profile.registration.corner_extraction, params.profile.registration.corner_reference,
                  tuning_.alignment) {}
@@ -31,7 +30,6 @@ class CornerSvdAlgorithm {
   }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
-    if (!used_) return Measurement();
     Measurement measurement = corners_.measure(sweep, task.prediction, task.T_cog_lidar);
     T_odom_cog_ = measurement.ok() ? measurement.T_odom_cog : task.prediction.T_odom_cog;
     return measurement;
@@ -48,7 +46,6 @@ class CornerSvdAlgorithm {
 
  private:
   ros::Publisher markers_;
-  bool used_;
   Tuning tuning_;
   CornerMeasurement corners_;
   Pose T_odom_cog_ = Pose::Identity();  ///< where the last corners were seen from

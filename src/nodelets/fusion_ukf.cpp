@@ -254,15 +254,20 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   // ---- set_pose -----------------------------------------------------------------------------------------------------
 
   void onSetPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
-    const std::string reason = pose_setting_.offer(*message, params_.odom_frame, last_stamp_);
+    refusePose(pose_setting_.offer(*message, params_.odom_frame, last_stamp_));
+  }
+
+  void refusePose(const std::string& reason) {
     if (reason.empty()) return;
     ++counts_.poses_refused;
     NODELET_WARN("set_pose refused: %s", reason.c_str());
   }
 
   void setPose() {
+    const std::string outdated = pose_setting_.outdated(filter_->state());
+    if (!outdated.empty()) return refusePose(outdated);
     const PoseSetting::AtEstimate set = pose_setting_.take(filter_->state(), T_base_cog_);
-    if (!filter_->setPose(set.T_odom_cog)) return;
+    if (!filter_->setPose(set.T_odom_cog)) return refusePose("the filter cannot stand there");
     odometry_covariance_.reset(set.covariance);
     ++counts_.poses_set;
     const Eigen::Vector3d position = (set.T_odom_cog * T_base_cog_.inverse()).translation();
@@ -279,6 +284,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     open_.reset();
     counts_.no_transform += held_.size();
     held_.clear();
+    if (pose_setting_.pending()) refusePose("a new drive began before it could be set");
     pose_setting_.clear();
     sources_->reset();
     output_->clear();

@@ -5,6 +5,7 @@
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
+#include "topics.hpp"
 
 namespace fail_aware {
 
@@ -49,7 +50,7 @@ struct FusionUkfNodeletParams {
     requirePositive("deadline_s", deadline_s);
     requirePositive("late_deadline_s", late_deadline_s);
     requirePositive("first_deadline_s", first_deadline_s);
-    requireWithin("queue_size", queue_size, 1, 100);
+    requireWithin("queue_size", queue_size, 1, topics::kMaxWaiting);
     requireNotNegative("max_reorder_s", max_reorder_s);
     requireWithin("absent_after_sweeps", absent_after_sweeps, 1, 1000);
     requireWithin("path_max_poses", path_max_poses, 1, 100000);

@@ -21,7 +21,6 @@ class IcpPointToPlaneAlgorithm {
 
   IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : local_map_(node.advertise<sensor_msgs::PointCloud2>(topics::kLocalMap, 1)),
-        used_(params.profile.registration.use_plane),
         front_(params.profile.registration),
         tuning_{params.profile.registration.plane},
         icp_(tuning_.icp) {}
@@ -33,7 +32,6 @@ class IcpPointToPlaneAlgorithm {
   }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
-    if (!used_) return Measurement();
     front_.prepare(sweep, task.prediction, task.T_cog_lidar);
     return front_.align(icp_, task.prediction.sigma_yaw_rad);
   }
@@ -54,7 +52,6 @@ class IcpPointToPlaneAlgorithm {
 
   ros::Publisher local_map_;
   ros::Time shown_stamp_;
-  bool used_;
   RegistrationFront front_;
   Tuning tuning_;
   NormalFilteredIcp icp_;

@@ -20,7 +20,6 @@ class IcpPointToPointAlgorithm {
 
   IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
-        used_(params.profile.registration.use_point),
         front_(params.profile.registration),
         tuning_{params.profile.registration.point},
         icp_(tuning_.icp) {}
@@ -32,7 +31,6 @@ class IcpPointToPointAlgorithm {
   }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
-    if (!used_) return Measurement();
     front_.prepare(sweep, task.prediction, task.T_cog_lidar);
     return front_.align(icp_, &tracks_);
   }
@@ -45,7 +43,6 @@ class IcpPointToPointAlgorithm {
 
  private:
   ros::Publisher markers_;
-  bool used_;
   RegistrationFront front_;
   Tuning tuning_;
   MultiplexIcp icp_;

@@ -1,7 +1,7 @@
 #include "lidar_place.hpp"
 
+#include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "frame_name.hpp"
 
 namespace fail_aware {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "frame_name.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {

@@ -1,7 +1,7 @@
 // set_pose: where base_link is in odom, said from outside. Taken with the next estimate, moved there from its own stamp
 // by the vehicle's motion (a stamp of 0: as if said of that estimate).
 // Covariance: all zero means known exactly. Refused, with a reason: another frame, no pose, no covariance, a stamp more
-// than a second away from the last sweep's.
+// than a second away from the last sweep's, or from the estimate that it is to be taken with.
 #pragma once
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -10,11 +10,11 @@
 #include <optional>
 #include <string>
 
+#include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
-#include "frame_name.hpp"
 #include "stamps.hpp"
 
 namespace fail_aware {
@@ -41,16 +41,20 @@ class PoseSetting {
       std::string reason = unusableReason(pose);
       if (!reason.empty()) return reason;
     }
-    const bool stamped = !message.header.stamp.isZero() && !last_stamp.isZero();
-    if (stamped && std::abs(secondsFrom(message.header.stamp, last_stamp)) > kMaxAge_s) {
-      return "its stamp is more than a second away from the last sweep's";
-    }
+    if (!last_stamp.isZero() && isTooFar(pose, last_stamp.toSec())) return kTooFar;
     pending_ = pose;
     return "";
   }
 
   bool pending() const { return pending_.has_value(); }
   void clear() { pending_.reset(); }
+
+  /// Why what was offered cannot be taken with this estimate (it is forgotten then); empty: it can.
+  std::string outdated(const FilterState& state) {
+    if (!isTooFar(*pending_, state.stamp_s)) return "";
+    pending_.reset();
+    return kTooFar;
+  }
 
   /// What was offered, at this estimate; it is used up.
   AtEstimate take(const FilterState& state, const Pose& T_base_cog) {
@@ -67,6 +71,11 @@ class PoseSetting {
 
  private:
   static constexpr double kMaxAge_s = 1.0;
+  static constexpr const char* kTooFar = "its stamp is more than a second away from the sweep's";
+
+  static bool isTooFar(const ExternalPose& pose, double sweep_s) {
+    return pose.stamp_s > 0.0 && std::abs(pose.stamp_s - sweep_s) > kMaxAge_s;
+  }
 
   std::optional<ExternalPose> pending_;
 };

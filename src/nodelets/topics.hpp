@@ -7,6 +7,8 @@
 namespace fail_aware::topics {
 
 inline constexpr std::uint32_t kQueue = 8;  ///< messages, of publishers and subscribers within the graph
+/// Sweeps: their clouds wait in a buffer of kQueue beside the one in work and the one that comes.
+inline constexpr int kMaxWaiting = static_cast<int>(kQueue) - 2;
 
 inline constexpr const char* kClouds = "points";  ///< in: the lidar's; odometry.launch remaps it
 inline constexpr const char* kSetPose = "set_pose";

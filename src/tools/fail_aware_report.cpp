@@ -14,6 +14,7 @@
 #include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/stanford_diagram.hpp"
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 #include "json.hpp"
 
 namespace fail_aware {
@@ -24,7 +25,7 @@ using Predicted = std::optional<double>;
 
 constexpr double kIntervalLevel = 0.95;
 const std::vector<double> kReliabilityEdges_s = {0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0};
-constexpr const char* kSources[] = {"icp_point_to_point", "icp_point_to_plane", "corner_svd"};
+constexpr const char* kSources[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
 
 struct Predictor {
   const char* name;
@@ -172,18 +173,21 @@ Json mediansJson(const std::vector<FailAwareEpisode>& episodes) {
           {"eta_threshold_p50_s", orNull(kaplanMeierQuantile(thresholds_s, 0.5))}};
 }
 
+// One for all episodes (evaluate_fail_aware sees to it).
+double alertLimit(const std::vector<FailAwareEpisode>& episodes) {
+  return episodes.empty() ? FailureEpisode::Params().alert_limit_m : episodes.front().alert_limit_m;
+}
+
 Json stanfordJson(const std::vector<FailAwareEpisode>& episodes) {
   std::vector<ErrorAndLevel> pairs;
-  double alert_limit_m = 0.0;
   for (const FailAwareEpisode& episode : episodes) {
-    alert_limit_m = episode.alert_limit_m;
     for (const FailAwareSweep& sweep : episode.sweeps) {
       if (sweep.output.protection_level_m >= 0.0) {
         pairs.push_back({sweep.error_m.norm(), sweep.output.protection_level_m});
       }
     }
   }
-  const auto counts = stanfordCounts(pairs, alert_limit_m);
+  const auto counts = stanfordCounts(pairs, alertLimit(episodes));
   Json json;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     json[toString(static_cast<IntegrityRegion>(i))] =
@@ -217,6 +221,7 @@ Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const Repor
     if (predictor.seconds) json["times"][predictor.name] = timesJson(episodes, predictor);
   }
   json.update(mediansJson(episodes));
+  json["alert_limit_m"] = alertLimit(episodes);
   json["stanford"] = stanfordJson(episodes);
   return json;
 }

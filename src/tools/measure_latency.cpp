@@ -18,12 +18,12 @@
 #include <string>
 #include <vector>
 
+#include "cloud_answers.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "json.hpp"
 #include "process_monitor.hpp"
-#include "sweep_account.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -65,7 +65,7 @@ class Observer {
         state_(node.subscribe(options.graph + "/filter_state", kQueue, &Observer::onState, this)) {}
 
   struct View {
-    SweepAccount account;
+    CloudAnswers answers;
     double first_s = 0.0, last_s = 0.0;
     std::size_t dropped = 0, deadline_missed = 0, predicted_only = 0;
     std::vector<StampedPose> trajectory;
@@ -90,13 +90,13 @@ class Observer {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (view_.first_s == 0.0) view_.first_s = now_s;
     view_.last_s = now_s;
-    view_.account.cloud(cloud->header.stamp.toNSec(), now_s);
+    view_.answers.cloud(cloud->header.stamp.toNSec(), now_s);
   }
   void onOdometry(const nav_msgs::OdometryConstPtr& odometry) {
     const double now_s = steadyNow_s();
     const std::lock_guard<std::mutex> lock(mutex_);
     view_.last_s = now_s;
-    view_.account.odometry(odometry->header.stamp.toNSec(), now_s);
+    view_.answers.odometry(odometry->header.stamp.toNSec(), now_s);
     if (!keep_trajectory_) return;
     if (const std::optional<Pose> T = fromMessage(odometry->pose.pose)) {
       view_.trajectory.push_back({odometry->header.stamp.toSec(), *T});
@@ -169,13 +169,13 @@ Json latencyOf(const std::vector<double>& latencies_s, std::size_t skip) {
 Json figuresOf(const Observer::View& view, const ProcessWatch& watch, std::size_t skip) {
   Json json;
   json["duration_s"] = view.last_s - view.first_s;
-  json["clouds"] = view.account.clouds();
-  json["odometries"] = view.account.odometries();
-  json["clouds_without_odometry"] = view.account.unanswered();
+  json["clouds"] = view.answers.clouds();
+  json["odometries"] = view.answers.odometries();
+  json["clouds_without_odometry"] = view.answers.unanswered();
   json["dropped_counted"] = view.dropped;
   json["deadline_missed"] = view.deadline_missed;
   json["predicted_only"] = view.predicted_only;
-  json["latency_ms"] = latencyOf(view.account.latencies_s(), skip);
+  json["latency_ms"] = latencyOf(view.answers.latencies_s(), skip);
   json["process"] = watch.figures();
   return json;
 }
@@ -237,7 +237,7 @@ int run(const Options& options) {
     throw std::runtime_error("cannot write " + options.json);
   }
   if (!options.trajectory.empty()) writeTumTrajectory(options.trajectory, view.trajectory);
-  if (view.account.odometries() == 0) {
+  if (view.answers.odometries() == 0) {
     return reportError(kName, "no odometry on " + options.graph + "/odometry", kExitFailed);
   }
   return kExitDone;

@@ -118,7 +118,7 @@ Json describeRun(const PipelineParameters& params, long first, std::optional<dou
   json["first"] = first;
   json["t1_stamp_s"] = t1_stamp_s ? Json(*t1_stamp_s) : Json(nullptr);
   json["eta_threshold_rad"] = monitor.indicator.threshold;
-  json["horizon_s"] = monitor.indicator.horizon_s;
+  json["horizon_s"] = monitor.predictor.horizon_s;
   json["alert_limit_m"] = monitor.predictor.alert_limit_m;
   json["failing_s"] = monitor.thresholds.failing_s;
   json["degraded_s"] = monitor.thresholds.degraded_s;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
@@ -17,12 +18,6 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kStatuses = 4;
-
-double quantile(const std::vector<double>& sorted, double q) {
-  if (sorted.empty()) return 0.0;
-  const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(sorted.size())));
-  return sorted[std::min(sorted.size() - 1, rank == 0 ? 0 : rank - 1)];
-}
 
 void writeMeasurement(std::ostream& out, const Measurement& m) {
   out << ',' << toString(m.status) << ',' << m.iterations << ',' << m.inlier_share << ',' << m.rms_residual_m << ','
@@ -82,15 +77,14 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
 }
 
 Json SweepLog::summary() const {
-  std::vector<double> sorted = total_ms_;
-  std::sort(sorted.begin(), sorted.end());
   Json json;
-  const double sum = std::accumulate(sorted.begin(), sorted.end(), 0.0);
-  json["sweeps"] = sorted.size();
-  json["mean_ms"] = sorted.empty() ? 0.0 : sum / static_cast<double>(sorted.size());
-  json["median_ms"] = quantile(sorted, 0.5);
-  json["p95_ms"] = quantile(sorted, 0.95);
-  json["p99_ms"] = quantile(sorted, 0.99);
+  const auto quantileOrZero = [&](double q) { return total_ms_.empty() ? 0.0 : quantile(total_ms_, q); };
+  const double sum = std::accumulate(total_ms_.begin(), total_ms_.end(), 0.0);
+  json["sweeps"] = total_ms_.size();
+  json["mean_ms"] = total_ms_.empty() ? 0.0 : sum / static_cast<double>(total_ms_.size());
+  json["median_ms"] = quantileOrZero(0.5);
+  json["p95_ms"] = quantileOrZero(0.95);
+  json["p99_ms"] = quantileOrZero(0.99);
   for (const SweepStatus status :
        {SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
     json["by_status"][toString(status)] = by_status_[static_cast<std::size_t>(status)];

@@ -148,8 +148,7 @@ BENCHMARK(normalFilteredIcp)->Unit(benchmark::kMillisecond);
 void cornerExtraction(benchmark::State& state) {
   CornerExtractor extractor{CornerExtractor::Params()};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(
-        extractor.extract(scene().corrected.points_lidar, Eigen::Matrix3d::Identity(), scene().sweep.rings).size());
+    benchmark::DoNotOptimize(extractor.extract(scene().corrected.points_lidar, Eigen::Matrix3d::Identity()).size());
   }
 }
 BENCHMARK(cornerExtraction)->Unit(benchmark::kMillisecond);

@@ -200,7 +200,22 @@ TEST(OdometryPipeline, AStampThatDoesNotAdvanceIsRefused) {
       EXPECT_FALSE(r.point.ok() || r.plane.ok() || r.corners.ok());
     }
   }
-  expectSame(expected, results, "refused sweeps leave no trace");
+  expectSame(expected, results, "refused sweeps leave no trace in the poses");
+  EXPECT_EQ(results[5].condition.dropped_before, 0);
+  EXPECT_EQ(results[6].condition.dropped_before, 3) << "as live, the next sweep tells of them";
+  EXPECT_NE(results[6].monitor.reasons & kReasonDroppedSweeps, 0u);
+  EXPECT_EQ(results[7].condition.dropped_before, 0);
+}
+
+TEST(OdometryPipeline, ARepeatedCloudCountsAsEmpty) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
+  sweeps[6].points_lidar = sweeps[5].points_lidar;
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_FALSE(results[5].condition.empty);
+  EXPECT_TRUE(results[6].condition.empty);
+  EXPECT_NE(results[6].monitor.reasons & kReasonSweepEmpty, 0u);
+  EXPECT_FALSE(results[7].condition.empty);
 }
 
 TEST(OdometryPipeline, AStampThatJumpsBackBeginsADriveAtTheLastPose) {

@@ -243,7 +243,7 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
   };
   refused("fusion_ukf/nonsense", 1, "fusion_ukf", ": unknown");
   refused("fusion_ukf/deadline_s", "soon", "fusion_ukf", ": must be a number");
-  refused("fusion_ukf/queue_size", 0, "fusion_ukf", " = 0: must be in [1, 100]");
+  refused("fusion_ukf/queue_size", 0, "fusion_ukf", " = 0: must be in [1, 6]");
   refused("fail_aware_monitor/stale_sweeps", -1.0, "fail_aware_monitor", " = -1: must be finite and > 0");
   refused("profile/nonsense", 1.0, "icp_point_to_plane", ": unknown");
   refused("sensor/nonsense", 1.0, "sweep_correction", ": unknown");

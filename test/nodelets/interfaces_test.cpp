@@ -5,6 +5,7 @@
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <std_srvs/Trigger.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <set>
@@ -225,8 +226,10 @@ TEST_F(Interfaces, SaveTrajectoryWritesEverySweepSinceTheStart) {
   EXPECT_FALSE(call("fusion_ukf/save_trajectory", &message));
   EXPECT_NE(message.find("no pose yet"), std::string::npos) << message;
   drive(0, 3);
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("interfaces_test_tum_" + std::to_string(getpid()) + ".txt")).string();
+  graph_->node().setParam("fusion_ukf/trajectory_file", path);
   ASSERT_TRUE(call("fusion_ukf/save_trajectory", &message)) << message;
-  const std::string path = "/tmp/fail_aware_interfaces_test_tum.txt";
   EXPECT_NE(message.find(path + ": 4 poses"), std::string::npos) << message;
   const std::vector<StampedPose> poses = readTumTrajectory(path);
   std::filesystem::remove(path);

@@ -66,5 +66,18 @@ TEST(PoseSetting, SaysWhyItRefuses) {
   EXPECT_EQ(setting.offer(bad, "odom", ros::Time()), "") << "before the first sweep";
 }
 
+TEST(PoseSetting, WhatWaitedTooLongIsForgotten) {
+  PoseSetting setting;
+  EXPECT_EQ(setting.offer(message(kSet), "odom", ros::Time()), "");
+  EXPECT_EQ(setting.outdated(movingAt(100.9)), "");
+  EXPECT_TRUE(setting.pending());
+  EXPECT_NE(setting.outdated(movingAt(101.1)).find("stamp"), std::string::npos);
+  EXPECT_FALSE(setting.pending());
+  geometry_msgs::PoseWithCovarianceStamped unstamped = message(kSet);
+  unstamped.header.stamp = ros::Time();
+  EXPECT_EQ(setting.offer(unstamped, "odom", ros::Time()), "");
+  EXPECT_EQ(setting.outdated(movingAt(500.0)), "") << "it holds at whatever estimate";
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -100,7 +100,8 @@ TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   article.profile.monitor.indicator.average_s = article.profile.monitor.indicator.reference_speed_mps = 0.0;
   made_up.write(folder_ / "run", article);
   const std::string output = " --resamples 1 --output '" + (folder_ / "result").string() + "'";
-  run(options("run") + output + " --set monitor.indicator.threshold=1.0e9 --set monitor.predictor.alert_limit_m=1.0e9");
+  run(options("run") + output +
+      " --set monitor.indicator.threshold=1.0e9 --set monitor.predictor.alert_limit_m=1.0e9 --alert-limit 0.6");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(report()["run"]["missed"], 7) << "nothing is ever near such limits";
   std::ofstream(folder_ / "strict.yaml") << "monitor:\n  indicator:\n    threshold: 1.0e-12\n";

@@ -24,11 +24,6 @@ namespace fail_aware {
 
 namespace messages = ::fail_aware_lidar_odometry;
 
-/// The sources' names, as in offline's fusion.
-constexpr const char* kIcpPointToPoint = "icp_point_to_point";
-constexpr const char* kIcpPointToPlane = "icp_point_to_plane";
-constexpr const char* kCornerSvd = "corner_svd";
-
 /// What a measurement nodelet needs of a prediction.
 struct SweepTask {
   SweepPrediction prediction;

@@ -106,17 +106,18 @@ std::vector<DriftSample> driftSamples(const std::vector<DriftRun>& runs, const D
   std::vector<DriftSample> samples;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const std::vector<MonitorInput>& log = runs[r].log;
-    double next_begin_s = log.front().state.stamp_s;
+    double episodes = 0.0;  // begun, and missed in gaps
     for (std::size_t b = 0; b < log.size(); ++b) {
       const double begin_s = log[b].state.stamp_s;
-      if (begin_s < next_begin_s - kStampTolerance_s) continue;
-      next_begin_s += options.episode_every_s;
+      const double elapsed_s = begin_s - log.front().state.stamp_s + kStampTolerance_s;
+      if (elapsed_s < episodes * options.episode_every_s) continue;
+      episodes = std::floor(elapsed_s / options.episode_every_s) + 1.0;
       double next_s = begin_s + options.every_s;
       for (std::size_t i = b + 1; i < log.size(); ++i) {
         const double stamp_s = log[i].state.stamp_s;
         if (stamp_s > begin_s + options.until_s + kStampTolerance_s) break;
         if (stamp_s < next_s - kStampTolerance_s) continue;
-        next_s += options.every_s;
+        while (next_s <= stamp_s + kStampTolerance_s) next_s += options.every_s;  // more than once after a gap
         const Eigen::Vector3d truth = runs[r].truth[b].inverse() * runs[r].truth[i].translation();
         const Eigen::Vector3d estimate = log[b].state.T_odom_cog.inverse() * log[i].state.T_odom_cog.translation();
         samples.push_back({r, b, i, (truth - estimate).head<2>(), Eigen::Matrix2d::Zero(), {}});

@@ -13,18 +13,6 @@ constexpr double kLargestSpeed = 1e6;  // m/s
 constexpr double kStampTolerance_s = 1e-6;
 }  // namespace
 
-const char* toString(IndicatorStatus status) {
-  switch (status) {
-    case IndicatorStatus::kAccepted: return "ACCEPTED";
-    case IndicatorStatus::kNotStarted: return "NOT_STARTED";
-    case IndicatorStatus::kBeforeStart: return "BEFORE_START";
-    case IndicatorStatus::kStampNotAdvancing: return "STAMP_NOT_ADVANCING";
-    case IndicatorStatus::kAcceptedAfterGap: return "ACCEPTED_AFTER_GAP";
-    case IndicatorStatus::kInvalid: return "INVALID";
-  }
-  return "INVALID";
-}
-
 void FailAwareIndicator::Params::validate() const {
   requirePositive("threshold", threshold);
   requireWithin("rate_window_samples", rate_window_samples, 1, 100000);

@@ -24,6 +24,10 @@ void MonitorParameters::validate() const {
   predictor.validate();
   drift.validate();
   thresholds.validate();
+  requireParameter(predictor.horizon_s == indicator.horizon_s, "predictor.horizon_s", predictor.horizon_s,
+                   "indicator.horizon_s: one horizon is published for both");
+  requireParameter(thresholds.degraded_s < predictor.horizon_s, "thresholds.degraded_s", thresholds.degraded_s,
+                   "< predictor.horizon_s, or the state would be DEGRADED for ever");
   requirePositive("rate_window_s", rate_window_s);
   requireWithin("sweeps_to_recover", sweeps_to_recover, 1, 10000);
   requirePositive("disagreement_m", disagreement_m);
@@ -47,6 +51,7 @@ void FailAwareMonitor::reset() {
   covariance_.reset();
   hysteresis_.reset();
   intervals_s_.clear();
+  speed_wander_ = 0.0;
   has_previous_ = false;
   start_pending_ = serving;
   t1_stamp_s_ = -1.0;

@@ -194,7 +194,7 @@ ReadResult KittiDirectory::read(std::size_t i, Sweep& sweep) const {
   const std::string stem = fs::path(path).stem().string();
   std::string message;
   if (hasPointTimes()) message = readSideFile(stamps_folder_ + "/" + stem + ".f32", count, sweep.times_s);
-  if (hasRings()) {
+  if (!rings_folder_.empty()) {
     const std::string rings_message = readSideFile(rings_folder_ + "/" + stem + ".u16", count, sweep.rings);
     if (message.empty()) message = rings_message;
   }

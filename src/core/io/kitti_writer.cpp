@@ -38,7 +38,6 @@ KittiWriter::KittiWriter(const std::string& directory) : directory_(directory) {
     throw InputError(directory + ": has scans already; remove it or give another folder");
   }
   fs::create_directories(root / "velodyne", error);
-  if (!error) fs::create_directories(root / "rings", error);
   if (error) throw InputError(directory + ": cannot be made: " + error.message());
 }
 
@@ -58,7 +57,11 @@ void KittiWriter::add(const Sweep& sweep, const Pose& T_world_lidar, const Pose&
     fs::create_directories(root / "stamps");
     writeArray(root / "stamps" / (std::string(name) + ".f32"), sweep.times_s);
   }
-  writeArray(root / "rings" / (std::string(name) + ".u16"), sweep.rings);
+  const bool has_rings = sweep.rings.size() == sweep.size() && !sweep.empty();
+  if (has_rings || fs::exists(root / "rings")) {
+    fs::create_directories(root / "rings");
+    writeArray(root / "rings" / (std::string(name) + ".u16"), sweep.rings);
+  }
   stamps_s_.push_back(sweep.stamp_s);
   lidar_poses_.push_back(T_world_lidar);
   base_poses_.push_back({true_stamp_s, T_world_base});

@@ -110,11 +110,10 @@ CornerExtractor::CornerExtractor(const Params& params) : params_(params) {
   grid_.assign(static_cast<std::size_t>(grid_width_) * static_cast<std::size_t>(grid_width_), 0);
 }
 
-std::vector<Corner> CornerExtractor::extract(const Points& points, const Eigen::Matrix3d& R_odom_frame,
-                                             const std::vector<std::uint16_t>& rings) {
+std::vector<Corner> CornerExtractor::extract(const Points& points, const Eigen::Matrix3d& R_odom_frame) {
   std::vector<Corner> corners;
   if (!R_odom_frame.allFinite()) return corners;
-  keepVerticalPoints(points, rings);
+  keepVerticalPoints(points);
   const Eigen::Vector3d up = R_odom_frame.transpose().col(2);
   std::uint32_t seed = static_cast<std::uint32_t>(params_.seed);
   for (Points& cluster : clusterKeptPoints()) {
@@ -130,13 +129,12 @@ std::vector<Corner> CornerExtractor::extract(const Points& points, const Eigen::
 }
 
 // Fills kept_ and kept_begin_.
-void CornerExtractor::keepVerticalPoints(const Points& points, const std::vector<std::uint16_t>& rings) {
+void CornerExtractor::keepVerticalPoints(const Points& points) {
   const float inverse_cell = static_cast<float>(1.0 / params_.cell_m);
   const float inverse_step = static_cast<float>(1.0 / params_.height_step_m);
   const float middle = 0.5F * static_cast<float>(grid_width_);
   const float min_range2 = static_cast<float>(params_.min_range_m * params_.min_range_m);
   const float max_range2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
-  const bool by_ring = rings.size() == points.size();
 
   touched_.clear();
   cell_of_point_.resize(points.size());
@@ -149,9 +147,9 @@ void CornerExtractor::keepVerticalPoints(const Points& points, const std::vector
     const int row = static_cast<int>(p.y() * inverse_cell + middle);
     const std::uint32_t cell = static_cast<std::uint32_t>(row * grid_width_ + column);
     cell_of_point_[i] = cell;
-    const int beam = by_ring ? rings[i] : static_cast<int>((p.z() + kMaxHeight) * inverse_step);
+    const auto step = static_cast<unsigned>((p.z() + kMaxHeight) * inverse_step);
     if (grid_[cell] == 0) touched_.push_back(cell);
-    grid_[cell] |= std::uint64_t{1} << (static_cast<unsigned>(beam) & 63U);
+    grid_[cell] |= std::uint64_t{1} << (step & 63U);
   }
 
   // The grid now takes, for each cell, 0 or the number of the kept cell + 1.

@@ -8,6 +8,7 @@
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 
 namespace fail_aware {
 
@@ -49,9 +50,9 @@ Vector6d fitRoad(const std::vector<RoadPoint>& points) {
     for (std::size_t i = 0; i < points.size(); i += stride) {
       const Vector6d row = quadric(points[i].p.x(), points[i].p.y());
       const double e = points[i].p.z() - row.dot(coefficients);
-      const double kernel = 1.0 / (1.0 + e * e / (scale_m * scale_m));
-      H += kernel * kernel * row * row.transpose();
-      b += kernel * kernel * e * row;
+      const double weight = gemanMcClureWeight(e * e, scale_m * scale_m);
+      H += weight * row * row.transpose();
+      b += weight * e * row;
     }
     coefficients += H.ldlt().solve(b);
   }

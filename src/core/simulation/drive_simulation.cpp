@@ -181,7 +181,6 @@ DriveSimulation::DriveSimulation(const Params& params, int threads) {
 DriveSimulation::~DriveSimulation() = default;
 
 std::size_t DriveSimulation::sweeps() const { return impl_->sweeps; }
-const VehicleDrive::State& DriveSimulation::vehicle() const { return impl_->vehicle.state(); }
 double DriveSimulation::time_s() const { return impl_->begin_s(); }
 
 bool DriveSimulation::next(SimulatedSweep& out, int vehicles_around) {

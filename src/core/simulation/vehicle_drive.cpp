@@ -11,7 +11,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kAirDrag_kg_per_m = 0.42;  // half air density times drag area
 constexpr double kRolling = 0.012;
 constexpr double kLookAhead_m = 3.5, kLookAhead_s = 0.55;
@@ -127,10 +126,10 @@ void VehicleDrive::moveOnPlane(double slope, double bank) {
   const double old_left_mps = state_.left_mps;
   // the driver's command is what he feels: he compensates slope and resistance up to the friction limit
   const double resistance =
-      kAirDrag_kg_per_m * vx * std::abs(vx) / car.mass_kg + (vx > 0.0 ? kRolling * kGravity : 0.0);
-  const double traction = std::clamp(state_.command_mps2 + resistance + kGravity * slope, -params_.friction * kGravity,
-                                     0.5 * params_.friction * kGravity);
-  double forward_mps2 = traction - resistance - kGravity * slope;
+      kAirDrag_kg_per_m * vx * std::abs(vx) / car.mass_kg + (vx > 0.0 ? kRolling * kGravity_mps2 : 0.0);
+  const double traction = std::clamp(state_.command_mps2 + resistance + kGravity_mps2 * slope,
+                                     -params_.friction * kGravity_mps2, 0.5 * params_.friction * kGravity_mps2);
+  double forward_mps2 = traction - resistance - kGravity_mps2 * slope;
 
   if (vx < kKinematicBelow_mps) {  // wheels roll where they point
     const double follow = kStep_s / 0.05;
@@ -142,7 +141,7 @@ void VehicleDrive::moveOnPlane(double slope, double bank) {
     const AxleForces force = lateralForces();
     const double c = std::cos(state_.steering_rad), s = std::sin(state_.steering_rad);
     forward_mps2 -= force.front_n * s / car.mass_kg;
-    state_.left_mps2 = (force.front_n * c + force.rear_n) / car.mass_kg - kGravity * bank;
+    state_.left_mps2 = (force.front_n * c + force.rear_n) / car.mass_kg - kGravity_mps2 * bank;
     state_.left_mps += kStep_s * (state_.left_mps2 - state_.yaw_rate_rps * vx);
     state_.yaw_rate_rps += kStep_s *
                            (car.cog_to_front_axle_m * force.front_n * c - car.cog_to_rear_axle_m * force.rear_n) /
@@ -178,7 +177,7 @@ void VehicleDrive::moveOnSprings(const Eigen::Vector4d& ground_m) {
     const double corner_mps =
         state_.height_rate_mps - state_.pitch_rate_rps * forward[i] + state_.roll_rate_rps * left[i];
     const double ground_mps = (ground_m[k] - ground_m_[k]) / kStep_s;
-    const double static_n = 0.5 * car.mass_kg * kGravity * (front ? l_r : l_f) / car.wheelbase_m();
+    const double static_n = 0.5 * car.mass_kg * kGravity_mps2 * (front ? l_r : l_f) / car.wheelbase_m();
     const double spring = front ? car.spring_front_n_per_m : car.spring_rear_n_per_m;
     const double damper = front ? car.damper_front_ns_per_m : car.damper_rear_ns_per_m;
     const double force = std::max(
@@ -201,7 +200,7 @@ void VehicleDrive::moveOnSprings(const Eigen::Vector4d& ground_m) {
     state_.wheel_loads_n[i] = std::max(0.0, state_.wheel_loads_n[i] + transfer);
   }
   const double d_pitch = car.cog_above_pitch_axis_m, d_roll = car.cog_above_roll_axis_m;
-  state_.height_rate_mps += kStep_s * (lift_n / car.mass_kg - kGravity);
+  state_.height_rate_mps += kStep_s * (lift_n / car.mass_kg - kGravity_mps2);
   state_.pitch_rate_rps += kStep_s * pitch_nm / (car.inertia_y_kg_m2 + car.mass_kg * d_pitch * d_pitch);
   state_.roll_rate_rps += kStep_s * roll_nm / (car.inertia_x_kg_m2 + car.mass_kg * d_roll * d_roll);
   state_.height_m += kStep_s * state_.height_rate_mps;

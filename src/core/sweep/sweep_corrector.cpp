@@ -1,7 +1,8 @@
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -22,7 +23,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   if (report.correction.corrected() && !times_s_.empty()) {
     const auto [first, last] = std::minmax_element(times_s_.begin(), times_s_.end());
     // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was
-    report.middle_s = std::round(0.5e6 * (static_cast<double>(*first) + static_cast<double>(*last))) * 1e-6;
+    report.middle_s = wholeMicroseconds(0.5 * (static_cast<double>(*first) + static_cast<double>(*last)));
   }
   if (prediction.motion_known) level_keeping_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar);
   return report;

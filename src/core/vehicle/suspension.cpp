@@ -6,8 +6,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kGravity = 9.81;
-
 double squared(double value) { return value * value; }
 
 }  // namespace
@@ -19,7 +17,8 @@ SuspensionAxis pitchAxis(const VehicleParameters& vehicle) {
   const double spring = (vehicle.spring_front_n_per_m * l_f2 + vehicle.spring_rear_n_per_m * l_r2) / 2.0;
   const double damper = (vehicle.damper_front_ns_per_m * l_f2 + vehicle.damper_rear_ns_per_m * l_r2) / 2.0;
   const double inertia = vehicle.inertia_y_kg_m2 + vehicle.mass_kg * squared(arm);
-  return {damper / inertia, (spring + vehicle.mass_kg * kGravity * arm) / inertia, vehicle.mass_kg * arm / inertia};
+  return {damper / inertia, (spring + vehicle.mass_kg * kGravity_mps2 * arm) / inertia,
+          vehicle.mass_kg * arm / inertia};
 }
 
 SuspensionAxis rollAxis(const VehicleParameters& vehicle) {
@@ -29,7 +28,8 @@ SuspensionAxis rollAxis(const VehicleParameters& vehicle) {
   const double spring = (vehicle.spring_front_n_per_m * t_f2 + vehicle.spring_rear_n_per_m * t_r2) / 2.0;
   const double damper = vehicle.damper_front_ns_per_m * t_f2 + vehicle.damper_rear_ns_per_m * t_r2;
   const double inertia = vehicle.inertia_x_kg_m2 + vehicle.mass_kg * squared(arm);
-  return {damper / inertia, (spring + vehicle.mass_kg * kGravity * arm) / inertia, vehicle.mass_kg * arm / inertia};
+  return {damper / inertia, (spring + vehicle.mass_kg * kGravity_mps2 * arm) / inertia,
+          vehicle.mass_kg * arm / inertia};
 }
 
 SuspensionState stepSuspensionLiteral(const SuspensionAxis& axis, const SuspensionState& start,

@@ -394,6 +394,13 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
             std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.rate_window_s = kNan; }).find("rate_window_s"), std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"), std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) { p.indicator.horizon_s = 30.0; }).find("predictor.horizon_s"),
+            std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) {
+              p.indicator.horizon_s = p.predictor.horizon_s = 10.0;
+            }).find("thresholds.degraded_s"),
+            std::string::npos)
+      << "it would be DEGRADED for ever";
 }
 
 TEST(FailAwareMonitor, ASweepThatComesTooLateTellsOfMissingOnes) {

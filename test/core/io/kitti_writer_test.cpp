@@ -76,6 +76,17 @@ TEST_F(KittiWriterTest, emptySweepsAndSweepsWithoutTimes) {
   EXPECT_EQ(directory.read(1, sweep).status, ReadStatus::kEmpty);
 }
 
+TEST_F(KittiWriterTest, sweepsWithoutRings) {
+  KittiWriter writer(folder_.string());
+  Sweep sweep = sweepAt(0.0);
+  sweep.rings.clear();
+  writer.add(sweep, Pose::Identity(), Pose::Identity(), 0.0);
+  writer.finish();
+  EXPECT_FALSE(fs::exists(folder_ / "rings"));
+  ASSERT_EQ(KittiDirectory::open(folder_.string()).read(0, sweep).status, ReadStatus::kOk);
+  EXPECT_TRUE(sweep.rings.empty());
+}
+
 TEST_F(KittiWriterTest, refusesAFolderWithScans) {
   KittiWriter first(folder_.string());
   first.add(sweepAt(0.0), Pose::Identity(), Pose::Identity(), 0.0);

@@ -1,7 +1,8 @@
 // From a time to failure and reasons to the state that the planner acts on. Pure functions, and the hysteresis.
 //
 // There are two times: the published time to failure, before which a failure is improbable, and the time to the alarm,
-// by which its probability is too large to go on (covariance_predictor.hpp's confidence and alarm_confidence).
+// by which its probability is too large to go on (covariance_predictor.hpp's confidence and alarm_confidence). Eta's time
+// to its threshold is in both: the earlier counts.
 //
 // state        condition (the first that holds)
 // FAILED       reason STALE, or the time to the alarm reached
@@ -9,7 +10,7 @@
 // UNKNOWN      time to the alarm unknown
 // DEGRADED     any of kDegradedReasons, or time to failure <= degraded_s
 // OK           otherwise
-// A time beyond the horizon counts as the horizon, so keep the horizon > degraded_s.
+// A time beyond the horizon counts as the horizon, which is longer than degraded_s (MonitorParameters).
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,7 @@ enum ReasonBit : std::uint32_t {
   kReasonMissingIcpPoint = 1u << 8,
   kReasonMissingIcpPlane = 1u << 9,
   kReasonMissingCorners = 1u << 10,   ///< usual away from buildings: information, does not degrade
-  kReasonEtaThreshold = 1u << 11,     ///< eta is past its threshold: explains, the time to failure decides
+  kReasonEtaThreshold = 1u << 11,     ///< eta is past its threshold: its time is 0, and so the state FAILED
   kReasonCovarianceLimit = 1u << 12,  ///< the confidence radius is past the alert limit; likewise
   kReasonFrozenCloud = 1u << 13,      ///< the sensor repeats itself
   kReasonTimeJump = 1u << 14,

@@ -39,8 +39,6 @@ enum class IndicatorStatus {
   kInvalid             ///< stamp or sigma not finite, sigma negative or absurd (> 1e6 rad)
 };
 
-const char* toString(IndicatorStatus status);
-
 class FailAwareIndicator {
  public:
   struct Params {

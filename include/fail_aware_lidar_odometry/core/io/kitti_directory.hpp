@@ -45,7 +45,6 @@ class KittiDirectory {
   const std::vector<std::string>& scanPaths() const { return scan_paths_; }
   const std::vector<double>& stamps() const { return stamps_s_; }
   bool hasPointTimes() const { return !stamps_folder_.empty(); }
-  bool hasRings() const { return !rings_folder_.empty(); }
 
   /// Scan i. Points that are not finite, or exactly (0, 0, 0) (no return), are dropped with their stamps and rings, and
   /// counted. Whatever the status, the sweep has its stamp; without points its arrays are empty.

@@ -6,8 +6,8 @@
 // predicted rotation in odom, which says what is vertical and, for N, what is longitudinal. Output: corners in the
 // points' frame.
 //
-// Beams: without ring numbers, a cell's beams are its distinct heights, in steps of height_step_m (ground gives one or
-// two however dense). Heights and rings are counted modulo 64.
+// Beams: a cell's beams are its distinct heights, in steps of height_step_m (ground gives one or two however dense),
+// counted modulo 64.
 // DBSCAN over every kept point is the article's (`cluster_cells` false). By default it runs over the cells' mean
 // points, each weighted with its count: the same clusters where gaps and density are clear of the thresholds by a
 // cell's size, at a twentieth of the cost. Every other step sees all points. A cluster may hold a row of houses: up to
@@ -78,10 +78,8 @@ class CornerExtractor {
 
   explicit CornerExtractor(const Params& params);
 
-  /// `rings`: empty, or the beam of each point. Not const: it reuses its buffers; each call's result depends on its
-  /// arguments alone.
-  std::vector<Corner> extract(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_odom_frame,
-                              const std::vector<std::uint16_t>& rings = {});
+  /// Not const: it reuses its buffers; each call's result depends on its arguments alone.
+  std::vector<Corner> extract(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_odom_frame);
 
  private:
   using Points = std::vector<Eigen::Vector3f>;
@@ -92,7 +90,7 @@ class CornerExtractor {
     Points inliers;
   };
 
-  void keepVerticalPoints(const Points& points, const std::vector<std::uint16_t>& rings);
+  void keepVerticalPoints(const Points& points);
   std::vector<Points> clusterKeptPoints() const;
   std::vector<Plane> findPlanes(Points cluster, const Eigen::Vector3d& up, std::uint32_t seed) const;
   bool makeCorner(const Plane& a, const Plane& b, const Eigen::Matrix3d& R_odom_frame, Corner& corner) const;

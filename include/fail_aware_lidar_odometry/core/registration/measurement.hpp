@@ -9,6 +9,11 @@
 
 namespace fail_aware {
 
+/// The three algorithms' names as sources of the fusion: in topics, messages, parameters and files.
+inline constexpr const char* kIcpPointToPoint = "icp_point_to_point";
+inline constexpr const char* kIcpPointToPlane = "icp_point_to_plane";
+inline constexpr const char* kCornerSvd = "corner_svd";
+
 enum class MeasurementStatus {
   kOk,            ///< pose and covariance may be used
   kNoReference,   ///< nothing to register against yet (first sweep, after a reset)

@@ -64,7 +64,6 @@ class DriveSimulation {
   /// False when the drive is over. `vehicles_around`: dense traffic (fault.hpp), 0 for none.
   bool next(SimulatedSweep& sweep, int vehicles_around = 0);
 
-  const VehicleDrive::State& vehicle() const;
   double time_s() const;  ///< of the next sweep's start
 
  private:

@@ -42,7 +42,6 @@ class ScenePlan {
   static ScenePlan parse(const std::string& text, double duration_s);
 
   SceneKind kindAt(double s_m) const;
-  const std::vector<ScenePart>& parts() const { return parts_; }
   /// The flattest of the parts': the hills are those of the whole drive.
   double grade() const;
 

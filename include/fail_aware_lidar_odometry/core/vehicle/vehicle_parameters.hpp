@@ -8,6 +8,8 @@
 
 namespace fail_aware {
 
+inline constexpr double kGravity_mps2 = 9.81;
+
 struct VehicleParameters {
   double mass_kg = 1750.0;                                ///< m
   double spring_front_n_per_m = 30800.0;                  ///< K_spring f

@@ -12,9 +12,9 @@
 
 namespace fail_aware {
 
-class SweepAccount {
+class CloudAnswers {
  public:
-  explicit SweepAccount(double patience_s = 10.0) : patience_s_(patience_s) {}
+  explicit CloudAnswers(double patience_s = 10.0) : patience_s_(patience_s) {}
 
   /// `stamp_ns` tells the sweeps apart.
   void cloud(std::uint64_t stamp_ns, double now_s) {
@@ -43,7 +43,6 @@ class SweepAccount {
   std::size_t odometries() const { return odometries_; }
   /// Given up, and still open.
   std::size_t unanswered() const { return unanswered_ + open_.size(); }
-  bool anyOpen() const { return !open_.empty(); }
   const std::vector<double>& latencies_s() const { return latencies_s_; }
 
  private:

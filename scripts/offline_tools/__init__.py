@@ -1,0 +1,23 @@
+"""The package's offline tools, for the scripts that call them."""
+import os
+import pathlib
+import shutil
+
+PACKAGE = "fail_aware_lidar_odometry"
+
+
+def find_tool(name, failure):
+    """Its path: beside the scripts (installed), in this tree's build, in the PATH. Otherwise raises failure(why)."""
+    scripts = pathlib.Path(__file__).resolve().parent.parent
+    for candidate in (scripts / name, scripts.parent / "build/workspace/devel/lib" / PACKAGE / name):
+        if os.access(candidate, os.X_OK):
+            return str(candidate)
+    found = shutil.which(name)
+    if not found:
+        raise failure(f"{name} not found; build first (scripts/build)")
+    return found
+
+
+def last_line(text):
+    lines = text.strip().splitlines()
+    return lines[-1] if lines else "no message"
