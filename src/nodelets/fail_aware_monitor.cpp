@@ -1,6 +1,7 @@
 // The fail-aware monitor in the live graph (core/fail_aware/monitor.hpp).
 // In: filter_state. Out: time_to_failure, one for every filter state and, when there is none for stale_sweeps periods,
-// FAILED (UNKNOWN if there never was one) with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each. Service: ~start_redundant.
+// FAILED (UNKNOWN if there never was one) with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each.
+// Service: ~start_redundant.
 // What silence means is measured on the clock of the graph: simulated time if that is used, otherwise the steady clock.
 #include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
 #include <nodelet/nodelet.h>
