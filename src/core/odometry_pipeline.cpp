@@ -174,7 +174,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   if (!filter.predict(sweep.stamp_s, prediction)) {
     ++refused;
     result.status = SweepStatus::kStampNotAdvancing;
-    result.state = filter.state();
+    result.state = exchanged(filter.state());
     result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
     return result;
   }

@@ -200,11 +200,12 @@ TEST(OdometryPipeline, AStampThatDoesNotAdvanceIsRefused) {
       EXPECT_FALSE(r.point.ok() || r.plane.ok() || r.corners.ok());
     }
   }
-  expectSame(expected, results, "refused sweeps leave no trace in the poses");
   EXPECT_EQ(results[5].condition.dropped_before, 0);
   EXPECT_EQ(results[6].condition.dropped_before, 3) << "as live, the next sweep tells of them";
   EXPECT_NE(results[6].monitor.reasons & kReasonDroppedSweeps, 0u);
   EXPECT_EQ(results[7].condition.dropped_before, 0);
+  results[6].monitor.reasons &= ~static_cast<std::uint32_t>(kReasonDroppedSweeps);
+  expectSame(expected, results, "refused sweeps leave no other trace");
 }
 
 TEST(OdometryPipeline, ARepeatedCloudCountsAsEmpty) {

@@ -347,10 +347,6 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     result.status = MeasurementStatus::kTooFewPoints;
     return result;
   }
-  if (result.weak_directions == 6) {
-    result.status = MeasurementStatus::kDegenerate;
-    return result;
-  }
   double spread2 = 0.0;
   for (const Pose& T : solutions) spread2 += (T.translation() - result.T_odom_cog.translation()).squaredNorm();
   spread2 /= static_cast<double>(solutions.size());

@@ -383,17 +383,6 @@ TEST(MultiplexIcp, alongACorridorNothingIsObserved) {
   EXPECT_LT(std::sqrt(literal.covariance(0, 0)), 0.05);
 }
 
-TEST(MultiplexIcp, whereNothingIsObservedItIsDegenerate) {
-  MultiplexIcp::Params params = testParams();
-  params.observability.min_information_share = 1.0;  // more than any direction has
-  const VoxelMap map = mapOf(sampleScene(corridor(), 100.0, kNoise_m, 1), Pose::Identity());
-  const Points points = seenFrom(sampleScene(corridor(), 4.0, kNoise_m, 2), Pose::Identity(), 30.0);
-  const Measurement m = MultiplexIcp(params).align(points, map, Pose::Identity(), covarianceOf(0.2, 0.1, 0.05, 0.5));
-  EXPECT_EQ(m.weak_directions, 6);
-  EXPECT_EQ(m.status, MeasurementStatus::kDegenerate);
-  expectUsable(m);
-}
-
 TEST(MultiplexIcp, aVehicleAheadIsNoProofOfAPlaceAlongACorridor) {
   Scene scene = corridor();
   addPost(scene, 15.0, 0.0, 1.8, 1.5);
