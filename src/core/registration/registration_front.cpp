@@ -45,6 +45,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   searched_sigma_m_ = 0.0;
   standing_pose_.reset();
   open_country_ = false;
+  turn_found_ = false;
   updateRelief(sweep, prediction, T_cog_lidar);
   if (!prepared_) return false;
   if (prediction.motion_known) {
@@ -197,7 +198,8 @@ void RegistrationFront::findTurn(double sigma_yaw_rad) {
   const double middle_s = cloud_.middle_s;
   const std::optional<Eigen::Vector3d> rate_rad_s = turn_search_.find(
       cloud_.plane_points_cog, cloud_.plane_times_s, middle_s, map(), T_odom_cog_start_, sigma_yaw_rad);
-  if (!rate_rad_s) return;
+  turn_found_ = rate_rad_s.has_value();
+  if (!turn_found_) return;
   Vector6d twist_cog = corrected_twist_cog_;
   twist_cog.tail<3>() += *rate_rad_s;
   recorrectFor(twist_cog, middle_s);
@@ -262,7 +264,10 @@ void RegistrationFront::place(const FilterState& state) {
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
   if (refine_correction_ && between_measured && state.dt_s > 0.0) {
-    recorrectFor(logSe3(state.T_previous_now) / state.dt_s, cloud_.middle_s);
+    Vector6d twist_cog = logSe3(state.T_previous_now) / state.dt_s;
+    // for another turn than the one it was measured with, map and measurement would lead each other astray
+    if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();
+    recorrectFor(twist_cog, cloud_.middle_s);
   }
   // a prediction's error would be in the map for good, and the sweeps after it register to it
   unplaced_sweeps_ = state.corrected || map().empty() ? 0 : unplaced_sweeps_ + 1;

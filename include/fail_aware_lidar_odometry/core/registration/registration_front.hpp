@@ -8,7 +8,7 @@
 // After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not
 // join it.
 // Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
-// measured.
+// measured, and keeps that turn when it joins the map.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards; a second later, another sweep is sweep 0.
 #pragma once
@@ -78,6 +78,7 @@ class RegistrationFront {
   Matrix6d start_covariance_ = Matrix6d::Identity();
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
+  bool turn_found_ = false;  ///< in the prepared sweep: it is corrected for that turn
   std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep
   std::optional<StandingPose> standing_pose_;      ///< likewise
   bool open_country_ = false;                      ///< of the prepared sweep: see standing_match.hpp
