@@ -4,8 +4,11 @@
 #include <cmath>
 #include <functional>
 #include <iomanip>
+#include <iterator>
+#include <limits>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include "fail_aware_lidar_odometry/core/evaluation/alarm_statistics.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/concordance.hpp"
@@ -24,6 +27,7 @@ namespace {
 using Predicted = std::optional<double>;
 
 constexpr double kIntervalLevel = 0.95;
+constexpr double kCoverageEdges_s[] = {0.0, 5.0, 20.0, std::numeric_limits<double>::infinity()};  // since t1
 const std::vector<double> kReliabilityEdges_s = {0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0};
 constexpr const char* kSources[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
 
@@ -228,6 +232,7 @@ Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const Repor
 
 Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::vector<FailAwareEpisode>& episodes) {
   std::vector<double> increments, horizontal_increments, accumulated;
+  std::vector<std::pair<double, double>> since_start;  // s, squared distance in standard deviations
   std::vector<std::vector<double>> innovations(3);
   for (const FailAwareRun* run : runs) {
     for (std::size_t i = 1; i < run->log.size(); ++i) {
@@ -246,7 +251,9 @@ Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::
     double next_s = 1.0;
     for (const FailAwareSweep& sweep : episode.sweeps) {
       if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
+      const std::size_t before = accumulated.size();
       addIfKnown(accumulated, sweep.error_m, sweep.output.covariance_since_start.topLeftCorner<2, 2>());
+      if (accumulated.size() > before) since_start.emplace_back(sweep.since_start_s, accumulated.back());
       next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
     }
   }
@@ -254,6 +261,14 @@ Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::
   json["increment"] = consistencyJson(increments, 6);
   json["increment_horizontal"] = consistencyJson(horizontal_increments, 3);
   json["accumulated_position"] = consistencyJson(accumulated, 2);
+  for (std::size_t e = 0; e + 1 < std::size(kCoverageEdges_s); ++e) {
+    std::vector<double> squared;
+    for (const auto& [time_s, value] : since_start) {
+      if (time_s >= kCoverageEdges_s[e] && time_s < kCoverageEdges_s[e + 1]) squared.push_back(value);
+    }
+    json["accumulated_position_since_t1"].push_back(
+        {{"from_s", kCoverageEdges_s[e]}, {"consistency", consistencyJson(squared, 2)}});
+  }
   for (std::size_t m = 0; m < innovations.size(); ++m) json["nis"][kSources[m]] = consistencyJson(innovations[m], 6);
   return json;
 }
