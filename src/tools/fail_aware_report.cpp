@@ -1,6 +1,7 @@
 #include "fail_aware_report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <iomanip>
@@ -233,7 +234,7 @@ Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const Repor
 Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::vector<FailAwareEpisode>& episodes) {
   std::vector<double> increments, horizontal_increments, accumulated;
   std::vector<std::pair<double, double>> since_start;  // s, squared distance in standard deviations
-  std::vector<std::vector<double>> innovations(3);
+  std::array<std::vector<double>, std::size(kSources)> innovations;
   for (const FailAwareRun* run : runs) {
     for (std::size_t i = 1; i < run->log.size(); ++i) {
       const FilterState& state = run->log[i].state;

@@ -1,15 +1,12 @@
 // A recorded run (offline_odometry's folder) with its ground truth: what the fail-aware tools start from.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace fail_aware {
 

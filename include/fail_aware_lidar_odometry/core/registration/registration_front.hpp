@@ -78,7 +78,7 @@ class RegistrationFront {
   Matrix6d start_covariance_ = Matrix6d::Identity();
   Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
   bool prepared_ = false;
-  bool turn_found_ = false;  ///< in the prepared sweep: it is corrected for that turn
+  bool turn_found_ = false;                        ///< in the prepared sweep: it is corrected for that turn
   std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep
   std::optional<StandingPose> standing_pose_;      ///< likewise
   bool open_country_ = false;                      ///< of the prepared sweep: see standing_match.hpp
