@@ -24,6 +24,7 @@ struct Options {
   FailAwareRunOptions runs;
   std::string output;
   FailureEpisode::Params episodes;
+  std::optional<double> alert_limit_m;
   std::optional<double> eta_failed_by;
   double eta_passed_by = 0.05;
   double late_share = 0.1;
@@ -44,12 +45,13 @@ std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, 
   return all;
 }
 
-int run(const Options& options) {
+int run(Options options) {
   if (options.eta_failed_by) requireWithin("--eta-failed-by", *options.eta_failed_by, 0.0, 1.0);
   requireWithin("--eta-passed-by", options.eta_passed_by, 0.0, 1.0);
   requireWithin("--late", options.late_share, 0.0, 1.0);
   requireWithin("--alarm", options.alarm_share, 0.0, 1.0);
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
+  options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   ParameterList list;
   const auto add = [&](const char* key, const std::optional<double>& value, const char* why_not) {
     if (value) list.emplace_back(key, *value);
@@ -110,8 +112,7 @@ int main(int argc, char** argv) {
     Options options;
     addRunOptions(app, options.runs);
     app.add_option("--output", options.output, "yaml file with the fitted parameters, for --parameters");
-    app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that is a failure, m")
-        ->capture_default_str();
+    addAlertLimitOption(app, options.alert_limit_m);
     app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
         ->capture_default_str();
     app.add_option("--eta-passed-by", options.eta_passed_by,

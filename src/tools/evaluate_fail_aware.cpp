@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_report.hpp"
 #include "fail_aware_run.hpp"
 #include "json.hpp"
@@ -25,15 +25,14 @@ struct Options {
   FailAwareRunOptions runs;
   std::string output;
   FailureEpisode::Params episodes;
-  double alert_limit_m = 0.0;  ///< 0: the runs'
+  std::optional<double> alert_limit_m;
   ReportOptions report;
 };
 
 void addOptions(CLI::App& app, Options& options) {
   addRunOptions(app, options.runs);
   app.add_option("--output", options.output, "folder for fail_aware.json, predictions.csv and the plots");
-  app.add_option("--alert-limit", options.alert_limit_m,
-                 "horizontal error that is a failure, m (default: what the runs had)");
+  addAlertLimitOption(app, options.alert_limit_m);
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")->capture_default_str();
   app.add_option("--early", options.report.early_s, "an alarm more than this before a failure is a false one, s")
       ->capture_default_str();
@@ -43,19 +42,10 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--seed", options.report.seed, "of the bootstrap")->capture_default_str();
 }
 
-double alertLimitOf(const std::vector<FailAwareRun>& runs) {
-  const auto of = [](const FailAwareRun& run) { return run.params.profile.monitor.predictor.alert_limit_m; };
-  for (const FailAwareRun& run : runs) {
-    if (of(run) == of(runs.front())) continue;
-    throw InputError(run.name + ": its alert limit is not that of " + runs.front().name + "; say --alert-limit");
-  }
-  return of(runs.front());
-}
-
 int run(Options options) {
   requirePositive("--early", options.report.early_s);
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
-  options.episodes.alert_limit_m = options.alert_limit_m != 0.0 ? options.alert_limit_m : alertLimitOf(runs);
+  options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   const fs::path folder = options.output;
   if (!folder.empty()) makeResultFolder(folder);
 

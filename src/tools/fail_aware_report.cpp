@@ -254,7 +254,9 @@ Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::
       if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
       const std::size_t before = accumulated.size();
       addIfKnown(accumulated, sweep.error_m, sweep.output.covariance_since_start.topLeftCorner<2, 2>());
-      if (accumulated.size() > before) since_start.emplace_back(sweep.since_start_s, accumulated.back());
+      if (accumulated.size() > before) {
+        since_start.emplace_back(sweep.since_start_s + kStartTolerance_s, accumulated.back());
+      }
       next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
     }
   }

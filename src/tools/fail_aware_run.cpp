@@ -60,4 +60,20 @@ std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
   return runs;
 }
 
+void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m) {
+  app.add_option("--alert-limit", alert_limit_m,
+                 "horizontal error that is a failure, m (default: that of the monitor, "
+                 "monitor.predictor.alert_limit_m of the runs or of --set)");
+}
+
+double alertLimitOf(const std::vector<FailAwareRun>& runs, const std::optional<double>& given_m) {
+  if (given_m) return *given_m;
+  const auto limitOf = [](const FailAwareRun& run) { return run.params.profile.monitor.predictor.alert_limit_m; };
+  for (const FailAwareRun& run : runs) {
+    if (limitOf(run) == limitOf(runs.front())) continue;
+    throw InputError(run.name + ": its alert limit is not that of " + runs.front().name + "; say --alert-limit");
+  }
+  return limitOf(runs.front());
+}
+
 }  // namespace fail_aware

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,10 @@ void addRunOptions(CLI::App& app, FailAwareRunOptions& options);
 /// The n-th ground truth belongs to the n-th run. The monitor's parameters are those of the runs, changed by
 /// `parameters` (a yaml file that may name some keys only) and `set`. Throws InputError, ParameterError.
 std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options);
+
+/// --alert-limit: what counts as a failure where it is given; otherwise the limit of the monitor that is replayed.
+void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m);
+/// Throws InputError if the runs' limits differ and none is given.
+double alertLimitOf(const std::vector<FailAwareRun>& runs, const std::optional<double>& given_m);
 
 }  // namespace fail_aware

@@ -93,6 +93,27 @@ TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
   EXPECT_NEAR(json["modest"]["consistency"]["increment_horizontal"]["mean_per_dof"].get<double>(), 0.25, 0.02);
 }
 
+TEST_F(EvaluateFailAware, AFailureIsWhatTheRunsLimitSays) {
+  MadeUpRun made_up;
+  made_up.drift_m = 0.0101;
+  PipelineParameters wide;
+  wide.profile.monitor.predictor.alert_limit_m = 50.0;
+  made_up.write(folder_ / "wide", wide);
+  made_up.write(folder_ / "usual");
+  const std::string output = " --resamples 1 --output '" + (folder_ / "result").string() + "'";
+  run(options("wide") + output);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(report()["wide"]["failing"], 0);
+  EXPECT_EQ(report()["wide"]["alert_limit_m"], 50.0);
+  run(options("wide") + output + " --alert-limit 0.6");
+  EXPECT_EQ(report()["wide"]["failing"], 7);
+  const nlohmann::json since_t1 = report()["wide"]["consistency"]["accumulated_position_since_t1"];
+  ASSERT_EQ(since_t1.size(), 3u);
+  EXPECT_EQ(since_t1[1]["from_s"], 5.0);
+  EXPECT_GT(since_t1[1]["consistency"]["samples"].get<int>(), 0);
+  expectRefused(options("usual") + options("wide"), "--alert-limit");
+}
+
 TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   MadeUpRun made_up;
   made_up.drift_m = 0.0101;
@@ -120,6 +141,7 @@ TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
   expectRefused(options("absent"), "monitor_log.csv: cannot be read");
   expectRefused(options("run") + " --set monitor.nonsense=1", "monitor.nonsense");
   expectRefused(options("run") + " --alert-limit -1", "alert_limit_m");
+  expectRefused(options("run") + " --alert-limit 0", "alert_limit_m");
   expectRefused(options("run") + " --resamples 0", "--resamples");
   std::ofstream(folder_ / "short.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n";
   expectRefused("--ground-truth '" + (folder_ / "short.txt").string() + "' --run '" + (folder_ / "run").string() + "'",

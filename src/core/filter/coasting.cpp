@@ -9,8 +9,6 @@
 
 namespace fail_aware {
 
-namespace {}  // namespace
-
 void Coasting::Params::validate() const {
   requirePositive("observed_sigma_m", observed_sigma_m);
   requirePositive("observed_sigma_deg", observed_sigma_deg);

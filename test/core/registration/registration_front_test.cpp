@@ -108,7 +108,7 @@ TEST(RegistrationFront, startsAtThePredictionOnceMotionIsKnown) {
 TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
   SyntheticDrive drive = curve();
   drive.points_per_m2 = 20.0;
-  double distances_m[2];
+  double distances_m[2], placed_m[2];
   for (const bool search_turn : {false, true}) {
     RegistrationFront front = makeFront(true, 500, search_turn);
     SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
@@ -127,9 +127,15 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
     prediction = predictionOf(0.1, 0.1, Pose::Identity(), expSe3(0.1 * slower), true);
     ASSERT_TRUE(front.prepare(sweep, prediction, drive.T_cog_lidar));
     distances_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
+    // another turn that the filter makes of it bends the sweep anew only where none was found in it
+    const Pose wrong = expSe3(0.1 * slower) * expSe3((Vector6d() << 0, 0, 0, 0, 0, -0.03).finished());
+    front.place(stateOf(prediction, wrong, true));
+    placed_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
   }
   EXPECT_GT(distances_m[false], 1.5 * kStraight_m);
   EXPECT_LT(distances_m[true], 0.7 * distances_m[false]);
+  EXPECT_GT(placed_m[false], 1.3 * distances_m[false]);
+  EXPECT_LT(placed_m[true], 1.1 * distances_m[true]) << "it joins the map with the turn that it was measured with";
 }
 
 /// A field with five posts, `way_m` along it, and scan lines, which travel with the sensor.
