@@ -174,8 +174,8 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   if (!filter.predict(sweep.stamp_s, prediction)) {
     ++refused;
     result.status = SweepStatus::kStampNotAdvancing;
-    result.state = exchanged(filter.state());
-    result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
+    result.state = exchanged(last);
+    result.T_odom_base = last.T_odom_cog * T_base_cog.inverse();
     return result;
   }
   prediction = exchanged(prediction);
@@ -186,9 +186,10 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   measure(prediction, result);
   stage.lapMs();
   const bool first = prediction.dt_s <= 0.0;
-  result.state = exchanged(filter.correct(
-      {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}}, middle_s));
-  result.T_odom_base = result.state.T_odom_cog * T_base_cog.inverse();
+  const FilterState& state = filter.correct(
+      {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}}, middle_s);
+  result.state = exchanged(state);
+  result.T_odom_base = state.T_odom_cog * T_base_cog.inverse();
   result.status = first                    ? SweepStatus::kFirst
                   : result.state.corrected ? SweepStatus::kCorrected
                                            : SweepStatus::kPredicted;
