@@ -2,11 +2,16 @@
 import os
 import pathlib
 import shutil
+import sys
 
 PACKAGE = "fail_aware_lidar_odometry"
 
 
-def find_tool(name, failure):
+def end_of_script(why):
+    return SystemExit(f"{os.path.basename(sys.argv[0])}: error: {why}")
+
+
+def find_tool(name, failure=end_of_script):
     """Its path: beside the scripts (installed), in this tree's build, in the PATH. Otherwise raises failure(why)."""
     scripts = pathlib.Path(__file__).resolve().parent.parent
     for candidate in (scripts / name, scripts.parent / "build/workspace/devel/lib" / PACKAGE / name):

@@ -29,6 +29,16 @@ void writeText(const fs::path& path, const std::string& text) {
   if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
 }
 
+// From the first sweep on that has a value for each of its points.
+template <class Value>
+void writeSideFile(const fs::path& folder, const std::string& name, const std::vector<Value>& values,
+                   std::size_t points) {
+  const bool of_points = values.size() == points && points > 0;
+  if (!of_points && !fs::exists(folder)) return;
+  fs::create_directories(folder);
+  writeArray(folder / name, values);
+}
+
 }  // namespace
 
 KittiWriter::KittiWriter(const std::string& directory) : directory_(directory) {
@@ -52,16 +62,8 @@ void KittiWriter::add(const Sweep& sweep, const Pose& T_world_lidar, const Pose&
     points.insert(points.end(), {p.x(), p.y(), p.z(), sweep.intensities.empty() ? 0.0f : sweep.intensities[i]});
   }
   writeArray(root / "velodyne" / (std::string(name) + ".bin"), points);
-  const bool has_times = sweep.times_s.size() == sweep.size() && !sweep.empty();
-  if (has_times || fs::exists(root / "stamps")) {
-    fs::create_directories(root / "stamps");
-    writeArray(root / "stamps" / (std::string(name) + ".f32"), sweep.times_s);
-  }
-  const bool has_rings = sweep.rings.size() == sweep.size() && !sweep.empty();
-  if (has_rings || fs::exists(root / "rings")) {
-    fs::create_directories(root / "rings");
-    writeArray(root / "rings" / (std::string(name) + ".u16"), sweep.rings);
-  }
+  writeSideFile(root / "stamps", std::string(name) + ".f32", sweep.times_s, sweep.size());
+  writeSideFile(root / "rings", std::string(name) + ".u16", sweep.rings, sweep.size());
   stamps_s_.push_back(sweep.stamp_s);
   lidar_poses_.push_back(T_world_lidar);
   base_poses_.push_back({true_stamp_s, T_world_base});
