@@ -243,6 +243,7 @@ messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorPara
   message.sigma_yaw = output.sigma_yaw_rad;
   message.sigma_x = output.sigma_x_m;
   message.sigma_y = output.sigma_y_m;
+  message.protection_level = output.protection_level_m;
   if (output.t1_stamp_s > 0.0) message.t1.fromSec(output.t1_stamp_s);
   message.eta_threshold = params.indicator.threshold;
   message.alert_limit = params.predictor.alert_limit_m;

@@ -38,11 +38,9 @@ struct Predictor {
   std::function<TimeToFailure(const MonitorOutput&)> seconds;  ///< empty: it gives no time, only an order
 };
 
-Predicted secondsOf(const TimeToFailure& time) { return time.isKnown() ? Predicted(time.seconds) : std::nullopt; }
-
 const std::vector<Predictor>& predictors() {
   const auto timed = [](const char* name, TimeToFailure MonitorOutput::*member) {
-    return Predictor{name, [member](const FailAwareSweep& s) { return secondsOf(s.output.*member); },
+    return Predictor{name, [member](const FailAwareSweep& s) { return failureOrder(s.output.*member, s.output); },
                      [member](const MonitorOutput& o) { return o.*member; }};
   };
   static const std::vector<Predictor> list = {

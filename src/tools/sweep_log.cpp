@@ -37,7 +37,7 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   monitor_log_ << monitorLogHeader() << '\n';
   out_
       << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-         "sigma_yaw,sigma_x,sigma_y,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
+         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
          "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference";
   for (const char* name : {"point", "plane", "corners"}) {
     for (const char* column : {"status", "iterations", "inlier_share", "rms_m", "weak_directions"}) {
@@ -54,7 +54,7 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
        << toString(r.status) << ',' << toString(m.state) << ',' << reasonText(m.reasons) << ','
        << m.time_to_failure.seconds << ',' << m.time_to_failure_indicator.seconds << ','
        << m.time_to_failure_covariance.seconds << ',' << m.eta << ',' << m.eta_rate_per_s << ',' << m.sigma_yaw_rad
-       << ',' << m.sigma_x_m << ',' << m.sigma_y_m;
+       << ',' << m.sigma_x_m << ',' << m.sigma_y_m << ',' << m.protection_level_m;
   const std::vector<double>& w = r.state.fusion.weights;
   const std::vector<double>& nis = r.state.fusion.nis;
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < w.size() ? w[i] : 0.0);

@@ -232,14 +232,17 @@ TEST(GraphMessages, timesToFailureAreNeverMistaken) {
   messages::TimeToFailure message = toMessage(output, params, someHeader());
   EXPECT_TRUE(message.t1.isZero());
   EXPECT_EQ(message.time_to_failure, -1.0);
+  EXPECT_EQ(message.protection_level, -1.0);
   EXPECT_EQ(message.state, messages::TimeToFailure::UNKNOWN);
   output.time_to_failure = TimeToFailure::fromSeconds(std::numeric_limits<double>::infinity(), 60.0);
   output.reasons = kReasonStale;
   output.t1_stamp_s = 12.5;
+  output.protection_level_m = 0.75;
   message = toMessage(output, params, someHeader());
   EXPECT_EQ(message.time_to_failure, message.horizon);
   EXPECT_EQ(message.reasons_text, "STALE");
   EXPECT_EQ(message.t1.toSec(), 12.5);
+  EXPECT_EQ(message.protection_level, 0.75);
   EXPECT_EQ(message.eta_threshold, params.indicator.threshold);
   EXPECT_EQ(message.alert_limit, params.predictor.alert_limit_m);
 }

@@ -106,6 +106,8 @@ void monitor(FieldSource& source) {
     checkTime(out.time_to_failure_covariance, out.horizon);
     promise(std::isfinite(out.eta) && std::isfinite(out.eta_rate) && std::isfinite(out.sigma_yaw), "eta is finite");
     promise(std::isfinite(out.sigma_x) && std::isfinite(out.sigma_y), "sigmas are finite");
+    promise(std::isfinite(out.protection_level) && (out.protection_level == -1.0 || out.protection_level >= 0.0),
+            "a protection level in its range");
   }
 }
 

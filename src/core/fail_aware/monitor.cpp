@@ -127,6 +127,12 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
   return growth;
 }
 
+std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutput& output) {
+  if (!time.isKnown()) return std::nullopt;
+  if (time.status != TimeToFailureStatus::kReached) return time.seconds;
+  return -std::max(0.0, output.protection_level_m);
+}
+
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   if (has_previous_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();

@@ -15,6 +15,7 @@ constexpr double kFineStep = 0.25;          // of the search for the first motio
 constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
+constexpr int kMaxLostSweeps = 100;         // then nothing of it is worth keeping, and it would fill with what does not fit
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
 
 }  // namespace
@@ -278,6 +279,7 @@ void RegistrationFront::place(const FilterState& state) {
     first_cloud_ = cloud_;
     T_odom_cog_first_ = state.T_odom_cog;
   }
+  if (unplaced_sweeps_ > kMaxLostSweeps && !cloud_.map_points_cog.empty()) reference_.clear();
   reference_.add(cloud_.map_points_cog, state.T_odom_cog);
   keepStanding(state);
 }

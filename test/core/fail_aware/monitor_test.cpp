@@ -212,6 +212,23 @@ TEST(FailAwareMonitor, EtaGrowsWithAnUnsteadyHeadingSigmaAndReachesItsThreshold)
   EXPECT_EQ(output.state, FailAwareState::kFailed);
 }
 
+TEST(FailAwareMonitor, WhatHasReachedItsTimeIsOrderedByTheProtectionLevel) {
+  MonitorOutput near, far;
+  near.time_to_failure = far.time_to_failure = TimeToFailure::reached();
+  near.protection_level_m = 0.7;
+  far.protection_level_m = 2.0;
+  const auto order = [](const MonitorOutput& output) { return failureOrder(output.time_to_failure, output); };
+  EXPECT_GT(order(near), order(far));
+  MonitorOutput later;
+  EXPECT_FALSE(order(later)) << "unknown";
+  later.time_to_failure = TimeToFailure::fromSeconds(0.5, 60.0);
+  later.protection_level_m = 5.0;
+  EXPECT_EQ(order(later), 0.5) << "a time that is not reached is the order, whatever the level";
+  EXPECT_GT(order(later), order(near));
+  near.protection_level_m = -1.0;
+  EXPECT_EQ(order(near), 0.0) << "reached by eta, the level unknown";
+}
+
 TEST(FailAwareMonitor, EachConditionHasItsReason) {
   struct Case {
     const char* name;

@@ -363,6 +363,29 @@ TEST(RegistrationFront, aSweepThatCouldNotBeRegisteredDoesNotJoinTheMapAtOnce) {
   EXPECT_GT(front.map().points().size(), points) << "the map would be out of sight";
 }
 
+TEST(RegistrationFront, whereNothingIsRegisteredForLongTheMapDoesNotFill) {
+  RegistrationFront front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  const CorrectedSweep sweep = drive.sweep(0.1, 2);
+  Pose T = drive.pose(0.1);
+  std::vector<std::size_t> points;
+  for (int i = 1; i <= 130; ++i) {
+    const Pose before = T;
+    T = before * poseOf(3.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    const SweepPrediction prediction = predictionOf(0.1 * i, 0.1, before, poseOf(3.0, 0.0, 0.0, 0.0, 0.0, 0.0), true);
+    ASSERT_TRUE(front.prepare(sweep, prediction, drive.T_cog_lidar));
+    front.place(stateOf(prediction, T, false));
+    points.push_back(front.map().points().size());
+  }
+  EXPECT_GT(points[50], points[0]);
+  EXPECT_LT(points[129], points[50]) << "one sweep is left";
+  EXPECT_GT(points[129], 0u);
+  ASSERT_FALSE(front.prepare(CorrectedSweep(), predictionOf(13.1, 0.1, T, Pose::Identity(), true), Pose::Identity()));
+  front.place(stateOf(predictionOf(13.1, 0.1, T, Pose::Identity(), true), T, false));
+  EXPECT_EQ(front.map().points().size(), points[129]) << "a sweep without points does not take its place";
+}
+
 TEST(RegistrationFront, afterAResetTheNextSweepIsTheFirst) {
   RegistrationFront front = makeFront(true);
   const SyntheticDrive drive = curve();

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
@@ -88,6 +89,10 @@ struct MonitorOutput {
   Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
   double protection_level_m = -1.0;  ///< bounds the horizontal error, with the predictor's confidence; -1: unknown
 };
+
+/// Orders outputs, larger: later. The time (s); where it is 0, which orders no further, minus the protection level (m).
+/// nullopt: unknown. `time`: one of the output's.
+std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutput& output);
 
 class FailAwareMonitor {
  public:
