@@ -288,8 +288,8 @@ TEST_F(OfflineOdometry, TheMonitorsLogReplaysToTheSameOutputForAnyStart) {
       expectSame("time_to_failure_covariance", m.time_to_failure_covariance.seconds);
       expectSame("eta", m.eta);
       expectSame("sigma_x", m.sigma_x_m);
-      expectSame("sigma_y",
-                                            "protection_level", m.sigma_y_m);
+      expectSame("sigma_y", m.sigma_y_m);
+      expectSame("protection_level", m.protection_level_m);
     }
   }
 }
