@@ -103,6 +103,12 @@ class Layout {
     }
   }
 
+  std::uint16_t ringAt(const std::uint8_t* point) const {
+    const double number = ring.at(point);
+    const bool valid = number >= 0.0 && number <= std::numeric_limits<std::uint16_t>::max();
+    return valid ? static_cast<std::uint16_t>(number) : 0;
+  }
+
   Field x, y, z, intensity, ring, time;
 
  private:
@@ -150,19 +156,23 @@ void clear(Sweep& sweep) {
   sweep.points_dropped = 0;
 }
 
-/// One row of `count` points with these FLOAT32 fields, one after the other; data not filled in.
-void layOut(std::initializer_list<const char*> names, std::size_t count, sensor_msgs::PointCloud2& cloud) {
+void addField(const char* name, std::uint8_t datatype, sensor_msgs::PointCloud2& cloud) {
+  PointField field;
+  field.name = name;
+  field.offset = cloud.point_step;
+  field.datatype = datatype;
+  field.count = 1;
+  cloud.fields.push_back(field);
+  cloud.point_step += static_cast<std::uint32_t>(sizeof(float));  // whatever it is: what follows stays aligned
+}
+
+/// One row of `count` points with these FLOAT32 fields, one after the other, and maybe UINT16 `ring`; data not filled in.
+void layOut(std::initializer_list<const char*> names, bool with_ring, std::size_t count,
+            sensor_msgs::PointCloud2& cloud) {
   cloud.fields.clear();
   cloud.point_step = 0;
-  for (const char* name : names) {
-    PointField field;
-    field.name = name;
-    field.offset = cloud.point_step;
-    field.datatype = PointField::FLOAT32;
-    field.count = 1;
-    cloud.fields.push_back(field);
-    cloud.point_step += static_cast<std::uint32_t>(sizeof(float));
-  }
+  for (const char* name : names) addField(name, PointField::FLOAT32, cloud);
+  if (with_ring) addField("ring", PointField::UINT16, cloud);
   cloud.is_bigendian = false;
   cloud.is_dense = true;
   cloud.height = 1;
@@ -196,11 +206,7 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
     }
     sweep.points_lidar.push_back(p);
     if (layout.intensity) sweep.intensities.push_back(static_cast<float>(layout.intensity.at(point)));
-    if (layout.ring) {
-      const double ring = layout.ring.at(point);
-      const bool valid = ring >= 0.0 && ring <= std::numeric_limits<std::uint16_t>::max();
-      sweep.rings.push_back(valid ? static_cast<std::uint16_t>(ring) : 0);
-    }
+    if (layout.ring) sweep.rings.push_back(layout.ringAt(point));
     if (layout.time) {
       double time_s = time_unit_s * layout.time.at(point);
       if (layout.time.datatype == PointField::FLOAT64 && std::abs(time_s) > kAbsolute_s) time_s -= sweep.stamp_s;
@@ -213,7 +219,8 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
 
 void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensities, sensor_msgs::PointCloud2& cloud) {
   const std::size_t count = sweep.points_lidar.size();
-  layOut({"x", "y", "z", "intensity", "time"}, count, cloud);
+  const bool has_ring = sweep.rings.size() == count;
+  layOut({"x", "y", "z", "intensity", "time"}, has_ring, count, cloud);
   const bool has_intensity = intensities.size() == count, has_time = sweep.times_s.size() == count;
   std::uint8_t* out = cloud.data.data();
   for (std::size_t i = 0; i < count; ++i, out += cloud.point_step) {
@@ -221,11 +228,12 @@ void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensiti
     const float values[] = {p.x(), p.y(), p.z(), has_intensity ? intensities[i] : 0.0f,
                             has_time ? sweep.times_s[i] : 0.0f};
     std::memcpy(out, values, sizeof values);
+    if (has_ring) std::memcpy(out + sizeof values, &sweep.rings[i], sizeof(std::uint16_t));
   }
 }
 
 void writePoints(const std::vector<Eigen::Vector3d>& points, sensor_msgs::PointCloud2& cloud) {
-  layOut({"x", "y", "z"}, points.size(), cloud);
+  layOut({"x", "y", "z"}, false, points.size(), cloud);
   std::uint8_t* out = cloud.data.data();
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3f p = point.cast<float>();
@@ -238,9 +246,11 @@ CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, Correc
   sweep.stamp_s = cloud.header.stamp.toSec();
   sweep.points_lidar.clear();
   sweep.times_s.clear();
+  sweep.rings.clear();
   const Layout layout(cloud);
   if (!layout.result().ok()) return layout.result();
   sweep.points_lidar.reserve(layout.count());
+  if (layout.ring) sweep.rings.reserve(layout.count());
   if (layout.time) sweep.times_s.reserve(layout.count());
   bool timed = false;
   layout.forEachPoint([&](const std::uint8_t* point) {
@@ -249,6 +259,7 @@ CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, Correc
     const float time_s = layout.time ? static_cast<float>(layout.time.at(point)) : 0.0f;
     if (!p.allFinite() || !std::isfinite(time_s)) return;
     sweep.points_lidar.push_back(p);
+    if (layout.ring) sweep.rings.push_back(layout.ringAt(point));
     if (!layout.time) return;
     timed = timed || time_s != 0.0f;
     sweep.times_s.push_back(time_s);

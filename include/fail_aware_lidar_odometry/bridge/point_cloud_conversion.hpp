@@ -33,7 +33,7 @@ struct CloudReadResult {
 /// `sweep` is overwritten, its arrays' memory reused; the stamp is set in any case.
 CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep);
 
-/// x y z intensity time, FLOAT32, point_step 20. `intensities`: one a point, or empty (then 0). Times: relative to the
+/// x y z intensity time, FLOAT32, point_step 20; where the sweep has rings also ring, UINT16, point_step 24. `intensities`: one a point, or empty (then 0). Times: relative to the
 /// stamp. Header left to the caller.
 void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensities, sensor_msgs::PointCloud2& cloud);
 

@@ -9,6 +9,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr float kMinCorrected_m = 1.0f;  // of the range; nearer, an offset would be a large share of it
+
 void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& times,
             const std::vector<std::uint32_t>& indices, std::vector<Eigen::Vector3f>& out_points,
             std::vector<float>& out_times) {
@@ -17,6 +19,16 @@ void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>
   for (const std::uint32_t i : indices) out_points.push_back(points[i]);
   if (times.empty()) return;
   for (const std::uint32_t i : indices) out_times.push_back(times[i]);
+}
+
+void correctRanges(const std::vector<std::uint16_t>& rings, const std::vector<std::uint32_t>& indices,
+                   const std::vector<float>& too_far_m, std::vector<Eigen::Vector3f>& points_lidar) {
+  if (too_far_m.empty()) return;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const std::uint16_t ring = rings[indices[i]];
+    const float range_m = points_lidar[i].norm();
+    if (ring < too_far_m.size() && range_m > kMinCorrected_m) points_lidar[i] *= 1.0f - too_far_m[ring] / range_m;
+  }
 }
 
 double middleOf(const std::vector<float>& times_s) {
@@ -53,11 +65,14 @@ void RegistrationCloudBuilder::Params::validate() const {
 
 RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params) : params_(params) { params_.validate(); }
 
-void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud) {
+void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
+                                     const std::vector<float>& too_far_m) {
   cloud.stamp_s = sweep.stamp_s;
   of_sweep_ = filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m);
   gather(sweep.points_lidar, sweep.times_s, of_sweep_, cloud.map_points_cog, cloud.map_times_s);
   cloud.middle_s = middleOf(cloud.map_times_s);
+  const bool has_rings = sweep.rings.size() == sweep.points_lidar.size();
+  if (has_rings) correctRanges(sweep.rings, of_sweep_, too_far_m, cloud.map_points_cog);
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
   const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
   for (Eigen::Vector3f& p : cloud.map_points_cog) p = (R * p + t).eval();
@@ -71,6 +86,10 @@ void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_
   };
   gather(cloud.map_points_cog, cloud.map_times_s, thinned(params_.plane_voxel_m), cloud.plane_points_cog,
          cloud.plane_times_s);
+  cloud.plane_rings.clear();
+  if (has_rings) {
+    for (const std::uint32_t i : chosen_) cloud.plane_rings.push_back(sweep.rings[of_sweep_[i]]);
+  }
   gather(cloud.map_points_cog, cloud.map_times_s, thinned(params_.point_voxel_m), cloud.point_points_cog,
          cloud.point_times_s);
 }

@@ -27,13 +27,15 @@ RegistrationFront::RegistrationFront(const RegistrationParameters& params)
       initialization_(params.initialization),
       relief_(params.relief),
       turn_search_(params.turn_search, params.plane),
+      beam_ranges_(params.beam_ranges, params.plane),
       standing_(params.standing, params.plane),
       refine_correction_(params.refine_correction) {}
 
 bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                 const Pose& T_cog_lidar) {
   enterOdom(prediction.odom_epoch);
-  builder_.build(sweep, T_cog_lidar, cloud_);
+  builder_.build(sweep, T_cog_lidar, cloud_, beam_ranges_.offsets_m());
+  lidar_in_cog_ = T_cog_lidar.translation();
   T_odom_cog_start_ = prediction.T_odom_cog;
   start_covariance_ = prediction.covariance;
   prepared_ = static_cast<int>(cloud_.map_points_cog.size()) >= builder_.params().min_points;
@@ -270,6 +272,9 @@ void RegistrationFront::place(const FilterState& state) {
     if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();
     recorrectFor(twist_cog, cloud_.middle_s);
   }
+  if (state.corrected && between_measured) {
+    beam_ranges_.observe(cloud_.plane_points_cog, cloud_.plane_rings, lidar_in_cog_, map(), state.T_odom_cog);
+  }
   // a prediction's error would be in the map for good, and the sweeps after it register to it
   unplaced_sweeps_ = state.corrected || map().empty() ? 0 : unplaced_sweeps_ + 1;
   if (unplaced_sweeps_ > 0 && unplaced_sweeps_ <= kMaxUnplacedSweeps) return;
@@ -296,6 +301,7 @@ void RegistrationFront::reset() {
   reference_.clear();
   initialization_.reset();
   relief_.clear();
+  beam_ranges_.reset();
   standing_.clear();
   nearly_open_ = true;
   relief_speed_.reset();

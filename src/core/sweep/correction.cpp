@@ -93,6 +93,7 @@ CorrectionResult SweepCorrection::correct(const Sweep& sweep, const std::vector<
   const std::vector<float>& times_s = times_relative_to_stamp_s;
   CorrectionResult result;
   out.stamp_s = sweep.stamp_s;
+  out.rings = sweep.rings;
   if (!params_.enabled || times_s.empty()) {
     result.status = CorrectionStatus::kOff;
   } else if (times_s.size() != sweep.size() || !asArray(times_s).allFinite()) {

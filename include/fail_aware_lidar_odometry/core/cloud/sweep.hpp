@@ -27,10 +27,12 @@ struct CorrectedSweep {
   double stamp_s = 0.0;
   std::vector<Eigen::Vector3f> points_lidar;  ///< m, sensor frame at the stamp
   std::vector<float> times_s;                 ///< s relative to the stamp; empty: all zero (no timing)
+  std::vector<std::uint16_t> rings;           ///< as in Sweep; empty: unknown
 
   void clear() {
     points_lidar.clear();
     times_s.clear();
+    rings.clear();
   }
 };
 

@@ -21,6 +21,7 @@ struct RegistrationCloud {
   std::vector<float> map_times_s;  ///< relative to the stamp; empty: no timing
   std::vector<Eigen::Vector3f> plane_points_cog;
   std::vector<float> plane_times_s;
+  std::vector<std::uint16_t> plane_rings;  ///< empty: unknown
   std::vector<Eigen::Vector3f> point_points_cog;
   std::vector<float> point_times_s;
 
@@ -54,7 +55,9 @@ class RegistrationCloudBuilder {
   explicit RegistrationCloudBuilder(const Params& params);
 
   /// `cloud` is reused: no allocation once its arrays have grown.
-  void build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud);
+  /// too_far_m: to be taken from each range, by ring (beam_ranges.hpp).
+  void build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
+             const std::vector<float>& too_far_m = {});
 
   const Params& params() const { return params_; }
 

@@ -8,7 +8,8 @@
 // After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not
 // join it.
 // Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
-// measured, and keeps that turn when it joins the map.
+// measured, and keeps that turn when it joins the map. Its ranges are corrected for what the beams were found to be off
+// by (beam_ranges.hpp).
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards; a second later, another sweep is sweep 0.
 #pragma once
@@ -65,6 +66,7 @@ class RegistrationFront {
   MotionInitialization initialization_;
   RoadRelief relief_;
   TurnSearch turn_search_;
+  BeamRanges beam_ranges_;
   StandingMatch standing_;
   bool refine_correction_;
   RegistrationCloud cloud_;
@@ -84,6 +86,7 @@ class RegistrationFront {
   bool open_country_ = false;                      ///< of the prepared sweep: see standing_match.hpp
   bool nearly_open_ = true;                        ///< the last one's planes told little: what stands in it is kept
   double searched_sigma_m_ = 0.0;                  ///< of the start pose, if the search gave it; else 0
+  Eigen::Vector3d lidar_in_cog_ = Eigen::Vector3d::Zero();
   Pose T_odom_cog_previous_ = Pose::Identity();
   double dt_s_ = 0.0;
   bool speed_observed_ = false;   ///< the filter does not coast

@@ -1,6 +1,7 @@
 // The parameters of the three measurements and of what they share: the branch `registration` of the parameters' tree.
 #pragma once
 
+#include "fail_aware_lidar_odometry/core/registration/beam_ranges.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_alignment.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_extraction.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_reference.hpp"
@@ -28,6 +29,7 @@ struct RegistrationParameters {
   RoadRelief::Params relief;
   Relocalization::Params relocalization;
   TurnSearch::Params turn_search;
+  BeamRanges::Params beam_ranges;
   StandingMatch::Params standing;
   MultiplexIcp::Params point;
   NormalFilteredIcp::Params plane;
@@ -47,6 +49,7 @@ struct RegistrationParameters {
     v("relief", self.relief);
     v("relocalization", self.relocalization);
     v("turn_search", self.turn_search);
+    v("beam_ranges", self.beam_ranges);
     v("standing", self.standing);
     v("point", self.point);
     v("plane", self.plane);

@@ -58,7 +58,7 @@ class SweepCorrection {
   SweepCorrection() : SweepCorrection(Params()) {}
   explicit SweepCorrection(const Params& params);
 
-  /// `out` has the sweep's points in its order; its times are the ones given, or none (kOff, kBadTimes). With kNoMotion
+  /// `out` has the sweep's points in its order, and its rings; its times are the ones given, or none (kOff, kBadTimes). With kNoMotion
   /// the times are kept: `recorrect` can still take the motion out once it is known.
   CorrectionResult correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
                            const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, double dt_s,
