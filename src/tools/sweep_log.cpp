@@ -37,7 +37,8 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   monitor_log_ << monitorLogHeader() << '\n';
   out_
       << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_corners,nis_fused,"
+         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_"
+         "corners,nis_fused,"
          "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference";
   for (const char* name : {"point", "plane", "corners"}) {
     for (const char* column : {"status", "iterations", "inlier_share", "rms_m", "weak_directions"}) {

@@ -15,8 +15,8 @@ constexpr double kFineStep = 0.25;          // of the search for the first motio
 constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
-constexpr int kMaxLostSweeps = 100;         // then nothing of it is worth keeping, and it would fill with what does not fit
-constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
+constexpr int kMaxLostSweeps = 100;  // then nothing of it is worth keeping, and it would fill with what does not fit
+constexpr double kMaxSearchTime_s = 1.0;  // since the first sweep; then it is out of sight
 
 }  // namespace
 

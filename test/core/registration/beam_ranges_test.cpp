@@ -107,7 +107,7 @@ TEST(BeamRanges, theCorrectionBringsThePointsToTheirWalls) {
 }
 
 TEST(BeamRanges, withoutRingsOrAMapNothingIsKnown) {
-  BeamRanges beams(BeamRanges::Params(), NormalFilteredIcp::Params());
+  BeamRanges beams{BeamRanges::Params(), NormalFilteredIcp::Params()};
   const std::vector<Eigen::Vector3f> points = {{5.0f, 0.0f, 0.0f}, {0.0f, 5.0f, 0.0f}};
   beams.observe(points, {}, Eigen::Vector3d::Zero(), roomMap(), lidarPose());
   beams.observe(points, {1, 2}, Eigen::Vector3d::Zero(), VoxelMap(VoxelMap::Params()), lidarPose());
@@ -122,7 +122,7 @@ TEST(BeamRanges, withoutRingsOrAMapNothingIsKnown) {
 }
 
 TEST(BeamRanges, numbersThatAreNoBeamsAreLeftOut) {
-  BeamRanges beams(BeamRanges::Params(), NormalFilteredIcp::Params());
+  BeamRanges beams{BeamRanges::Params(), NormalFilteredIcp::Params()};
   CorrectedSweep sweep = sweepOf(3, kTooFar_m);
   for (std::uint16_t& ring : sweep.rings) ring = static_cast<std::uint16_t>(ring == 3 ? 60000 : ring);
   RegistrationCloud cloud;
