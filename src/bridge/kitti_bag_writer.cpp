@@ -6,6 +6,7 @@
 
 #include <cstring>
 
+#include "cloud_layout.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
 namespace fail_aware {
@@ -26,32 +27,22 @@ geometry_msgs::TransformStamped stamped(const ros::Time& stamp, const char* pare
 }  // namespace
 
 void writeKittiCloud(const Sweep& sweep, bool with_times, sensor_msgs::PointCloud2& cloud) {
-  static constexpr const char* kNames[] = {"x", "y", "z", "i", "time"};
   const std::size_t count = sweep.size();
-  const bool has_intensity = sweep.intensities.size() == count;
+  const bool has_intensity = sweep.intensities.size() == count, has_ring = sweep.rings.size() == count;
   const bool has_time = with_times && sweep.times_s.size() == count;
-  const std::uint32_t fields = has_time ? 5 : 4;
-  cloud.fields.resize(fields);
-  for (std::uint32_t i = 0; i < fields; ++i) {
-    sensor_msgs::PointField& field = cloud.fields[i];
-    field.name = kNames[i];
-    field.offset = i * static_cast<std::uint32_t>(sizeof(float));
-    field.datatype = sensor_msgs::PointField::FLOAT32;
-    field.count = 1;
+  if (has_time) {
+    layOut({"x", "y", "z", "i", "time"}, has_ring, count, cloud);
+  } else {
+    layOut({"x", "y", "z", "i"}, has_ring, count, cloud);
   }
-  cloud.is_bigendian = false;
-  cloud.is_dense = true;
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(count);
-  cloud.point_step = fields * static_cast<std::uint32_t>(sizeof(float));
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.resize(cloud.row_step);
+  const std::size_t floats = sizeof(float) * (has_time ? 5 : 4);
   std::uint8_t* out = cloud.data.data();
   for (std::size_t i = 0; i < count; ++i, out += cloud.point_step) {
     const Eigen::Vector3f& p = sweep.points_lidar[i];
     const float values[] = {p.x(), p.y(), p.z(), has_intensity ? sweep.intensities[i] : 0.0f,
                             has_time ? sweep.times_s[i] : 0.0f};
-    std::memcpy(out, values, cloud.point_step);
+    std::memcpy(out, values, floats);
+    if (has_ring) std::memcpy(out + floats, &sweep.rings[i], sizeof(std::uint16_t));
   }
 }
 

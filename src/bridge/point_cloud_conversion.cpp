@@ -7,6 +7,8 @@
 #include <initializer_list>
 #include <limits>
 
+#include "cloud_layout.hpp"
+
 namespace fail_aware {
 
 namespace {
@@ -106,7 +108,7 @@ class Layout {
   std::uint16_t ringAt(const std::uint8_t* point) const {
     const double number = ring.at(point);
     const bool valid = number >= 0.0 && number <= std::numeric_limits<std::uint16_t>::max();
-    return valid ? static_cast<std::uint16_t>(number) : 0;
+    return valid ? static_cast<std::uint16_t>(number) : std::numeric_limits<std::uint16_t>::max();  // no beam
   }
 
   Field x, y, z, intensity, ring, time;
@@ -154,31 +156,6 @@ void clear(Sweep& sweep) {
   sweep.times_s.clear();
   sweep.rings.clear();
   sweep.points_dropped = 0;
-}
-
-void addField(const char* name, std::uint8_t datatype, sensor_msgs::PointCloud2& cloud) {
-  PointField field;
-  field.name = name;
-  field.offset = cloud.point_step;
-  field.datatype = datatype;
-  field.count = 1;
-  cloud.fields.push_back(field);
-  cloud.point_step += static_cast<std::uint32_t>(sizeof(float));  // whatever it is: what follows stays aligned
-}
-
-/// One row of `count` points with these FLOAT32 fields, one after the other, and maybe UINT16 `ring`; data not filled in.
-void layOut(std::initializer_list<const char*> names, bool with_ring, std::size_t count,
-            sensor_msgs::PointCloud2& cloud) {
-  cloud.fields.clear();
-  cloud.point_step = 0;
-  for (const char* name : names) addField(name, PointField::FLOAT32, cloud);
-  if (with_ring) addField("ring", PointField::UINT16, cloud);
-  cloud.is_bigendian = false;
-  cloud.is_dense = true;
-  cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(count);
-  cloud.row_step = cloud.width * cloud.point_step;
-  cloud.data.resize(cloud.row_step);
 }
 
 bool usable(const Eigen::Vector3f& p) { return p.allFinite() && !p.isZero(0.0f); }

@@ -38,15 +38,22 @@ struct Predictor {
   std::function<TimeToFailure(const MonitorOutput&)> seconds;  ///< empty: it gives no time, only an order
 };
 
+Predicted secondsOf(const TimeToFailure& time) { return time.isKnown() ? Predicted(time.seconds) : std::nullopt; }
+
 const std::vector<Predictor>& predictors() {
-  const auto timed = [](const char* name, TimeToFailure MonitorOutput::*member) {
-    return Predictor{name, [member](const FailAwareSweep& s) { return failureOrder(s.output.*member, s.output); },
+  // with the covariance's time the message gives its protection level, which orders what has reached its time
+  const auto timed = [](const char* name, TimeToFailure MonitorOutput::*member, bool with_level) {
+    return Predictor{name,
+                     [member, with_level](const FailAwareSweep& s) {
+                       return with_level ? failureOrder(s.output.*member, s.output) : secondsOf(s.output.*member);
+                     },
                      [member](const MonitorOutput& o) { return o.*member; }};
   };
   static const std::vector<Predictor> list = {
-      timed("combination", &MonitorOutput::time_to_failure),
-      timed("eta", &MonitorOutput::time_to_failure_indicator),
-      timed("covariance", &MonitorOutput::time_to_failure_covariance),
+      timed("combination", &MonitorOutput::time_to_failure, true),
+      timed("eta", &MonitorOutput::time_to_failure_indicator, false),
+      timed("covariance", &MonitorOutput::time_to_failure_covariance, true),
+      {"combination_time_alone", [](const FailAwareSweep& s) { return secondsOf(s.output.time_to_failure); }, {}},
       {"constant", [](const FailAwareSweep&) { return Predicted(0.0); }, {}},
       {"elapsed_time", [](const FailAwareSweep& s) { return Predicted(-s.since_start_s); }, {}},
       {"distance", [](const FailAwareSweep& s) { return Predicted(-s.distance_m); }, {}},

@@ -36,7 +36,8 @@ struct Options {
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("directory", options.directory,
                  "velodyne/NNNNNN.bin or velodyne_points/data/NNNNNNNNNN.bin; optional "
-                 "times.txt, stamps/NNNNNN.f32, and poses_velodyne.txt or poses.txt (with calib.txt: the camera's)")
+                 "times.txt, stamps/NNNNNN.f32, rings/NNNNNN.u16, and poses_velodyne.txt or poses.txt (with calib.txt: "
+                 "the camera's)")
       ->required();
   app.add_option("bag", options.bag, "the file to write")->required();
   app.add_flag("--point-times", options.point_times, "a field `time` (s from the sweep's start) from stamps/");

@@ -60,7 +60,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool ok = readCorrectedCloud(cloud, corrected).ok();
   promise(ok || corrected.points_lidar.empty(), "no points if refused");
   for (const auto& point : corrected.points_lidar) promise(point.allFinite(), "points are finite");
-  promise(onePerPointOrNone(corrected.times_s, corrected.points_lidar.size()), "a time for each point, or none");
+  promise(onePerPointOrNone(corrected.times_s, corrected.points_lidar.size()) &&
+              onePerPointOrNone(corrected.rings, corrected.points_lidar.size()),
+          "a time and a ring for each point, or none");
   for (const float time_s : corrected.times_s) promise(std::isfinite(time_s), "times are finite");
   return 0;
 }

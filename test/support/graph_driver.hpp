@@ -38,11 +38,12 @@ inline Sweep streetSweep(int i) {
                                   static_cast<std::uint32_t>(i));
 }
 
-/// x y z intensity time, the time zero everywhere, as the driver's for a 64E.
+/// x y z intensity time ring, the time zero everywhere, as the driver's for a 64E.
 inline sensor_msgs::PointCloud2Ptr cloudOf(const Sweep& sweep, const ros::Time& stamp) {
   const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
   CorrectedSweep points;
   points.points_lidar = sweep.points_lidar;
+  points.rings = sweep.rings;
   writeCloud(points, sweep.intensities, *cloud);
   cloud->header.frame_id = "velodyne";
   cloud->header.stamp = stamp;

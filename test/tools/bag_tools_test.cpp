@@ -43,6 +43,7 @@ class BagTools : public ::testing::Test {
     const fs::path drive = folder_ / "drive";
     fs::create_directories(drive / "velodyne");
     fs::create_directories(drive / "stamps");
+    fs::create_directories(drive / "rings");
     const synthetic::Street street;
     const synthetic::Drive motion;
     synthetic::Lidar lidar;
@@ -61,6 +62,7 @@ class BagTools : public ::testing::Test {
         point_times.push_back(static_cast<float>(0.05 * (1.0 - std::atan2(p.y(), p.x()) / M_PI)));
       }
       writeArray(drive / "velodyne" / numbered("%06d.bin", i), points);
+      writeArray(drive / "rings" / numbered("%06d.u16", i), sweep.rings);
       if (with_point_times) writeArray(drive / "stamps" / numbered("%06d.f32", i), point_times);
       truth.push_back(lidar.T_base_lidar.inverse() * motion.T_odom_base(stamp_s) * lidar.T_base_lidar);
     }

@@ -2,7 +2,7 @@
 //
 // Read: x y z (FLOAT32 or FLOAT64), and where they are there intensity | i, ring, time | t | timestamp, of any numeric
 // type at any offset, aligned or not. Points that are not finite or exactly zero are left out and counted. Times:
-// floats are s (absolute ones, FLOAT64, become relative to the stamp), integers ns.
+// floats are s (absolute ones, FLOAT64, become relative to the stamp), integers ns. A ring that is none: 65535.
 // Failure: status and a reason; the sweep is then empty. Never reads out of bounds. Cost: one pass over the cloud.
 #pragma once
 
@@ -33,8 +33,8 @@ struct CloudReadResult {
 /// `sweep` is overwritten, its arrays' memory reused; the stamp is set in any case.
 CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep);
 
-/// x y z intensity time, FLOAT32, point_step 20; where the sweep has rings also ring, UINT16, point_step 24. `intensities`: one a point, or empty (then 0). Times: relative to the
-/// stamp. Header left to the caller.
+/// x y z intensity time, FLOAT32, point_step 20; where the sweep has rings also ring, UINT16, point_step 24.
+/// `intensities`: one a point, or empty (then 0). Times: relative to the stamp. Header left to the caller.
 void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensities, sensor_msgs::PointCloud2& cloud);
 
 /// x y z, FLOAT32, point_step 12. Header left to the caller.

@@ -21,6 +21,7 @@ MonitorOutput staleOutput(MonitorOutput last) {
   last.reasons |= kReasonStale;
   last.time_to_failure = TimeToFailure::reached();
   last.time_to_failure_indicator = last.time_to_failure_covariance = TimeToFailure::unknown();
+  last.protection_level_m = -1.0;  // it grows with a motion that nobody knows
   return last;
 }
 

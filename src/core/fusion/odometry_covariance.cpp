@@ -94,13 +94,16 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   DriftState since_start = since_start_, since_mark = since_mark_;
   advance(T_odom_base_previous, T_previous_now, sane, since_start);
   if (T_odom_mark_) advance(T_odom_mark_->inverse() * T_odom_base_previous, T_previous_now, sane, since_mark);
-  if (sane.predicted && !gap_) gap_ = Gap{T_odom_base_previous, since_start_, since_mark_, beginAt(since_start_), 0};
+  lost_ = lost_ && sane.predicted;
+  if (sane.predicted && !gap_ && !lost_)
+    gap_ = Gap{T_odom_base_previous, since_start_, since_mark_, beginAt(since_start_), 0};
   if (gap_) {
     const Pose T_gap_previous = gap_->T_odom_base.inverse() * T_odom_base_previous;
     advance(T_gap_previous, T_previous_now, sane, gap_->since);
     const double sigma_m = std::sqrt(gap_->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
     if (++gap_->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
       gap_.reset();
+      lost_ = true;
     } else if (!sane.predicted && sane.confirmed && sane.confirmed->allFinite()) {
       const Pose T_gap_now = T_gap_previous * T_previous_now;
       const OdometryIncrement whole = sinceGap(T_gap_now, sane);
@@ -133,6 +136,7 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   largest_passing_base_.setZero();
   speed_variance_ = 0.0;
   gap_.reset();
+  lost_ = false;
   T_odom_mark_.reset();
   since_mark_ = DriftState();
   since_mark_covariance_.setZero();

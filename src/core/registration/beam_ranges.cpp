@@ -68,7 +68,8 @@ void BeamRanges::observe(const std::vector<Eigen::Vector3f>& points_cog, const s
   const double common = all_distance / all_obliqueness;
   for (std::size_t ring = 0; ring < sums.size(); ++ring) {
     const Sums& s = sums[ring];
-    variances_m2_[ring] += params_.walk_m * params_.walk_m;
+    variances_m2_[ring] =
+        std::min(variances_m2_[ring] + params_.walk_m * params_.walk_m, params_.sigma_m * params_.sigma_m);
     if (!(s.obliqueness > 0.0)) continue;
     const double noise = params_.residual_m * params_.residual_m / s.obliqueness;
     const double known = static_cast<double>(offsets_m_[ring]);

@@ -272,7 +272,7 @@ void RegistrationFront::place(const FilterState& state) {
     if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();
     recorrectFor(twist_cog, cloud_.middle_s);
   }
-  if (state.corrected && between_measured) {
+  if (between_measured) {
     beam_ranges_.observe(cloud_.plane_points_cog, cloud_.plane_rings, lidar_in_cog_, map(), state.T_odom_cog);
   }
   // a prediction's error would be in the map for good, and the sweeps after it register to it
@@ -284,7 +284,7 @@ void RegistrationFront::place(const FilterState& state) {
     first_cloud_ = cloud_;
     T_odom_cog_first_ = state.T_odom_cog;
   }
-  if (unplaced_sweeps_ > kMaxLostSweeps && !cloud_.map_points_cog.empty()) reference_.clear();
+  if (unplaced_sweeps_ > kMaxLostSweeps) reference_.clear();
   reference_.add(cloud_.map_points_cog, state.T_odom_cog);
   keepStanding(state);
 }

@@ -21,6 +21,7 @@ TEST(Silence, SaysFailedAndKeepsWhatWasKnown) {
   last.time_to_failure = TimeToFailure::fromSeconds(20.0, 60.0);
   last.time_to_failure_indicator = last.time_to_failure_covariance = last.time_to_failure;
   last.eta = 1e-4;
+  last.protection_level_m = 0.2;
   const MonitorOutput stale = staleOutput(last);
   EXPECT_EQ(stale.state, FailAwareState::kFailed);
   EXPECT_EQ(stale.reasons, kReasonMissingCorners | kReasonStale);
@@ -28,6 +29,7 @@ TEST(Silence, SaysFailedAndKeepsWhatWasKnown) {
   EXPECT_EQ(stale.time_to_failure_indicator.status, TimeToFailureStatus::kUnknown);
   EXPECT_EQ(stale.time_to_failure_covariance.status, TimeToFailureStatus::kUnknown);
   EXPECT_EQ(stale.eta, 1e-4);
+  EXPECT_EQ(stale.protection_level_m, -1.0) << "the vehicle drives on";
 }
 
 TEST(Silence, RefusesRulesThatNeverOrAlwaysHold) {

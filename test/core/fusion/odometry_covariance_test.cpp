@@ -359,6 +359,18 @@ TEST_F(Gap, IsNotForgivenTooLateOrTooFarOff) {
   EXPECT_GT(x(), 11.9);
 }
 
+TEST_F(Gap, ThatWasTooLongIsNotForgivenInParts) {
+  drive(150, predicted());
+  const double lost = x();
+  EXPECT_GT(lost, 1.4);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 0.99 * lost) << "the map began anew on the way";
+  drive(5, predicted());
+  EXPECT_GT(x(), lost + 0.04);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), lost + 0.02) << "the next gap is one of its own";
+}
+
 TEST_F(Gap, AConfirmedSweepWithoutOneChangesNothing) {
   OdometryCovariance other = odometry;
   const Pose next = T * planarPose(1.0, 0.0, 0.0);

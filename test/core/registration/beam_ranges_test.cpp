@@ -132,6 +132,35 @@ TEST(BeamRanges, numbersThatAreNoBeamsAreLeftOut) {
   EXPECT_EQ(beams.offsets_m()[3], 0.0f) << "nobody saw it";
 }
 
+TEST(BeamRanges, aBeamThatNothingWasSeenWithForLongIsNoLessCertainThanANewOne) {
+  const CorrectedSweep all = sweepOf(3, kTooFar_m);
+  const auto seen = [&](std::uint16_t left_out) {
+    CorrectedSweep sweep;
+    for (std::size_t i = 0; i < all.rings.size(); ++i) {
+      if (all.rings[i] == left_out) continue;
+      sweep.points_lidar.push_back(all.points_lidar[i]);
+      sweep.rings.push_back(all.rings[i]);
+    }
+    return sweep;
+  };
+  const VoxelMap map = roomMap();
+  const auto afterOneLook = [&](int sweeps_without) {
+    BeamRanges::Params doubtful;  // one look moves the offset by a part of what is seen
+    doubtful.residual_m = 1.0;
+    BeamRanges beams{doubtful, NormalFilteredIcp::Params()};
+    RegistrationCloud cloud;
+    for (int i = 0; i <= sweeps_without; ++i) {
+      RegistrationCloudBuilder(cloudParams())
+          .build(i < sweeps_without ? seen(3) : all, Pose::Identity(), cloud, beams.offsets_m());
+      beams.observe(cloud.plane_points_cog, cloud.plane_rings, Eigen::Vector3d::Zero(), map, lidarPose());
+    }
+    return static_cast<double>(beams.offsets_m()[3]);
+  };
+  const double new_m = afterOneLook(1);
+  EXPECT_GT(new_m, 0.001);
+  EXPECT_NEAR(afterOneLook(400), new_m, 0.1 * new_m);
+}
+
 TEST(BeamRanges, isForgottenWithReset) {
   BeamRanges beams = driven(3, kTooFar_m);
   EXPECT_FALSE(beams.offsets_m().empty());

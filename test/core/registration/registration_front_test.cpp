@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "synthetic_drive.hpp"
 
@@ -381,9 +383,47 @@ TEST(RegistrationFront, whereNothingIsRegisteredForLongTheMapDoesNotFill) {
   EXPECT_GT(points[50], points[0]);
   EXPECT_LT(points[129], points[50]) << "one sweep is left";
   EXPECT_GT(points[129], 0u);
-  ASSERT_FALSE(front.prepare(CorrectedSweep(), predictionOf(13.1, 0.1, T, Pose::Identity(), true), Pose::Identity()));
-  front.place(stateOf(predictionOf(13.1, 0.1, T, Pose::Identity(), true), T, false));
-  EXPECT_EQ(front.map().points().size(), points[129]) << "a sweep without points does not take its place";
+}
+
+/// One ring each 2 deg; the fourth measures 0.06 m too far.
+CorrectedSweep ringed(CorrectedSweep sweep) {
+  for (Eigen::Vector3f& p : sweep.points_lidar) {
+    const float elevation_deg = std::asin(p.z() / p.norm()) / static_cast<float>(kDegree);
+    sweep.rings.push_back(static_cast<std::uint16_t>(std::clamp(std::floor(0.5f * elevation_deg) + 5.0f, 0.0f, 9.0f)));
+    if (sweep.rings.back() == 3) p *= 1.0f + 0.06f / p.norm();
+  }
+  return sweep;
+}
+
+TEST(RegistrationFront, whatABeamIsOffByIsTakenFromTheNextSweepsUntilAReset) {
+  RegistrationFront front = makeFront(false, 500, false);
+  const SyntheticDrive drive = curve();
+  const auto prediction = [&](int i, int epoch) {
+    SweepPrediction p = predictionOf(0.1 * i, i > 0 ? 0.1 : 0.0, drive.pose(0.1 * std::max(i - 1, 0)),
+                                     drive.pose(0.1 * std::max(i - 1, 0)).inverse() * drive.pose(0.1 * i), true);
+    p.odom_epoch = epoch;
+    return p;
+  };
+  const auto sweep = [&](int i) { return ringed(drive.sweep(0.1 * i, static_cast<unsigned>(2 + i))); };
+  for (int i = 0; i < 12; ++i) {
+    ASSERT_TRUE(front.prepare(sweep(i), prediction(i, 0), drive.T_cog_lidar));
+    front.place(stateOf(prediction(i, 0), drive.pose(0.1 * i), i > 0));
+  }
+  const auto moved_m = [&](int epoch) {
+    RegistrationFront fresh = makeFront(false, 500, false);
+    EXPECT_TRUE(front.prepare(sweep(12), prediction(12, epoch), drive.T_cog_lidar));
+    EXPECT_TRUE(fresh.prepare(sweep(12), prediction(12, epoch), drive.T_cog_lidar));
+    float largest_m = 0.0f;
+    for (std::size_t i = 0; i < fresh.cloud().map_points_cog.size(); ++i) {
+      const Eigen::Vector3f moved = front.cloud().map_points_cog[i] - fresh.cloud().map_points_cog[i];
+      largest_m = std::max(largest_m, moved.norm());
+    }
+    return largest_m;
+  };
+  EXPECT_GT(moved_m(0), 0.02f);
+  EXPECT_GT(moved_m(1), 0.02f) << "another odom, the same head";
+  front.reset();
+  EXPECT_EQ(moved_m(0), 0.0f);
 }
 
 TEST(RegistrationFront, afterAResetTheNextSweepIsTheFirst) {

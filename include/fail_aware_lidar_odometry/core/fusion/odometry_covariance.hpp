@@ -98,6 +98,7 @@ class OdometryCovariance {
   double speed_variance_ = 0.0;                       ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
   std::optional<Gap> gap_;
+  bool lost_ = false;  ///< a gap was too long or too far: what comes next measures the way from nowhere before it
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that

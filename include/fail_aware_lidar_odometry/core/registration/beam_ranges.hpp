@@ -7,7 +7,8 @@
 // mean distance over obliqueness. What varies slowly from beam to beam hardly shows, as the map errs alike: `forget`
 // keeps it from drifting.
 //
-// Beams are told by the sweep's rings; without them nothing is known, and nothing corrected.
+// Beams are told by the sweep's rings; without them nothing is known, and nothing corrected. The error is taken from
+// the range as seen from the head's place at the stamp, some degrees from where it was when the beam was sent.
 // Cost: one nearest plane a point, 0.5 ms a sweep.
 #pragma once
 

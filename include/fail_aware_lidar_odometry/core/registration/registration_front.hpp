@@ -8,8 +8,8 @@
 // After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not
 // join it.
 // Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
-// measured, and keeps that turn when it joins the map. Its ranges are corrected for what the beams were found to be off
-// by (beam_ranges.hpp).
+// measured, and keeps that turn when it joins the map. The ranges of the ICPs' clouds are corrected for what the beams were found
+// to be off by (beam_ranges.hpp).
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards; a second later, another sweep is sweep 0.
 #pragma once
