@@ -68,8 +68,9 @@ inline sensor_msgs::PointCloud2Ptr kittiCloud(int i) {
   cloud->fields.resize(4);
   cloud->fields[3].name = "i";
   const std::vector<std::uint8_t> data = cloud->data;
+  const std::size_t step = cloud->point_step;
   cloud->data.resize(16 * cloud->width);
-  for (std::uint32_t k = 0; k < cloud->width; ++k) std::memcpy(&cloud->data[16 * k], &data[20 * k], 16);
+  for (std::uint32_t k = 0; k < cloud->width; ++k) std::memcpy(&cloud->data[16 * k], &data[step * k], 16);
   cloud->point_step = 16;
   cloud->row_step = 16 * cloud->width;
   return cloud;
