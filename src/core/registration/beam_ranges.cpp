@@ -47,17 +47,14 @@ void BeamRanges::observe(const std::vector<Eigen::Vector3f>& points_cog, const s
   std::vector<Sums> sums;
   const Eigen::Matrix3d R = T_odom_cog.linear();
   const PlanePairs pairs(planes_, T_odom_cog, 0.0);
-  pairs.forEach(
-      points_cog, map, T_odom_cog, params_.kernel_m,
-      [](const Eigen::Vector3d& arm, std::size_t) -> Eigen::Vector3d { return arm; },
-      [&](const PlanePair& pair, std::size_t i) {
-        if (std::abs(pair.normal.z()) > params_.max_normal_z || rings[i] >= kMaxBeams) return;
-        const double g = pair.normal.dot(R * (points_cog[i].cast<double>() - lidar_in_cog).normalized());
-        if (std::abs(g) < params_.min_obliqueness) return;
-        if (rings[i] >= sums.size()) sums.resize(rings[i] + std::size_t{1});
-        sums[rings[i]].distance += pair.kernel_weight * g * pair.residual_m;
-        sums[rings[i]].obliqueness += pair.kernel_weight * g * g;
-      });
+  pairs.forEach(points_cog, map, T_odom_cog, params_.kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t i) {
+    if (std::abs(pair.normal.z()) > params_.max_normal_z || rings[i] >= kMaxBeams) return;
+    const double g = pair.normal.dot(R * (points_cog[i].cast<double>() - lidar_in_cog).normalized());
+    if (std::abs(g) < params_.min_obliqueness) return;
+    if (rings[i] >= sums.size()) sums.resize(rings[i] + std::size_t{1});
+    sums[rings[i]].distance += pair.kernel_weight * g * pair.residual_m;
+    sums[rings[i]].obliqueness += pair.kernel_weight * g * g;
+  });
   if (sums.size() > offsets_m_.size()) {
     offsets_m_.resize(sums.size(), 0.0f);
     variances_m2_.resize(sums.size(), params_.sigma_m * params_.sigma_m);

@@ -41,8 +41,7 @@ Measurement NormalFilteredIcp::align(const std::vector<Eigen::Vector3f>& points_
   const auto linearize = [&](const Pose& T, double kernel_m, const Eigen::Vector2d* direction,
                              InformationSupport* support) {
     NormalEquations equations;
-    const auto positionOf = [&](const Eigen::Vector3d& arm, std::size_t) { return arm; };
-    pairs.forEach(points_cog, map, T, kernel_m, positionOf, [&](const PlanePair& pair, std::size_t) {
+    pairs.forEach(points_cog, map, T, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) {
       pair.addTo(equations);
       if (!support) return;
       const double along = direction->dot(pair.normal.head<2>());

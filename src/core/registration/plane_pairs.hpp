@@ -65,6 +65,9 @@ struct PlanePair {
   }
 };
 
+/// positionOf for points that are taken as they were corrected.
+inline constexpr auto kAsCorrected = [](const Eigen::Vector3d& arm, std::size_t) { return arm; };
+
 class PlanePairs {
  public:
   PlanePairs(const NormalFilteredIcp::Params& params, const Pose& T_odom_cog_predicted, double sigma_yaw_rad)

@@ -75,9 +75,8 @@ double StandingMatch::shareOfPlanes(const std::vector<Eigen::Vector3f>& points_c
   const std::size_t stride = 1 + points_cog.size() / kLookedAt;
   const PlanePairs pairs(planes_, T_odom_cog_predicted, sigma_yaw_rad);
   NormalEquations equations;
-  const auto positionOf = [](const Eigen::Vector3d& arm, std::size_t) { return arm; };
   pairs.forEach(
-      points_cog, map, T_odom_cog_predicted, planes_.initial_kernel_m, positionOf,
+      points_cog, map, T_odom_cog_predicted, planes_.initial_kernel_m, kAsCorrected,
       [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); }, stride);
   equations.H = equations.H.selfadjointView<Eigen::Lower>();
   return solveObserved(equations, planes_.observability).min_horizontal_share;
