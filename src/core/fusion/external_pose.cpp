@@ -9,6 +9,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kUnmeasuredVariance_rad2 = 1e4;
+constexpr double kFarthest_m = 1e9, kLargestVariance = 1e12;  // what is computed with them stays finite
 
 bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRightCorner<3, 3>().isZero(0.0); }
 
@@ -16,9 +17,11 @@ bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRig
 
 std::string unusableReason(const ExternalPose& pose) {
   if (!std::isfinite(pose.stamp_s) || !isFinite(pose.T_odom_base)) return "the pose is not finite";
+  if (pose.T_odom_base.translation().cwiseAbs().maxCoeff() > kFarthest_m) return "the position is beyond 1e9 m";
   const Matrix6d& C = pose.covariance;
   if (!C.allFinite()) return "the covariance is not finite";
   const double scale = C.cwiseAbs().maxCoeff();
+  if (scale > kLargestVariance) return "the covariance is above 1e12: that is no measurement";
   if (scale == 0.0) return "the covariance is all zero: it must say how good the pose is";
   if (!(C - C.transpose()).isZero(1e-6 * scale)) return "the covariance is not symmetric";
   const Eigen::Matrix3d position = C.topLeftCorner<3, 3>();

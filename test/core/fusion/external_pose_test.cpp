@@ -43,6 +43,18 @@ TEST(ExternalPose, SaysWhyItCannotBeUsed) {
   EXPECT_NE(unusableReason(bad).find("not positive"), std::string::npos);
 }
 
+TEST(ExternalPose, WhatIsOutOfAllProportionIsRefusedTheLargestThatIsNotStaysFinite) {
+  EXPECT_NE(unusableReason(gps(1.0, Pose(Eigen::Translation3d(0.0, -1.1e9, 0.0)))).find("beyond"), std::string::npos);
+  ExternalPose huge = gps(1.0, Pose::Identity());
+  huge.covariance(4, 4) = 1.1e12;
+  EXPECT_NE(unusableReason(huge).find("above"), std::string::npos);
+  huge = gps(1.0, Pose(Eigen::Translation3d(1e9, 1e9, 1e9)), 1e6, 1e6);
+  ASSERT_EQ(unusableReason(huge), "");
+  const Measurement m = externalMeasurement(huge, 1.05, Pose::Identity(), Vector6d::Constant(1.0), kBaseCog);
+  EXPECT_TRUE(m.covariance.allFinite());
+  EXPECT_TRUE(isFinite(m.T_odom_cog));
+}
+
 TEST(ExternalPose, AtTheSweepsStampOnlyTheCentreOfGravityIsFound) {
   const Pose T_odom_base = pose(10.0, -4.0, 1.0, 0.02, -0.03, 2.0);
   const Measurement m = externalMeasurement(gps(5.0, T_odom_base), 5.0, Pose::Identity(),
