@@ -69,8 +69,8 @@ class PoseFilter {
     double initial_sigma_deg = 0.01;
     double max_speed_mps = 80.0;  ///< derivatives are cut to these
     double max_yaw_rate_rps = 3.0;
-    double increment_scale = 0.52;           ///< on the covariance that one sweep adds to the odometry
-    double coasting_increment_factor = 5.6;  ///< on that, where the filter coasts: what observes little misleads, too
+    double increment_scale = 0.43;           ///< on the covariance that one sweep adds to the odometry
+    double coasting_increment_factor = 6.8;  ///< on that, where the filter coasts: what observes little misleads, too
     double increment_floor_m = 0.0005;       ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.012;
