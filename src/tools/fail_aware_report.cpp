@@ -222,6 +222,20 @@ void addIfKnown(std::vector<double>& list, const Eigen::VectorXd& error, const M
   if (const std::optional<double> squared = normalisedErrorSquared(error, covariance)) list.push_back(*squared);
 }
 
+using SquaredErrors = std::array<std::vector<double>, std::size(kSources)>;  // one list a source
+
+/// Of what each measurement said of the motion since the last estimate.
+void addMeasurementErrors(const FailAwareRun& run, SquaredErrors& squared) {
+  std::size_t i = 0;
+  for (const MeasuredMotion& measured : run.measurements) {
+    while (i < run.log.size() && run.log[i].row < measured.row) ++i;  // both lists in the order of their rows
+    if (i == run.log.size()) return;
+    if (i == 0 || run.log[i].row != measured.row || measured.source >= squared.size()) continue;
+    const Pose T_true = run.truth[i - 1].inverse() * run.truth[i];
+    addIfKnown(squared[measured.source], motionError(T_true, measured.T_previous_now), measured.covariance);
+  }
+}
+
 }  // namespace
 
 Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options) {
@@ -239,7 +253,7 @@ Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const Repor
 Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::vector<FailAwareEpisode>& episodes) {
   std::vector<double> increments, horizontal_increments, accumulated;
   std::vector<std::pair<double, double>> since_start;  // s, squared distance in standard deviations
-  std::array<std::vector<double>, std::size(kSources)> innovations;
+  SquaredErrors innovations, measured;
   for (const FailAwareRun* run : runs) {
     for (std::size_t i = 1; i < run->log.size(); ++i) {
       const FilterState& state = run->log[i].state;
@@ -253,6 +267,7 @@ Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::
                  horizontalBlock(state.increment_covariance));
     }
   }
+  for (const FailAwareRun* run : runs) addMeasurementErrors(*run, measured);
   for (const FailAwareEpisode& episode : episodes) {
     double next_s = 1.0;
     for (const FailAwareSweep& sweep : episode.sweeps) {
@@ -279,7 +294,8 @@ Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::
   }
   for (std::size_t m = 0; m < innovations.size(); ++m) {
     // nlohmann's null has no value; moving it is fine
-    json["nis"][kSources[m]] = consistencyJson(innovations[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
+    json["nis"][kSources[m]] = consistencyJson(innovations[m], 6);       // NOLINT(clang-analyzer-core.CallAndMessage)
+    json["measurement"][kSources[m]] = consistencyJson(measured[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
   }
   return json;
 }
@@ -352,6 +368,11 @@ void printTable(std::ostream& out, const Json& reports) {
     const std::string index = std::to_string(k);
     path("  within " + std::to_string(k + 1) + " sigma, % (true: " + expected[k] + ")",
          "/consistency/accumulated_position/within_1_2_3_sigma/" + index, 0, 100.0);
+  }
+  for (const char* source : kSources) {
+    const std::string base = std::string("/consistency/measurement/") + source;
+    path(std::string("NEES/dof ") + source, base + "/mean_per_dof", 2);
+    path("  median over the expected", base + "/median_over_expected", 2);
   }
   for (const char* source : kSources) {
     path(std::string("NIS/dof ") + source, std::string("/consistency/nis/") + source + "/mean_per_dof", 2);

@@ -19,6 +19,8 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   if (path.filename().empty()) path = path.parent_path();
   run.name = path.filename().string();
   run.log = readMonitorLog((path / "monitor_log.csv").string());
+  const fs::path measurements = path / "measurements.csv";
+  if (fs::exists(measurements)) run.measurements = readMeasurementLog(measurements.string());
   // A run made before a parameter was there is as good as one with its default.
   loadYaml((path / "parameters.yaml").string(), run.params, MissingKeys::kKeep);
   if (!options.parameters.empty()) loadYaml(options.parameters, run.params, MissingKeys::kKeep);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 
@@ -15,7 +16,8 @@ struct FailAwareRun {
   std::string name;  ///< the folder's
   PipelineParameters params;
   std::vector<MonitorInput> log;
-  std::vector<Pose> truth;  ///< of the centre of gravity, one for each entry of `log`
+  std::vector<MeasuredMotion> measurements;  ///< empty if the run was made before they were logged
+  std::vector<Pose> truth;                   ///< of the centre of gravity, one for each entry of `log`
 };
 
 struct FailAwareRunOptions {

@@ -30,8 +30,8 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "offline_odometry";
-constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv",
-                                  "monitor_log.csv",      "summary.json",       "parameters.yaml"};
+constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv",  "monitor_log.csv",
+                                  "measurements.csv",     "summary.json",       "parameters.yaml"};
 
 struct Options {
   std::string kitti, bag, topic, base_frame = "base_link";
@@ -241,7 +241,8 @@ int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
         "Runs the odometry over a recorded drive. Writes trajectory_kitti.txt (lidar frame, first pose identity), "
-        "trajectory_tum.txt (base_link), per_sweep.csv, monitor_log.csv (for evaluate_fail_aware), summary.json, "
+        "trajectory_tum.txt (base_link), per_sweep.csv, monitor_log.csv and measurements.csv (for "
+        "evaluate_fail_aware), summary.json, "
         "parameters.yaml.\n"
         "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);

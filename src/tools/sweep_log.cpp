@@ -10,6 +10,7 @@
 #include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "json.hpp"
 
@@ -29,12 +30,16 @@ void writeMeasurement(std::ostream& out, const Measurement& m) {
 SweepLog::SweepLog(const std::filesystem::path& folder)
     : path_((folder / "per_sweep.csv").string()),
       monitor_path_((folder / "monitor_log.csv").string()),
+      measurement_path_((folder / "measurements.csv").string()),
       out_(path_),
       monitor_log_(monitor_path_),
+      measurement_log_(measurement_path_),
       by_status_(kStatuses, 0) {
   if (!out_) throw InputError("cannot write " + path_);
   if (!monitor_log_) throw InputError("cannot write " + monitor_path_);
+  if (!measurement_log_) throw InputError("cannot write " + measurement_path_);
   monitor_log_ << monitorLogHeader() << '\n';
+  measurement_log_ << measurementLogHeader() << '\n';
   out_
       << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
          "sigma_yaw,sigma_x,sigma_y,protection_level,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_"
@@ -70,11 +75,21 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   const double dt_s = r.state.dt_s;
   out_ << ',' << (dt_s > 0.0 ? r.state.T_previous_now.translation().x() / dt_s : 0.0) << ','
        << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0) << '\n';
-  if (r.status != SweepStatus::kStampNotAdvancing) {
-    monitor_log_ << monitorLogRow({total_ms_.size(), r.state, r.condition}) << '\n';
-  }
+  if (r.status != SweepStatus::kStampNotAdvancing) logSweep(total_ms_.size(), r);
   total_ms_.push_back(t.total_ms);
   ++by_status_[static_cast<std::size_t>(r.status)];
+}
+
+void SweepLog::logSweep(std::size_t row, const SweepResult& r) {
+  monitor_log_ << monitorLogRow({row, r.state, r.condition}) << '\n';
+  if (r.state.dt_s <= 0.0) return;
+  const auto log = [&](std::size_t source, const Measurement& measurement) {
+    if (!measurement.ok()) return;
+    measurement_log_ << measurementLogRow(measuredMotion(row, source, measurement, r.state)) << '\n';
+  };
+  log(OdometryPipeline::kPoint, r.point);
+  log(OdometryPipeline::kPlane, r.plane);
+  log(OdometryPipeline::kCorners, r.corners);
 }
 
 Json SweepLog::summary() const {
@@ -96,8 +111,10 @@ Json SweepLog::summary() const {
 void SweepLog::close() {
   out_.close();
   monitor_log_.close();
+  measurement_log_.close();
   if (!out_) throw std::runtime_error("cannot complete " + path_);
   if (!monitor_log_) throw std::runtime_error("cannot complete " + monitor_path_);
+  if (!measurement_log_) throw std::runtime_error("cannot complete " + measurement_path_);
 }
 
 }  // namespace fail_aware

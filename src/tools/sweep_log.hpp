@@ -1,4 +1,4 @@
-// per_sweep.csv, monitor_log.csv and the timing summary of a run.
+// per_sweep.csv, monitor_log.csv, measurements.csv and the timing summary of a run.
 //
 // cov_*: the accumulated covariance since t1 (m, rad; about the axes at t1; zero before). speed_mps, yaw_rate_rps: of
 // the centre of gravity's last increment.
@@ -28,8 +28,10 @@ class SweepLog {
   void close();
 
  private:
-  std::string path_, monitor_path_;
-  std::ofstream out_, monitor_log_;
+  void logSweep(std::size_t row, const SweepResult& result);
+
+  std::string path_, monitor_path_, measurement_path_;
+  std::ofstream out_, monitor_log_, measurement_log_;
   std::vector<double> total_ms_;
   std::vector<std::size_t> by_status_;
 };

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fuzz_support.hpp"
@@ -13,7 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string path = freshFolder() + "/file.txt";
   writeFile(path, std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   try {
-    switch (data[0] % 5) {
+    switch (data[0] % 6) {
       case 0:
         for (const Pose& T : readKittiTrajectory(path)) promise(T.matrix().allFinite(), "poses are finite");
         break;
@@ -26,6 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (const double stamp_s : readTimes(path)) promise(std::isfinite(stamp_s), "stamps are finite");
         break;
       case 3: promise(readLidarToCamera(path).matrix().allFinite(), "the calibration is finite"); break;
+      case 4: readMeasurementLog(path); break;
       default: readMonitorLog(path);
     }
   } catch (const InputError&) {

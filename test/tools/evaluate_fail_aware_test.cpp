@@ -93,6 +93,28 @@ TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
   EXPECT_NEAR(json["modest"]["consistency"]["increment_horizontal"]["mean_per_dof"].get<double>(), 0.25, 0.02);
 }
 
+TEST_F(EvaluateFailAware, EachMeasurementsCovarianceIsHeldAgainstTheTruth) {
+  MadeUpRun run_;
+  run_.sweeps = 3000;
+  run_.sigma_m = run_.sigma_up_m = run_.said_sigma_m;
+  run_.sigma_yaw_rad = run_.sigma_tilt_rad = run_.said_sigma_yaw_rad;
+  run_.write(folder_ / "run");
+  run_.write(folder_ / "before_they_were_logged");
+  fs::remove(folder_ / "before_they_were_logged" / "measurements.csv");
+  run(options("run") + options("before_they_were_logged") + " --resamples 1 --episode-every 100 --output '" +
+      (folder_ / "result").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const nlohmann::json report_ = report();
+  const nlohmann::json& of = report_["run"]["consistency"]["measurement"];
+  EXPECT_EQ(of["icp_point_to_point"]["samples"], 2999);
+  EXPECT_NEAR(of["icp_point_to_point"]["mean_per_dof"].get<double>(), 1.0, 0.05);
+  EXPECT_NEAR(of["icp_point_to_plane"]["mean_per_dof"].get<double>(), 0.25, 0.0125);
+  EXPECT_TRUE(of["corner_svd"].is_null());
+  EXPECT_NE(result_.out.find("NEES/dof icp_point_to_point"), std::string::npos);
+  const nlohmann::json& unknown = report_["before_they_were_logged"]["consistency"]["measurement"];
+  EXPECT_TRUE(unknown["icp_point_to_point"].is_null());
+}
+
 TEST_F(EvaluateFailAware, AFailureIsWhatTheRunsLimitSays) {
   MadeUpRun made_up;
   made_up.drift_m = 0.0101;

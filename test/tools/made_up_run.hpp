@@ -7,6 +7,7 @@
 #include <random>
 #include <string>
 
+#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
@@ -26,7 +27,8 @@ struct MadeUpRun {
   double said_sigma_yaw_rad = 2e-4;
   unsigned seed = 1;
 
-  /// Writes FOLDER/monitor_log.csv, FOLDER/parameters.yaml and FOLDER/poses.txt.
+  /// Writes FOLDER/monitor_log.csv, FOLDER/measurements.csv (the first measurement is the estimate, the second too, but
+  /// says twice its standard deviation), FOLDER/parameters.yaml and FOLDER/poses.txt.
   void write(const std::filesystem::path& folder, const PipelineParameters& params = {}) const {
     std::filesystem::create_directories(folder);
     std::mt19937_64 random(seed);
@@ -35,6 +37,8 @@ struct MadeUpRun {
     std::vector<Pose> truth;
     std::ofstream log(folder / "monitor_log.csv");
     log << monitorLogHeader() << '\n';
+    std::ofstream measurements(folder / "measurements.csv");
+    measurements << measurementLogHeader() << '\n';
     Pose T_true = Pose::Identity(), T = Pose::Identity();
     for (int i = 0; i < sweeps; ++i) {
       MonitorInput input;
@@ -59,6 +63,11 @@ struct MadeUpRun {
         T = T * s.T_previous_now;
         s.increment_covariance.diagonal().head<3>().setConstant(said_sigma_m * said_sigma_m);
         s.increment_covariance.diagonal().tail<3>().setConstant(said_sigma_yaw_rad * said_sigma_yaw_rad);
+        for (const std::size_t source : {0u, 1u}) {
+          const double scale = source == 0u ? 1.0 : 4.0;
+          measurements << measurementLogRow({input.row, source, s.T_previous_now, scale * s.increment_covariance})
+                       << '\n';
+        }
       }
       s.T_odom_cog = T;
       log << monitorLogRow(input) << '\n';

@@ -421,8 +421,8 @@ TEST_F(OfflineOdometry, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
   std::ofstream(file).close();
   expectRefused(drive + "--output '" + file.string() + "'", file.string());
   expectRefused(drive + "--output '" + (file / "deeper").string() + "'", file.string());
-  for (const char* taken : {"per_sweep.csv", "monitor_log.csv", "trajectory_kitti.txt", "trajectory_tum.txt",
-                            "summary.json", "parameters.yaml"}) {
+  for (const char* taken : {"per_sweep.csv", "monitor_log.csv", "measurements.csv", "trajectory_kitti.txt",
+                            "trajectory_tum.txt", "summary.json", "parameters.yaml"}) {
     const fs::path output = folder_ / (std::string("out_") + taken);
     fs::create_directories(output / taken);  // a folder where the file belongs
     expectRefused(drive + "--output '" + output.string() + "' --count 2", taken);
