@@ -137,6 +137,8 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.speed_variance = state.speed_error.variance_m2_s2;
   message.speed_kept = state.speed_error.kept;
   message.odom_epoch = state.odom_epoch;
+  message.placed = state.placed;
+  message.reference_epoch = state.reference_epoch;
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
     message.measurement_status.push_back(source.measurement ? static_cast<std::uint8_t>(source.measurement->status)
@@ -187,6 +189,8 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.speed_error.variance_m2_s2 = message.speed_variance;
   state.speed_error.kept = message.speed_kept;
   state.odom_epoch = message.odom_epoch;
+  state.placed = message.placed;
+  state.reference_epoch = message.reference_epoch;
   state.filter_nis = message.fused_nis;
   state.fusion.has_measurement = message.has_measurement != 0;
   state.fusion.z = Eigen::Map<const Vector6d>(message.fused_state.data());

@@ -129,6 +129,8 @@ FilterState someState() {
   state.covariance = someCovariance();
   state.sigma_yaw_rad = 0.003;
   state.corrected = true;
+  state.placed = true;
+  state.reference_epoch = 3;
   state.T_previous_now = somePose(1.2);
   state.increment_covariance = 0.1 * someCovariance();
   state.unobserved_covariance = 0.01 * someCovariance();
@@ -156,6 +158,8 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_EQ(back->covariance, state.covariance);
   EXPECT_EQ(back->sigma_yaw_rad, state.sigma_yaw_rad);
   EXPECT_TRUE(back->corrected);
+  EXPECT_TRUE(back->placed);
+  EXPECT_EQ(back->reference_epoch, 3);
   EXPECT_TRUE(back->T_previous_now.isApprox(state.T_previous_now, 1e-14));
   EXPECT_EQ(back->increment_covariance, state.increment_covariance);
   EXPECT_EQ(back->unobserved_covariance, state.unobserved_covariance);

@@ -15,7 +15,9 @@ namespace {
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
-constexpr int kRotationSweeps = 2;  // in which what one leaves open is measured again
+constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
+constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
+constexpr double kOpenVariance = 4.0;   // of the prediction's: a measurement that says less leaves it open
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -40,11 +42,27 @@ bool beginReference(const std::vector<FusionInput>& measurements) {
   return any;
 }
 
+// What leaves them at the prediction (corners are seen from above) must not turn the reference: all that is measured in
+// it later would tilt with it.
+bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
+  return fusion.R(3, 3) < kOpenVariance * predicted_P(3, 3) && fusion.R(4, 4) < kOpenVariance * predicted_P(4, 4);
+}
+
+// There was something to register. Who is silent, or was given no points, has not looked.
+bool wasSought(const std::vector<FusionInput>& measurements) {
+  return std::any_of(measurements.begin(), measurements.end(), [](const FusionInput& input) {
+    if (!input.measurement) return false;
+    const MeasurementStatus status = input.measurement->status;
+    return input.measurement->iterations > 0 || status == MeasurementStatus::kNotConverged;
+  });
+}
+
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
-  OdometryIncrement increment{state.increment_covariance, state.unobserved_covariance, state.dt_s,
-                              state.speed_error,          isAsPredicted(state),        {}};
+  OdometryIncrement increment{
+      state.increment_covariance, state.unobserved_covariance,      state.dt_s, state.speed_error,
+      isAsPredicted(state),       state.placed && !state.corrected, {}};
   if (isConfirmed(state)) increment.confirmed = toPoseCovariance(state.fusion.R, state.fusion.z);
   return increment;
 }
@@ -90,11 +108,13 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   started_ = false;
   undecided_m_.clear();
   last_measured_ = previous_measured_ = false;
+  unplaced_sweeps_ = 0;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
-  const int odom_epoch = state_.odom_epoch;
+  const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
   state_ = FilterState();
   state_.odom_epoch = odom_epoch;
+  state_.reference_epoch = reference_epoch;
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
 }
@@ -181,6 +201,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.stamp_s = prediction_.stamp_s;
   next.dt_s = prediction_.dt_s;
   next.odom_epoch = state_.odom_epoch;
+  next.reference_epoch = state_.reference_epoch;
+  const Matrix6d predicted_P = ukf_.covariance();
   next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), measurements);
   if (next.fusion.has_measurement) {
     next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
@@ -199,6 +221,14 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
   const bool begins = !started_ || (!prediction_.motion_known && beginReference(measurements));
   const bool measured = next.corrected || begins;
+  next.placed = begins || (next.corrected && observesTilt(next.fusion, predicted_P));
+  if (next.placed) {
+    unplaced_sweeps_ = 0;
+  } else if (wasSought(measurements) && ++unplaced_sweeps_ > kMaxUnplacedSweeps) {
+    unplaced_sweeps_ = 0;
+    next.placed = true;
+    ++next.reference_epoch;
+  }
   if (begins) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;

@@ -26,7 +26,7 @@ Matrix6d positiveSemidefinite(const Matrix6d& C) {
 }
 
 constexpr int kMaxGapSweeps = 100;      // then the map from before it is out of sight
-constexpr double kMaxGapSigma_m = 3.0;  // beyond it a nearest-point search may well settle elsewhere
+constexpr double kMaxGapSigma_m = 5.0;  // beyond it the search after a gap may well settle elsewhere
 
 // From a pose taken as certain; only the speed's error is brought along.
 DriftState beginAt(const DriftState& state) {
@@ -101,7 +101,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
     const Pose T_gap_previous = gap_->T_odom_base.inverse() * T_odom_base_previous;
     advance(T_gap_previous, T_previous_now, sane, gap_->since);
     const double sigma_m = std::sqrt(gap_->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
-    if (++gap_->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
+    if (sane.reference_begins || ++gap_->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
       gap_.reset();
       lost_ = true;
     } else if (!sane.predicted && sane.confirmed && sane.confirmed->allFinite()) {

@@ -26,6 +26,8 @@ struct MonitorLogTable {
     v("speed_variance", s.speed_error.variance_m2_s2);
     v("speed_kept", s.speed_error.kept);
     v("odom_epoch", s.odom_epoch);
+    v("placed", s.placed);
+    v("reference_epoch", s.reference_epoch);
     v("filter_nis", s.filter_nis);
     auto& f = s.fusion;
     v("has_measurement", f.has_measurement);

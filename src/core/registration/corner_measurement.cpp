@@ -21,12 +21,19 @@ Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepP
 
 void CornerMeasurement::place(const FilterState& state) {
   enterOdom(state.odom_epoch);
-  if (motion_known_) reference_.update(corners_cog_, state.T_odom_cog);
+  enterReference(state.reference_epoch);
+  if (motion_known_ && state.placed) reference_.update(corners_cog_, state.T_odom_cog);
 }
 
 void CornerMeasurement::enterOdom(int epoch) {
   if (epoch == odom_epoch_) return;
   odom_epoch_ = epoch;
+  reference_.clear();
+}
+
+void CornerMeasurement::enterReference(int epoch) {
+  if (epoch == reference_epoch_) return;
+  reference_epoch_ = epoch;
   reference_.clear();
 }
 

@@ -14,9 +14,7 @@ namespace {
 constexpr double kFineStep = 0.25;          // of the search for the first motion, against the step that it begins with;
 constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
-constexpr int kMaxUnplacedSweeps = 10;      // then the map is out of sight
-constexpr int kMaxLostSweeps = 100;  // then nothing of it is worth keeping, and it would fill with what does not fit
-constexpr double kMaxSearchTime_s = 1.0;  // since the first sweep; then it is out of sight
+constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
 
 }  // namespace
 
@@ -169,10 +167,11 @@ void RegistrationFront::relocalize() {
   lost_ = false;
   const bool after_gap = !last_measured_ || dt_s_ > kLongInterval_s;
   if (!after_gap || map().empty() || !relocalization_.isNeeded(start_covariance_)) return;
-  const std::optional<Pose> T_odom_cog =
-      relocalization_.find(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_);
+  const Relocalization::Gap gap{secondsBetween(placed_stamp_s_, cloud_.stamp_s),
+                                (T_odom_cog_start_.translation() - placed_odom_).norm()};
+  const std::optional<Pose> T_odom_cog = relocalization_.find(cloud_, map(), T_odom_cog_start_, start_covariance_, gap);
   if (T_odom_cog) T_odom_cog_start_ = *T_odom_cog;
-  lost_ = !T_odom_cog && unplaced_sweeps_ < kMaxUnplacedSweeps;
+  lost_ = !T_odom_cog;
 }
 
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
@@ -256,9 +255,10 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s)
 }
 
 void RegistrationFront::place(const FilterState& state) {
-  const bool between_measured = last_measured_ && state.corrected;
-  last_measured_ = state.corrected || state.dt_s <= 0.0;  // the first sweep defines the start pose
+  const bool between_measured = last_measured_ && state.corrected && state.placed;
+  last_measured_ = state.placed;
   enterOdom(state.odom_epoch);
+  enterReference(state.reference_epoch);
   relief_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
   speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
   speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
@@ -276,16 +276,16 @@ void RegistrationFront::place(const FilterState& state) {
     beam_ranges_.observe(cloud_.plane_points_cog, cloud_.plane_rings, lidar_in_cog_, map(), state.T_odom_cog);
   }
   // a prediction's error would be in the map for good, and the sweeps after it register to it
-  unplaced_sweeps_ = state.corrected || map().empty() ? 0 : unplaced_sweeps_ + 1;
-  if (unplaced_sweeps_ > 0 && unplaced_sweeps_ <= kMaxUnplacedSweeps) return;
+  if (!state.placed && !map().empty()) return;
   only_first_placed_ = map().empty();
   if (only_first_placed_) {
     last_measured_ = true;  // by definition: the first motion is measured from here
     first_cloud_ = cloud_;
     T_odom_cog_first_ = state.T_odom_cog;
   }
-  if (unplaced_sweeps_ > kMaxLostSweeps) reference_.clear();
   reference_.add(cloud_.map_points_cog, state.T_odom_cog);
+  placed_stamp_s_ = state.stamp_s;
+  placed_odom_ = state.T_odom_cog.translation();
   keepStanding(state);
 }
 
@@ -294,6 +294,13 @@ void RegistrationFront::enterOdom(int epoch) {
   odom_epoch_ = epoch;
   reference_.clear();
   relief_.clear();
+  standing_.clear();
+}
+
+void RegistrationFront::enterReference(int epoch) {
+  if (epoch == reference_epoch_) return;
+  reference_epoch_ = epoch;
+  reference_.clear();
   standing_.clear();
 }
 
@@ -309,7 +316,6 @@ void RegistrationFront::reset() {
   only_first_placed_ = false;
   prepared_ = false;
   last_measured_ = false;
-  unplaced_sweeps_ = 0;
   lost_ = false;
 }
 

@@ -9,6 +9,10 @@ namespace fail_aware {
 
 namespace {
 
+constexpr int kNarrowingSteps = 3;    // times the usual ICP's iterations
+constexpr double kTurn_rad_s2 = 0.2;  // standard deviations of a vehicle's yaw and forward acceleration
+constexpr double kAcceleration_mps2 = 0.5;
+
 MultiplexIcp::Params widened(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
   params.validate();
   MultiplexIcp::Params wide = usual;
@@ -21,11 +25,43 @@ MultiplexIcp::Params widened(const Relocalization::Params& params, const Multipl
   return wide;
 }
 
-MultiplexIcp::Params fromOneSeed(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
+// From the place that the search found: z, roll and pitch are the prediction's still, which takes its steps.
+MultiplexIcp::Params narrowing(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
+  MultiplexIcp::Params one = widened(params, usual);
+  one.seeds = 1;
+  one.max_iterations = kNarrowingSteps * usual.max_iterations;
+  return one;
+}
+
+MultiplexIcp::Params fromOneSeed(const MultiplexIcp::Params& usual) {
   MultiplexIcp::Params one = usual;
   one.seeds = 1;
+  return one;
+}
+
+MultiplexIcp::Params strict(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
+  MultiplexIcp::Params one = fromOneSeed(usual);
   one.min_inlier_share = params.min_inlier_share;
   return one;
+}
+
+// What the driver may have done meanwhile that the prediction, which keeps the motion, knows nothing of.
+Matrix6d steered(const Relocalization::Gap& gap, const Eigen::Matrix3d& R_odom_cog) {
+  const double yaw_rad = 0.5 * kTurn_rad_s2 * gap.duration_s * gap.duration_s;
+  const double along_m = 0.5 * kAcceleration_mps2 * gap.duration_s * gap.duration_s;
+  const double across_m = gap.way_m * yaw_rad / 3.0;  // the turn began with the gap and grew with its square
+  const Eigen::Vector2d ahead = R_odom_cog.col(0).head<2>().normalized(), across(-ahead.y(), ahead.x());
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.topLeftCorner<2, 2>() =
+      along_m * along_m * ahead * ahead.transpose() + across_m * across_m * across * across.transpose();
+  covariance(5, 5) = yaw_rad * yaw_rad;
+  return covariance;
+}
+
+std::optional<Pose> confirmedBy(const MultiplexIcp& icp, const RegistrationCloud& cloud, const VoxelMap& map,
+                                const Measurement& found, const Matrix6d& covariance) {
+  const Measurement confirmed = icp.align(cloud.point_points_cog, map, found.T_odom_cog, covariance);
+  return confirmed.ok() ? std::optional<Pose>(confirmed.T_odom_cog) : std::nullopt;
 }
 
 }  // namespace
@@ -36,22 +72,33 @@ void Relocalization::Params::validate() const {
   requirePositive("max_distance_m", max_distance_m);
   requireWithin("min_inlier_share", min_inlier_share, 0.0, 1.0);
   requirePositive("narrow_m", narrow_m);
+  search.validate();
 }
 
 Relocalization::Relocalization(const Params& params, const MultiplexIcp::Params& usual)
-    : params_(params), wide_(widened(params, usual)), usual_(fromOneSeed(params, usual)) {}
+    : params_(params),
+      search_(params.search),
+      wide_(widened(params, usual)),
+      narrowing_(narrowing(params, usual)),
+      usual_(fromOneSeed(usual)),
+      strict_(strict(params, usual)) {}
 
 bool Relocalization::isNeeded(const Matrix6d& covariance) const {
   return params_.enabled && covariance.diagonal().head<3>().maxCoeff() > params_.min_sigma_m * params_.min_sigma_m;
 }
 
-std::optional<Pose> Relocalization::find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                         const Pose& T_odom_cog_predicted, const Matrix6d& covariance) const {
-  const Measurement found = wide_.align(points_cog, map, T_odom_cog_predicted, covariance);
-  if (!found.ok()) return std::nullopt;
-  const Measurement confirmed = usual_.align(points_cog, map, found.T_odom_cog, covariance);
-  if (!confirmed.ok()) return std::nullopt;
-  return confirmed.T_odom_cog;
+std::optional<Pose> Relocalization::find(const RegistrationCloud& cloud, const VoxelMap& map,
+                                         const Pose& T_odom_cog_predicted, const Matrix6d& covariance,
+                                         const Gap& gap) const {
+  std::optional<CorrelativeSearch::Found> place;
+  if (params_.search.enabled && search_.find(cloud.map_points_cog, map, T_odom_cog_predicted,
+                                             covariance + steered(gap, T_odom_cog_predicted.linear()), place)) {
+    if (!place) return std::nullopt;
+    const Measurement narrowed = narrowing_.align(cloud.point_points_cog, map, place->T_odom_cog, covariance);
+    return narrowed.ok() ? confirmedBy(usual_, cloud, map, narrowed, covariance) : std::nullopt;
+  }
+  const Measurement found = wide_.align(cloud.point_points_cog, map, T_odom_cog_predicted, covariance);
+  return found.ok() ? confirmedBy(strict_, cloud, map, found, covariance) : std::nullopt;
 }
 
 }  // namespace fail_aware

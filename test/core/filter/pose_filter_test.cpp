@@ -461,5 +461,55 @@ TEST(PoseFilter, TheFusionsRulesCanChangeInFlight) {
   EXPECT_THROW(filter.setFusion(narrow), ParameterError);
 }
 
+Measurement withStatus(MeasurementStatus status, int iterations) {
+  Measurement measurement;
+  measurement.status = status;
+  measurement.iterations = iterations;
+  return measurement;
+}
+
+TEST(PoseFilterReference, TakesInWhatIsMeasuredInAllRotations) {
+  const Drive drive;
+  PoseFilter filter = makeFilter();
+  EXPECT_TRUE(driveMeasured(filter, drive, 5).state.placed);
+  Matrix6d from_above = diagonal(0.01, 1e-3);
+  from_above(3, 3) = from_above(4, 4) = 1.0;
+  const FilterState above = step(filter, drive.stamp(6), {measured(drive.at(6), from_above)}).state;
+  EXPECT_TRUE(above.corrected);
+  EXPECT_FALSE(above.placed) << "the map would tilt by what roll and pitch are off";
+  const FilterState predicted = step(filter, drive.stamp(7), {}).state;
+  EXPECT_FALSE(predicted.corrected || predicted.placed);
+  EXPECT_TRUE(step(filter, drive.stamp(8), {measured(drive.at(8))}).state.placed);
+  EXPECT_TRUE(step(filter, drive.stamp(9), {measured(drive.at(9)), measured(drive.at(9), from_above)}).state.placed);
+  EXPECT_EQ(filter.state().reference_epoch, 0);
+}
+
+TEST(PoseFilterReference, BeginsAnewWhenNothingHasFittedForAWhile) {
+  const Drive drive;
+  PoseFilter filter = makeFilter();
+  driveMeasured(filter, drive, 5);
+  int sweep = 6;
+  for (int i = 0; i < 20; ++i, ++sweep) {  // nobody looked: nothing is known of the reference
+    step(filter, drive.stamp(sweep), {withStatus(MeasurementStatus::kTooFewPoints, 0)});
+  }
+  EXPECT_EQ(filter.state().reference_epoch, 0);
+  for (int i = 1; i <= 10; ++i, ++sweep) {
+    const FilterState state = step(filter, drive.stamp(sweep), {withStatus(MeasurementStatus::kNotConverged, 0)}).state;
+    EXPECT_FALSE(state.placed) << i;
+    EXPECT_FALSE(incrementOf(state).reference_begins) << i;
+  }
+  const FilterState begun = step(filter, drive.stamp(sweep), {withStatus(MeasurementStatus::kTooFewPoints, 7)}).state;
+  EXPECT_TRUE(begun.placed);
+  EXPECT_FALSE(begun.corrected);
+  EXPECT_EQ(begun.reference_epoch, 1);
+  EXPECT_TRUE(incrementOf(begun).reference_begins);
+  ++sweep;
+  const FilterState next = step(filter, drive.stamp(sweep), {withStatus(MeasurementStatus::kNotConverged, 0)}).state;
+  EXPECT_FALSE(next.placed) << "it is given as long again";
+  EXPECT_EQ(next.reference_epoch, 1);
+  filter.reset(Pose::Identity());
+  EXPECT_EQ(filter.state().reference_epoch, 1) << "who still holds the old one must see the difference";
+}
+
 }  // namespace
 }  // namespace fail_aware

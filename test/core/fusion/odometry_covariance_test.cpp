@@ -359,6 +359,20 @@ TEST_F(Gap, IsNotForgivenTooLateOrTooFarOff) {
   EXPECT_GT(x(), 11.9);
 }
 
+TEST_F(Gap, IsNotForgivenInAReferenceThatBeganInIt) {
+  drive(9, predicted());
+  OdometryIncrement begins = predicted();
+  begins.reference_begins = true;
+  drive(1, begins);
+  const double lost = x();
+  EXPECT_GT(lost, 0.09);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 0.99 * lost);
+  drive(5, predicted());
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), lost + 0.02) << "the next gap is one of its own";
+}
+
 TEST_F(Gap, ThatWasTooLongIsNotForgivenInParts) {
   drive(150, predicted());
   const double lost = x();

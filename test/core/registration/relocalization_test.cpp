@@ -29,6 +29,15 @@ Matrix6d covarianceOf(double sigma_m, double sigma_yaw_deg) {
   return sigmas.cwiseAbs2().asDiagonal();
 }
 
+RegistrationCloud cloudOf(const std::vector<Eigen::Vector3f>& points) {
+  RegistrationCloud cloud;
+  cloud.map_points_cog = cloud.point_points_cog = points;
+  return cloud;
+}
+
+/// Two seconds at 10 m/s.
+constexpr Relocalization::Gap kGap{2.0, 20.0};
+
 TEST(Relocalization, FindsWhatTheUsualSearchDoesNotReach) {
   const Pose T_true = poseOf(1.0, 0.2, 0.0, 0.0, 0.0, 2.0);
   const std::vector<Eigen::Vector3d> scene = sampleScene(street(), 6.0, kNoise_m, 3);
@@ -40,17 +49,44 @@ TEST(Relocalization, FindsWhatTheUsualSearchDoesNotReach) {
   EXPECT_TRUE(!usual.ok() || translationError(usual.T_odom_cog, T_true) > 0.3);
   const Relocalization relocalization({}, {});
   ASSERT_TRUE(relocalization.isNeeded(P));
-  const std::optional<Pose> T_found = relocalization.find(points, map, T_predicted, P);
+  const std::optional<Pose> T_found = relocalization.find(cloudOf(points), map, T_predicted, P, kGap);
   ASSERT_TRUE(T_found);
   EXPECT_LT(translationError(*T_found, T_true), 0.15);
+}
+
+TEST(Relocalization, FindsThePlaceAfterABendThatBeganInTheGap) {
+  const Pose T_true = poseOf(1.0, 0.2, 0.0, 0.0, 0.0, 2.0);
+  const std::vector<Eigen::Vector3d> scene = sampleScene(street(), 6.0, kNoise_m, 3);
+  const VoxelMap map = mapOf(scene, T_true);
+  const Pose T_predicted = poseOf(3.0, 4.5, 0.5, 1.0, -1.5, 24.0);
+  const Matrix6d P = covarianceOf(0.3, 1.0);
+  const RegistrationCloud cloud = cloudOf(seenFrom(scene, T_true));
+  const std::optional<Pose> T_found = Relocalization({}, {}).find(cloud, map, T_predicted, P, kGap);
+  ASSERT_TRUE(T_found);
+  EXPECT_LT(translationError(*T_found, T_true), 0.15);
+  EXPECT_FALSE(Relocalization({}, {}).find(cloud, map, T_predicted, P, {0.1, 1.0})) << "no time to get there";
+  Relocalization::Params without;
+  without.search.enabled = false;
+  const std::optional<Pose> T_near = Relocalization(without, {}).find(cloud, map, T_predicted, P, kGap);
+  EXPECT_TRUE(!T_near || translationError(*T_near, T_true) > 0.3);
+}
+
+TEST(Relocalization, WhereNothingStandsTheWiderSeedsHaveToDo) {
+  Scene flat = {ground(-30.0, -20.0, 30.0, 20.0), wall(-20.0, 12.0, 20.0, 12.0, 0.3),
+                wall(18.0, -12.0, 18.0, 12.0, 0.3)};
+  const std::vector<Eigen::Vector3d> scene = sampleScene(flat, 6.0, kNoise_m, 3);
+  const VoxelMap map = mapOf(scene, Pose::Identity());
+  const RegistrationCloud cloud = cloudOf(seenFrom(scene, Pose::Identity()));
+  EXPECT_TRUE(
+      Relocalization({}, {}).find(cloud, map, poseOf(0.3, 0.2, 0.1, 0.0, 0.0, 0.0), covarianceOf(0.3, 1.0), kGap));
 }
 
 TEST(Relocalization, NothingWhereLittleFits) {
   const VoxelMap map = mapOf(sampleScene(street(), 6.0, kNoise_m, 3), Pose::Identity());
   const std::vector<Eigen::Vector3d> elsewhere = sampleScene(room(), 20.0, kNoise_m, 5);
   const Pose T_predicted = poseOf(30.0, 25.0, 6.0, 0.0, 0.0, 30.0);
-  EXPECT_FALSE(
-      Relocalization({}, {}).find(seenFrom(elsewhere, Pose::Identity()), map, T_predicted, covarianceOf(1.0, 2.0)));
+  EXPECT_FALSE(Relocalization({}, {}).find(cloudOf(seenFrom(elsewhere, Pose::Identity())), map, T_predicted,
+                                           covarianceOf(1.0, 2.0), kGap));
 }
 
 TEST(Relocalization, OnlyIfThePredictionIsUncertain) {
@@ -64,6 +100,9 @@ TEST(Relocalization, OnlyIfThePredictionIsUncertain) {
 TEST(Relocalization, RefusesParametersThatMakeNoSense) {
   Relocalization::Params params;
   params.min_inlier_share = 1.5;
+  EXPECT_THROW(Relocalization(params, {}), ParameterError);
+  params = Relocalization::Params();
+  params.search.max_turn_deg = 270.0;
   EXPECT_THROW(Relocalization(params, {}), ParameterError);
 }
 

@@ -57,6 +57,11 @@ struct FilterState {
   Matrix6d unobserved_covariance = Matrix6d::Zero();
   SpeedError speed_error;  ///< along the vehicle, where it coasts
   int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
+  /// The references take the sweep in, at this pose: it was measured, roll and pitch, too, or a reference begins with it.
+  bool placed = false;
+  /// Counts references that began because nothing had fitted the one before for a while: at a prediction, whose error is
+  /// in all that is measured from there on.
+  int reference_epoch = 0;
 };
 
 OdometryIncrement incrementOf(const FilterState& state);
@@ -143,6 +148,7 @@ class PoseFilter {
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   std::deque<double> undecided_m_;                          ///< of the last sweeps
   int corrected_sweeps_ = 0;
+  int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };
 

@@ -12,7 +12,8 @@
 // Gaps. A pose that is a prediction (sensor gone for a moment) is uncertain; once the sweep is registered to the map
 // from before the gap, it is not any longer. So from a gap on the error since the last measured pose is kept apart, and
 // a measurement that a second one confirms is a Kalman step on it. What that measurement does not observe stays, and
-// all of it does if the prediction was too uncertain for a nearest-point search, or nothing confirms it in time.
+// all of it does if the prediction was too uncertain for a search, nothing confirms it in time, or a new
+// reference was begun meanwhile.
 // Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 9x9 products.
 #pragma once
 
@@ -35,7 +36,8 @@ struct OdometryIncrement {
   Matrix6d unobserved = Matrix6d::Zero();  ///< the part of it that stays open (FilterState::unobserved_covariance)
   double dt_s = 0.0;
   SpeedError speed_error;
-  bool predicted = false;  ///< the pose is no measurement
+  bool predicted = false;         ///< the pose is no measurement
+  bool reference_begins = false;  ///< with this sweep: what is measured after it says nothing of what was before
   /// Of a measured pose in the map, about odom's axes, where at least two measurements agree on it.
   std::optional<Matrix6d> confirmed{};
 };
@@ -58,7 +60,7 @@ class OdometryCovariance {
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
     return propagate(T_odom_base_previous, T_odom_base_now,
-                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}});
+                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, false, {}});
   }
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.

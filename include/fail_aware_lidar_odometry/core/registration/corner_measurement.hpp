@@ -32,13 +32,15 @@ class CornerMeasurement {
 
  private:
   void enterOdom(int epoch);
+  void enterReference(int epoch);
 
   CornerExtractor extractor_;
   CornerReference reference_;
   CornerAlignment alignment_;
   std::vector<Corner> corners_cog_;
   bool motion_known_ = false;
-  int odom_epoch_ = 0;  ///< of the reference, as in registration_front.hpp
+  int odom_epoch_ = 0;       ///< of the reference, as in registration_front.hpp
+  int reference_epoch_ = 0;  ///< likewise
 };
 
 }  // namespace fail_aware

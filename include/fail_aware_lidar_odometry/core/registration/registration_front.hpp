@@ -6,7 +6,8 @@
 // Where the filter coasts (filter/coasting.hpp), the front looks for the speed in the road's relief (road_relief.hpp)
 // and adds what it finds to the point-to-plane measurement.
 // After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not
-// join it.
+// join it (FilterState::placed). When nothing has fitted for a while the filter begins another reference
+// (FilterState::reference_epoch), from one sweep at a prediction.
 // Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
 // measured, and keeps that turn when it joins the map. The ranges of the ICPs' clouds are corrected for what the beams were found
 // to be off by (beam_ranges.hpp).
@@ -54,6 +55,7 @@ class RegistrationFront {
   void keepStanding(const FilterState& state);
   void addStanding(Measurement& measurement) const;
   void enterOdom(int epoch);
+  void enterReference(int epoch);
   void relocalize();
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void doubtStandstill(Measurement& measurement) const;
@@ -73,8 +75,7 @@ class RegistrationFront {
   RegistrationCloud first_cloud_;  ///< the only sweep in the reference so far, at T_odom_cog_first_
   Pose T_odom_cog_first_ = Pose::Identity();
   bool only_first_placed_ = false;
-  bool lost_ = false;        ///< after a gap, not found again yet
-  int unplaced_sweeps_ = 0;  ///< in a row
+  bool lost_ = false;  ///< after a gap, not found again yet
   Pose T_odom_cog_start_ = Pose::Identity();
   /// Of T_odom_cog_start_: the prediction's, but as sure of the position as the search.
   Matrix6d start_covariance_ = Matrix6d::Identity();
@@ -93,7 +94,10 @@ class RegistrationFront {
   bool speed_known_ = false;      ///< it was so once
   double speed_sigma_mps_ = 0.0;  ///< of the last estimate's, 0 where it is observed
   bool last_measured_ = false;    ///< the last estimate is no mere prediction
-  int odom_epoch_ = 0;            ///< of the reference
+  double placed_stamp_s_ = 0.0;   ///< of the newest sweep in the map, with its position
+  Eigen::Vector3d placed_odom_ = Eigen::Vector3d::Zero();
+  int odom_epoch_ = 0;       ///< of the reference
+  int reference_epoch_ = 0;  ///< likewise
 };
 
 }  // namespace fail_aware

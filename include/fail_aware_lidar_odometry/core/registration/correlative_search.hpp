@@ -1,0 +1,56 @@
+// Where in the map a sweep was taken, searched for seen from above: correlative scan matching (Olson, "Real-Time Correlative
+// Scan Matching", ICRA 2009; not in the article). What stands above the ground is drawn into a grid around the predicted
+// position; every turn and shift within reach of the prediction is tried on a coarse grid, the best ones on a fine one.
+// It reaches metres and tens of degrees, where a nearest-point search ends in the next hedge.
+//
+// Frames: points in the frame of the centre of gravity, poses in odom; z, roll and pitch stay those of the prediction.
+// Failure: too little stands in the sweep (false: it cannot be searched for), or too little of it fits anywhere.
+// Cost: 20 to 60 ms.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+class CorrelativeSearch {
+ public:
+  struct Params {
+    bool enabled = true;
+    double range_m = 60.0;       ///< of the sweep's points
+    double max_shift_m = 15.0;   ///< farthest from the prediction, along each axis
+    double max_turn_deg = 45.0;  ///< likewise
+    double min_share = 0.65;  ///< of what stands: so much has to fit; half counts what lies where the map shows nothing
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("enabled", self.enabled);
+      v("range_m", self.range_m);
+      v("max_shift_m", self.max_shift_m);
+      v("max_turn_deg", self.max_turn_deg);
+      v("min_share", self.min_share);
+    }
+    void validate() const;
+  };
+
+  struct Found {
+    Pose T_odom_cog = Pose::Identity();
+    double share = 0.0;  ///< of what stands, that fits: min_share ... 1
+  };
+
+  /// Throws ParameterError.
+  explicit CorrelativeSearch(const Params& params);
+
+  /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw); how far is searched. False: too little stands.
+  bool find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map, const Pose& T_odom_cog_predicted,
+            const Matrix6d& covariance, std::optional<Found>& found) const;
+
+ private:
+  Params params_;
+};
+
+}  // namespace fail_aware
