@@ -126,9 +126,9 @@ class Judge {
  public:
   /// Of the predicted state.
   explicit Judge(const Matrix6d& covariance)
-      : sigma_m_(std::sqrt(covariance.topLeftCorner<2, 2>().trace())), sigma_rad_(std::sqrt(covariance(5, 5))) {
-    information_ = covariance.topLeftCorner<2, 2>().inverse();
-  }
+      : sigma_m_(std::sqrt(covariance.topLeftCorner<2, 2>().trace())),
+        sigma_rad_(std::sqrt(covariance(5, 5))),
+        information_(covariance.topLeftCorner<2, 2>().inverse()) {}
   double reachM(double most) const { return std::min(most, std::max(kMinReach_m, kSigmas * sigma_m_)); }
   double reachRad(double most) const { return std::min(most, std::max(kMinReach_rad, kSigmas * sigma_rad_)); }
   double value(const Candidate& c) const {
