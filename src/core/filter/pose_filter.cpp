@@ -60,9 +60,9 @@ bool wasSought(const std::vector<FusionInput>& measurements) {
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
-  OdometryIncrement increment{
-      state.increment_covariance, state.unobserved_covariance,      state.dt_s, state.speed_error,
-      isAsPredicted(state),       state.placed && !state.corrected, {}};
+  OdometryIncrement increment{state.increment_covariance, state.unobserved_covariance, state.dt_s,
+                              state.speed_error,          isAsPredicted(state),        {},
+                              state.reference_epoch};
   if (isConfirmed(state)) increment.confirmed = toPoseCovariance(state.fusion.R, state.fusion.z);
   return increment;
 }

@@ -101,7 +101,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
     const Pose T_gap_previous = gap_->T_odom_base.inverse() * T_odom_base_previous;
     advance(T_gap_previous, T_previous_now, sane, gap_->since);
     const double sigma_m = std::sqrt(gap_->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
-    if (sane.reference_begins || ++gap_->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
+    if (sane.reference_epoch != reference_epoch_ || ++gap_->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
       gap_.reset();
       lost_ = true;
     } else if (!sane.predicted && sane.confirmed && sane.confirmed->allFinite()) {
@@ -113,6 +113,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
       gap_.reset();
     }
   }
+  reference_epoch_ = sane.reference_epoch;
   if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
   since_start_ = since_start;
   since_mark_ = since_mark;

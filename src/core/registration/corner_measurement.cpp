@@ -22,7 +22,8 @@ Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepP
 void CornerMeasurement::place(const FilterState& state) {
   enterOdom(state.odom_epoch);
   enterReference(state.reference_epoch);
-  if (motion_known_ && state.placed) reference_.update(corners_cog_, state.T_odom_cog);
+  // corners say nothing of roll and pitch, so that what they alone have measured may join them
+  if (motion_known_ && (state.corrected || state.placed)) reference_.update(corners_cog_, state.T_odom_cog);
 }
 
 void CornerMeasurement::enterOdom(int epoch) {

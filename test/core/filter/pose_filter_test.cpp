@@ -496,13 +496,13 @@ TEST(PoseFilterReference, BeginsAnewWhenNothingHasFittedForAWhile) {
   for (int i = 1; i <= 10; ++i, ++sweep) {
     const FilterState state = step(filter, drive.stamp(sweep), {withStatus(MeasurementStatus::kNotConverged, 0)}).state;
     EXPECT_FALSE(state.placed) << i;
-    EXPECT_FALSE(incrementOf(state).reference_begins) << i;
+    EXPECT_EQ(incrementOf(state).reference_epoch, 0) << i;
   }
   const FilterState begun = step(filter, drive.stamp(sweep), {withStatus(MeasurementStatus::kTooFewPoints, 7)}).state;
   EXPECT_TRUE(begun.placed);
   EXPECT_FALSE(begun.corrected);
   EXPECT_EQ(begun.reference_epoch, 1);
-  EXPECT_TRUE(incrementOf(begun).reference_begins);
+  EXPECT_EQ(incrementOf(begun).reference_epoch, 1);
   ++sweep;
   const FilterState next = step(filter, drive.stamp(sweep), {withStatus(MeasurementStatus::kNotConverged, 0)}).state;
   EXPECT_FALSE(next.placed) << "it is given as long again";

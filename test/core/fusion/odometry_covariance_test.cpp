@@ -360,17 +360,28 @@ TEST_F(Gap, IsNotForgivenTooLateOrTooFarOff) {
 }
 
 TEST_F(Gap, IsNotForgivenInAReferenceThatBeganInIt) {
+  const auto inSecond = [](OdometryIncrement increment) {
+    increment.reference_epoch = 1;
+    return increment;
+  };
   drive(9, predicted());
-  OdometryIncrement begins = predicted();
-  begins.reference_begins = true;
-  drive(1, begins);
+  drive(1, inSecond(predicted()));
   const double lost = x();
   EXPECT_GT(lost, 0.09);
-  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  drive(1, inSecond(confirmed(Vector6d::Constant(1e-3))));
   EXPECT_GT(x(), 0.99 * lost);
-  drive(5, predicted());
-  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  drive(5, inSecond(predicted()));
+  drive(1, inSecond(confirmed(Vector6d::Constant(1e-3))));
   EXPECT_LT(x(), lost + 0.02) << "the next gap is one of its own";
+  const double then = x();
+  drive(9, inSecond(predicted()));
+  OdometryIncrement by_corners = measured();  // a third reference begins at what one measurement alone says
+  by_corners.reference_epoch = 2;
+  drive(1, by_corners);
+  OdometryIncrement agreed = confirmed(Vector6d::Constant(1e-3));
+  agreed.reference_epoch = 2;
+  drive(1, agreed);
+  EXPECT_GT(x(), then + 0.08);
 }
 
 TEST_F(Gap, ThatWasTooLongIsNotForgivenInParts) {

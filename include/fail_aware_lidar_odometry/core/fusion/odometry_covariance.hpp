@@ -36,10 +36,10 @@ struct OdometryIncrement {
   Matrix6d unobserved = Matrix6d::Zero();  ///< the part of it that stays open (FilterState::unobserved_covariance)
   double dt_s = 0.0;
   SpeedError speed_error;
-  bool predicted = false;         ///< the pose is no measurement
-  bool reference_begins = false;  ///< with this sweep: what is measured after it says nothing of what was before
+  bool predicted = false;  ///< the pose is no measurement
   /// Of a measured pose in the map, about odom's axes, where at least two measurements agree on it.
   std::optional<Matrix6d> confirmed{};
+  int reference_epoch = 0;  ///< FilterState's: after another one, what is measured says nothing of what was before
 };
 
 /// Covariance of the pose's error with what drives it.
@@ -60,7 +60,7 @@ class OdometryCovariance {
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
     return propagate(T_odom_base_previous, T_odom_base_now,
-                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, false, {}});
+                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}, reference_epoch_});
   }
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
@@ -100,7 +100,8 @@ class OdometryCovariance {
   double speed_variance_ = 0.0;                       ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
   std::optional<Gap> gap_;
-  bool lost_ = false;  ///< a gap was too long or too far: what comes next measures the way from nowhere before it
+  int reference_epoch_ = 0;  ///< of the last increment
+  bool lost_ = false;        ///< a gap was too long or too far: what comes next measures the way from nowhere before it
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that
