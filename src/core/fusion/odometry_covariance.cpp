@@ -113,8 +113,8 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
       gap_.reset();
     }
   }
-  reference_epoch_ = sane.reference_epoch;
   if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
+  reference_epoch_ = sane.reference_epoch;
   since_start_ = since_start;
   since_mark_ = since_mark;
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
