@@ -22,8 +22,7 @@ constexpr double kRefineStep = 0.25;    // of this part of a coarse one
 constexpr double kSigmas = 3.0;         // of the prediction: that far it is searched,
 constexpr double kMinReach_m = 1.0;     // and at least that far
 constexpr double kMinReach_rad = 2.0 * kDegree;
-constexpr double kPriorShare =
-    0.02;  // of what fits, that a unit of the prediction's squared Mahalanobis distance costs
+constexpr double kPriorShare = 0.02;  // what a unit of the squared Mahalanobis distance from the prediction costs
 
 // Cells of the horizontal plane around the predicted position: has the map been seen there, does something stand there.
 class PlanGrid {
@@ -101,7 +100,7 @@ struct Candidate {
   double share = 0.0, value = 0.0;
 };
 
-// Share of what stands where the map has been seen.
+// How much of what stands fits; 0..1.
 double shareOf(const std::vector<Eigen::Vector2d>& points, const PlanGrid& grid, const Eigen::Vector2d& shift_m) {
   int fits = 0, seen = 0;
   for (const Eigen::Vector2d& p : points) {

@@ -59,8 +59,8 @@ struct FilterState {
   int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
   /// The references take the sweep in, at this pose: it was measured, roll and pitch, too, or a reference begins with it.
   bool placed = false;
-  /// Counts references that began because nothing had fitted the one before for a while: at a prediction, whose error is
-  /// in all that is measured from there on.
+  /// Counts references that began because nothing had fitted the one before for a while: at an estimate whose error
+  /// is in all that is measured from there on.
   int reference_epoch = 0;
 };
 
