@@ -151,7 +151,7 @@ bool isUsable(const CovarianceGrowth& g) {
          g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.passing.allFinite() &&
          g.passing.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
          bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.unobserved >= 0.0 &&
-         g.unobserved <= 1.0;
+         g.unobserved <= 1.0 && bounded(g.pace);
 }
 
 }  // namespace
@@ -188,14 +188,14 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     if (sought.found) sought.time = TimeToFailure::reached();
   }
 
-  const double v = growth.speed_mps, u = growth.unobserved;
+  const double v = growth.speed_mps, scaled_v = growth.pace * v, u = growth.unobserved;
   for (double t = 0.0; t < params_.horizon_s && !(all[0].found && all[1].found); t += params_.step_s) {
     const double step_s = std::min(params_.step_s, params_.horizon_s - t);
     const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);
     const double c = std::cos(course), s = std::sin(course);
     Matrix6 L = Matrix6::Zero();
-    L.row(0) << 0.0, 0.0, -v * s, 0.0, v * c, u * c;
-    L.row(1) << 0.0, 0.0, v * c, 0.0, v * s, u * s;
+    L.row(0) << 0.0, 0.0, -v * s, 0.0, scaled_v * c, u * c;
+    L.row(1) << 0.0, 0.0, v * c, 0.0, scaled_v * s, u * s;
     L(2, 3) = std::abs(v);  // by distance, whichever way
     const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     Matrix6 Q = Matrix6::Zero();

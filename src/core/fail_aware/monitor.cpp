@@ -122,6 +122,7 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
   if (state.dt_s > 0.0) {
     growth.speed_mps = state.T_previous_now.translation().x() / state.dt_s;
+    growth.pace = drift_.pace(state.T_previous_now.translation().norm(), state.dt_s);
     growth.yaw_rate_rps = rpyFromRotation(state.T_previous_now.linear()).z() / state.dt_s;
   }
   return growth;
@@ -139,8 +140,9 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     const double speed_variance = covariance_.speedVariance();
     covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
     speed_wander_ = std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s;
-    rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance,
-                                state.T_previous_now.translation().norm()),
+    const double distance_m = state.T_previous_now.translation().norm();
+    rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance, distance_m,
+                                drift_.pace(distance_m, state.dt_s)),
                  state.dt_s);
   }
   if (state.odom_epoch != odom_epoch_ && indicator_.started()) start_pending_ = true;

@@ -18,6 +18,7 @@ void Coasting::Params::validate() const {
   requirePositive("acceleration_time_s", acceleration_time_s);
   requireNotNegative("yaw_acceleration_rad_s2", yaw_acceleration_rad_s2);
   requirePositive("yaw_acceleration_time_s", yaw_acceleration_time_s);
+  requirePositive("turning_speed_mps", turning_speed_mps);
   requirePositive("max_measured_sigma_m", max_measured_sigma_m);
   requirePositive("max_measured_sigma_deg", max_measured_sigma_deg);
 }
@@ -67,7 +68,9 @@ Coasting::Motion Coasting::begin(const Motion& before, double dt_s) {
   Eigen::Matrix2d F_yaw;
   F_yaw << 1.0, dt_s, 0.0, yaw_kept;
   S_yaw_ = (F_yaw * S_yaw_ * F_yaw.transpose()).eval();
-  S_yaw_(1, 1) += (1.0 - yaw_kept * yaw_kept) * params_.yaw_acceleration_rad_s2 * params_.yaw_acceleration_rad_s2;
+  const double slowness = std::min(1.0, params_.turning_speed_mps / std::max(before.velocity_mps.norm(), 1e-3));
+  const double yaw_acceleration = params_.yaw_acceleration_rad_s2 * slowness * slowness;
+  S_yaw_(1, 1) += (1.0 - yaw_kept * yaw_kept) * yaw_acceleration * yaw_acceleration;
 
   Motion motion;
   motion.velocity_mps = before.velocity_mps + dt_s * before.acceleration_mps2;

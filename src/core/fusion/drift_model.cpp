@@ -10,6 +10,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kMaxPace = 5.0;
+
 double squared(double value) { return value * value; }
 
 }  // namespace
@@ -21,6 +23,7 @@ void DriftModel::Params::validate() const {
   requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
   requireNotNegative("heading_bias_deg_per_m", heading_bias_deg_per_m);
   requireNotNegative("scale_bias", scale_bias);
+  requirePositive("slow_mps", slow_mps);
   requireWithin("passing_share", passing_share, 0.0, 1e6);
   requireWithin("passing_rotation_share", passing_rotation_share, 0.0, 1e6);
 }
@@ -45,13 +48,19 @@ double DriftModel::lastingShare(const Matrix6d& increment, const Matrix6d& unobs
   return std::max(params_.measured_share, squared(squared(unobservedAlong(increment, unobserved))));
 }
 
-Matrix6d DriftModel::lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m) const {
+double DriftModel::pace(double distance_m, double dt_s) const {
+  return dt_s > 0.0 ? std::clamp(distance_m / (dt_s * params_.slow_mps), 1.0, kMaxPace) : 1.0;
+}
+
+Matrix6d DriftModel::lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
+                             double pace) const {
   Matrix6d lasting = unobserved + lastingShare(increment, unobserved) * (increment - unobserved);
-  const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * distance_m;
-  lasting.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * distance_m;
+  const double walk_m = pace * pace * distance_m;
+  const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * walk_m;
+  lasting.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * walk_m;
   lasting(3, 3) += tilt;
   lasting(4, 4) += tilt;
-  lasting(5, 5) += squared(params_.heading_per_root_metre_deg * kDegree) * distance_m;
+  lasting(5, 5) += squared(params_.heading_per_root_metre_deg * kDegree) * walk_m;
   return lasting;
 }
 

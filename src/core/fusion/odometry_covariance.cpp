@@ -42,23 +42,24 @@ bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
 OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }
 
 // Errors e = (dt, dr, b, s, v) of pose, heading bias, scale bias and speed:
-//   dt += dr x R t + s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v = kept v + noise,
-//   u: how little of the motion is observed
+//   dt += dr x R t + p s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v = kept v + noise,
+//   p: the pace, u: how little of the motion is observed
 void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_previous_now,
                                  const OdometryIncrement& increment, DriftState& state) const {
   const Eigen::Matrix3d& R = T_start_previous.linear();
   const Eigen::Vector3d step = R * T_previous_now.translation();
   const double distance_m = step.norm();
+  const double pace = drift_.pace(distance_m, increment.dt_s);
   const double u = drift_.unobservedAlong(increment.covariance, increment.unobserved);
   DriftState::Matrix F = DriftState::Matrix::Identity();
   F.topLeftCorner<6, 6>().topRightCorner<3, 3>() = -skew(step);
   F.block<3, 1>(3, DriftState::kHeadingBias) = distance_m * R.col(2);
-  F.block<3, 1>(0, DriftState::kScaleBias) = step;
+  F.block<3, 1>(0, DriftState::kScaleBias) = pace * step;
   F.block<3, 1>(0, DriftState::kSpeed) = u * increment.dt_s * R.col(0);
   F(DriftState::kSpeed, DriftState::kSpeed) = increment.speed_error.kept;
   state.lasting = symmetric(DriftState::Matrix(F * state.lasting * F.transpose()));
   state.lasting.topLeftCorner<6, 6>() +=
-      symmetric(rotateCovariance(drift_.lasting(increment.covariance, increment.unobserved, distance_m), R));
+      symmetric(rotateCovariance(drift_.lasting(increment.covariance, increment.unobserved, distance_m, pace), R));
   double& speed_variance = state.lasting(DriftState::kSpeed, DriftState::kSpeed);
   speed_variance = std::max(speed_variance, increment.speed_error.variance_m2_s2);
   state.passing = symmetric(rotateCovariance(drift_.passing(increment.covariance, increment.unobserved), R));

@@ -15,6 +15,7 @@ constexpr double kFineStep = 0.25;          // of the search for the first motio
 constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
+constexpr double kStaysOpen = 2.0;          // open country ends above so many times the shares below which it began
 
 }  // namespace
 
@@ -45,6 +46,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   dt_s_ = prediction.dt_s;
   searched_sigma_m_ = 0.0;
   standing_pose_.reset();
+  was_open_country_ = open_country_;
   open_country_ = false;
   turn_found_ = false;
   updateRelief(sweep, prediction, T_cog_lidar);
@@ -210,11 +212,13 @@ void RegistrationFront::findTurn(double sigma_yaw_rad) {
 void RegistrationFront::matchStanding(double sigma_yaw_rad) {
   const StandingMatch::Params& params = standing_.params();
   if (!params.enabled) return;
+  // A sweep with a little more to hold on to does not end it: its planes are sure of the heading, and often wrong.
+  const double slack = was_open_country_ ? kStaysOpen : 1.0;
   const double share = standing_.shareOfPlanes(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
-  nearly_open_ = share <= 2.0 * params.max_information_share;
-  if (share > params.max_information_share) return;
+  nearly_open_ = share <= kStaysOpen * params.max_information_share;
+  if (share > slack * params.max_information_share) return;
   const StandingPoints standing = standing_.select(cloud_.map_points_cog);
-  open_country_ = standing.share <= params.max_standing_share;
+  open_country_ = standing.share <= slack * params.max_standing_share;
   if (!open_country_) return;
   standing_pose_ = standing_.find(standing, T_odom_cog_start_);
   if (standing_pose_) T_odom_cog_start_ = standing_pose_->T_odom_cog;
@@ -311,6 +315,7 @@ void RegistrationFront::reset() {
   beam_ranges_.reset();
   standing_.clear();
   nearly_open_ = true;
+  open_country_ = false;
   relief_speed_.reset();
   speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;

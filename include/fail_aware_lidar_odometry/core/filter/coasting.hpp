@@ -4,7 +4,7 @@
 // velocity v and acceleration a have a Kalman filter of their own (a: first-order Markov, standard deviation
 // `acceleration_mps2`, correlation time `acceleration_time_s`). What a sweep's fused measurement says of the velocity
 // counts by its covariance R, as one of covariance 2 R / dt^2; directions in which it says nothing are left out. The
-// yaw rate is treated alike.
+// yaw rate is treated alike; bends are the wider the faster they are driven (`turning_speed_mps`).
 // A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
 // speedError() tells the accumulated covariance how large the error along the road is and how much of it stays.
 // Vectors: m, m/s, rad/s, axes of the body now (x forward, y left, z up). Cost: about 2 us.
@@ -26,7 +26,8 @@ class Coasting {
     double acceleration_mps2 = 0.7;           ///< standard deviation along the road;
     double lateral_acceleration_mps2 = 0.15;  ///< of the velocity's components across and up
     double acceleration_time_s = 1.5;
-    double yaw_acceleration_rad_s2 = 0.45;
+    double yaw_acceleration_rad_s2 = 0.45;    ///< of the heading, up to this speed; above it
+    double turning_speed_mps = 6.7;           ///< by the speed's square less
     double yaw_acceleration_time_s = 0.5;
     double max_measured_sigma_m = 1.0;    ///< a measurement less sure than this says nothing of the speed
     double max_measured_sigma_deg = 3.0;  ///< nor of the yaw rate
@@ -40,6 +41,7 @@ class Coasting {
       v("lateral_acceleration_mps2", self.lateral_acceleration_mps2);
       v("acceleration_time_s", self.acceleration_time_s);
       v("yaw_acceleration_rad_s2", self.yaw_acceleration_rad_s2);
+      v("turning_speed_mps", self.turning_speed_mps);
       v("yaw_acceleration_time_s", self.yaw_acceleration_time_s);
       v("max_measured_sigma_m", self.max_measured_sigma_m);
       v("max_measured_sigma_deg", self.max_measured_sigma_deg);

@@ -9,6 +9,8 @@
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
 //     Unknown and constant; they make the error grow with distance squared and distance. Each head has its own (0.1 to
 //     0.5 m per km of scale in ten simulated ones), so that one head's errors are alike on all its drives.
+//   - faster than `slow_mps`, walk (standard deviation) and scale error grow as the speed: fewer sweeps see each place,
+//     and fewer places are still seen
 //   - the error of a speed that is not observed: how large and how lasting it is says filter/coasting.hpp; here, how
 //     much of it goes into an increment
 //
@@ -28,9 +30,10 @@ class DriftModel {
     double measured_share = 0.0;  ///< of the observed part's variance, that adds up too, at least
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
-    double heading_per_root_metre_deg = 0.0006;
+    double heading_per_root_metre_deg = 0.0004;
     double heading_bias_deg_per_m = 0.000012;  ///< standard deviation of the constant
-    double scale_bias = 0.00006;               ///< likewise: metres per metre
+    double scale_bias = 0.00004;               ///< likewise: metres per metre
+    double slow_mps = 10.0;                    ///< faster, the walks and the scale bias grow with the speed
     double passing_share = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
     double passing_rotation_share = 0.02;  ///< likewise rotation
 
@@ -42,6 +45,7 @@ class DriftModel {
       v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
       v("heading_bias_deg_per_m", self.heading_bias_deg_per_m);
       v("scale_bias", self.scale_bias);
+      v("slow_mps", self.slow_mps);
       v("passing_share", self.passing_share);
       v("passing_rotation_share", self.passing_rotation_share);
     }
@@ -54,9 +58,12 @@ class DriftModel {
   /// Throws ParameterError.
   explicit DriftModel(const Params& params);
 
+  /// How much faster than `slow_mps`: 1 (slower, or no time given) to 5.
+  double pace(double distance_m, double dt_s) const;
+
   /// What a sweep adds for good. `increment`: the covariance of its motion, `unobserved`: the part of it that stays
   /// open.
-  Matrix6d lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m) const;
+  Matrix6d lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m, double pace = 1.0) const;
   /// What it adds for the moment: the pose's own jitter, half of an increment's, which is between two of them.
   Matrix6d passing(const Matrix6d& increment, const Matrix6d& unobserved) const;
 

@@ -37,7 +37,7 @@ class StandingMatch {
     double max_information_share = 0.12;  ///< of the weakest horizontal direction among the planes
     double max_standing_share = 0.1;      ///< of the points
     double surface_sigma_m = 0.3;         ///< of what surfaces tell there of the horizontal position
-    double surface_sigma_deg = 0.3;       ///< and of the heading
+    double surface_sigma_deg = 0.2;       ///< and of the heading
     double max_range_m = 100.0;
     double cell_m = 4.0;
     double column_m = 0.5;
