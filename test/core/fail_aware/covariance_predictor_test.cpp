@@ -123,6 +123,8 @@ TEST(CovariancePredictor, DriversInClosedForm) {
   scale.drivers(1, 1) = 1e-6;
   scale.speed_mps = 20.0;
   EXPECT_NEAR(predictorWith(kOneSigma).predict(scale).time_to_failure.seconds, 0.6 / (1e-3 * 20.0), 1e-4);
+  scale.pace = 2.0;
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(scale).time_to_failure.seconds, 0.6 / (2.0 * 1e-3 * 20.0), 1e-4);
   CovarianceGrowth lost;
   lost.unobserved = 1.0;
   lost.speed_wander = 0.04;  // 0.04 t^3 / 3 = 0.36

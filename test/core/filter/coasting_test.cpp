@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -171,12 +172,31 @@ TEST(Coasting, TheYawRateCoastsLikewise) {
   EXPECT_NEAR(motion.yaw_rate_rad_s, 0.3, 0.02);
 }
 
+// Measured turns that come and go are noise at 25 m/s and may be bends at 5 m/s.
+TEST(Coasting, TheFasterTheSlowerItBelievesInATurn) {
+  double largest_rad_s[2] = {0.0, 0.0};
+  for (const bool fast : {false, true}) {
+    Coasting coasting = lastObserved();
+    Coasting::Motion motion = motionOf(fast ? 25.0 : 5.0);
+    for (int i = 0; i < 100; ++i) {
+      Coasting::Measured turning = measured(motion.velocity_mps.x(), 0.01, i / 10 % 2 == 0 ? 0.3 : -0.3, 0.01);
+      motion = coasting.coast(motion, kDt_s, &turning);
+      if (i >= 20) largest_rad_s[fast] = std::max(largest_rad_s[fast], std::abs(motion.yaw_rate_rad_s));
+    }
+  }
+  EXPECT_GT(largest_rad_s[false], 0.25);
+  EXPECT_LT(largest_rad_s[true], 0.5 * largest_rad_s[false]);
+}
+
 TEST(Coasting, ParametersAreChecked) {
   Coasting::Params params;
   params.observed_sigma_m = 0.0;
   EXPECT_THROW(Coasting{params}, ParameterError);
   params = Coasting::Params();
   params.acceleration_time_s = -1.0;
+  EXPECT_THROW(Coasting{params}, ParameterError);
+  params = Coasting::Params();
+  params.turning_speed_mps = 0.0;
   EXPECT_THROW(Coasting{params}, ParameterError);
 }
 

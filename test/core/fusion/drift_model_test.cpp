@@ -70,6 +70,19 @@ TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {
   EXPECT_NEAR(model.biasVariances()[1], 4e-6, 1e-18);
 }
 
+TEST(DriftModel, FasterTheWalksGrowWithTheSpeed) {
+  DriftModel::Params params;
+  params.slow_mps = 10.0;
+  params.heading_per_root_metre_deg = 0.02;
+  const DriftModel model(params);
+  EXPECT_EQ(model.pace(0.5, 0.1), 1.0);
+  EXPECT_DOUBLE_EQ(model.pace(3.0, 0.1), 3.0);
+  EXPECT_EQ(model.pace(30.0, 0.1), 5.0) << "stamps that are wrong";
+  EXPECT_EQ(model.pace(3.0, 0.0), 1.0) << "no time given";
+  const Matrix6d none = Matrix6d::Zero();
+  EXPECT_NEAR(model.lasting(none, none, 3.0, 3.0)(5, 5), 27.0 * std::pow(0.02 * kDegree, 2), 1e-15);
+}
+
 TEST(DriftModel, HowLittleOfTheSpeedIsObserved) {
   const DriftModel model{DriftModel::Params()};
   EXPECT_DOUBLE_EQ(model.unobservedAlong(diagonal(4.0, 1.0), diagonal(1.0, 1.0)), 0.25);
@@ -90,6 +103,7 @@ TEST(DriftModel, ParametersAreChecked) {
   refused([](DriftModel::Params& p) { p.heading_per_root_metre_deg = std::numeric_limits<double>::quiet_NaN(); });
   refused([](DriftModel::Params& p) { p.heading_bias_deg_per_m = -1.0; });
   refused([](DriftModel::Params& p) { p.scale_bias = -1.0; });
+  refused([](DriftModel::Params& p) { p.slow_mps = 0.0; });
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
 }
 
 /// A field with five posts, `way_m` along it, and scan lines, which travel with the sensor.
-CorrectedSweep fieldSweep(double way_m, double stamp_s, unsigned seed) {
+CorrectedSweep fieldSweep(double way_m, double stamp_s, unsigned seed, double post_m = 0.06) {
   SyntheticDrive field;
   field.scene = {ground(-30.0, -30.0, 30.0, 30.0)};
   field.ground_rings = true;
@@ -151,7 +151,7 @@ CorrectedSweep fieldSweep(double way_m, double stamp_s, unsigned seed) {
   SyntheticDrive posts;
   posts.scene.clear();
   for (const auto& [x, y] : {std::pair{9.0, 7.0}, {14.0, -8.0}, {21.0, 5.0}, {-12.0, 9.0}, {18.0, -15.0}}) {
-    addPost(posts.scene, x - way_m, y, 0.06, 2.0);
+    addPost(posts.scene, x - way_m, y, post_m, 2.0);
   }
   posts.points_per_m2 = 600.0;
   const CorrectedSweep standing = posts.sweep(0.0, seed);
@@ -180,6 +180,35 @@ TEST(RegistrationFront, inOpenCountryWhatStandsTellsTheWay) {
   EXPECT_GT(std::abs(way_m[false] - 1.0), 0.2);
   EXPECT_NEAR(way_m[true], 1.0, 0.05);
   EXPECT_LT(sigma_m[true], 0.1);
+}
+
+/// The heading's standard deviation in the last of three sweeps of a field, each with posts of that width.
+double sigmaYawAfter(const std::vector<double>& posts_m) {
+  const Pose T_cog_lidar = SyntheticDrive().T_cog_lidar;
+  const NormalFilteredIcp planes{NormalFilteredIcp::Params()};
+  RegistrationFront front = makeFront(false, 500, false);
+  Pose T_odom_cog = Pose::Identity();
+  Measurement measured;
+  for (std::size_t i = 0; i < posts_m.size(); ++i) {
+    const double way_m = static_cast<double>(i), stamp_s = 0.1 * way_m;
+    const SweepPrediction prediction =
+        predictionOf(stamp_s, i > 0 ? 0.1 : 0.0, T_odom_cog, poseOf(i > 0 ? 1.0 : 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), i > 0);
+    const unsigned seed = static_cast<unsigned>(i + 1);
+    EXPECT_TRUE(front.prepare(fieldSweep(way_m, stamp_s, seed, posts_m[i]), prediction, T_cog_lidar));
+    T_odom_cog = prediction.T_odom_cog;
+    measured = front.align(planes, 0.01);
+    front.place(stateOf(prediction, T_odom_cog, i > 0));
+  }
+  EXPECT_TRUE(measured.ok());
+  return std::sqrt(measured.covariance(5, 5)) / kDegree;
+}
+
+// Pillars are too much for open country to begin, too little for it to end; houses end it.
+TEST(RegistrationFront, openCountryEndsLaterThanItBegins) {
+  constexpr double kPost_m = 0.06, kPillar_m = 2.5, kHouse_m = 4.0;
+  EXPECT_LT(sigmaYawAfter({kPillar_m, kPillar_m, kPillar_m}), 0.1);
+  EXPECT_GT(sigmaYawAfter({kPillar_m, kPost_m, kPillar_m}), 0.2);
+  EXPECT_LT(sigmaYawAfter({kHouse_m, kPost_m, kHouse_m}), 0.1);
 }
 
 TEST(RegistrationFront, theSecondSweepStartsWhereTheSearchFoundIt) {
