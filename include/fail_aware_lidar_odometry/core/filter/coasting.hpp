@@ -26,8 +26,8 @@ class Coasting {
     double acceleration_mps2 = 0.7;           ///< standard deviation along the road;
     double lateral_acceleration_mps2 = 0.15;  ///< of the velocity's components across and up
     double acceleration_time_s = 1.5;
-    double yaw_acceleration_rad_s2 = 0.45;    ///< of the heading, up to this speed; above it
-    double turning_speed_mps = 6.7;           ///< by the speed's square less
+    double yaw_acceleration_rad_s2 = 0.45;  ///< of the heading, up to this speed; above it
+    double turning_speed_mps = 6.7;         ///< by the speed's square less
     double yaw_acceleration_time_s = 0.5;
     double max_measured_sigma_m = 1.0;    ///< a measurement less sure than this says nothing of the speed
     double max_measured_sigma_deg = 3.0;  ///< nor of the yaw rate
