@@ -151,7 +151,7 @@ bool isUsable(const CovarianceGrowth& g) {
          g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.passing.allFinite() &&
          g.passing.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
          bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.unobserved >= 0.0 &&
-         g.unobserved <= 1.0 && bounded(g.pace);
+         g.unobserved <= 1.0 && bounded(g.pace) && g.pace >= 1.0;
 }
 
 }  // namespace

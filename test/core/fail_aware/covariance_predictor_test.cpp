@@ -193,13 +193,15 @@ TEST(CovariancePredictor, UnusableInputIsUnknown) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CovarianceGrowth good;
   good.rate.diagonal() << 1e-3, 1e-3, 1e-6;
-  std::vector<CovarianceGrowth> bad(6, good);
+  std::vector<CovarianceGrowth> bad(8, good);
   bad[0].covariance(0, 1) = nan;
   bad[1].rate(2, 2) = -1e-3;
   bad[2].speed_mps = nan;
   bad[3].course_rad = std::numeric_limits<double>::infinity();
   bad[4].yaw_rate_rps = nan;
   bad[5].covariance(0, 1) = bad[5].covariance(1, 0) = 0.1;  // zero variances with correlation
+  bad[6].pace = nan;
+  bad[7].pace = 0.9;
   for (const CovarianceGrowth& growth : bad) {
     const CovariancePrediction p = predictorWith(0.95).predict(growth);
     EXPECT_EQ(p.time_to_failure.status, Status::kUnknown);
@@ -235,6 +237,7 @@ TEST(CovariancePredictor, NeverNan) {
     growth.speed_mps = number();
     growth.course_rad = number();
     growth.yaw_rate_rps = number();
+    if (kind(random) < 2) growth.pace = number();
     const CovariancePrediction p = predictor.predict(growth);
     const double seconds = p.time_to_failure.seconds;
     ASSERT_TRUE(p.time_to_failure.isKnown() ? seconds >= 0.0 && seconds <= 60.0 : seconds == -1.0);
