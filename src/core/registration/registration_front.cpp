@@ -15,7 +15,9 @@ constexpr double kFineStep = 0.25;          // of the search for the first motio
 constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
-constexpr double kStaysOpen = 2.0;          // open country ends above so many times the shares below which it began
+constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
+constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
+constexpr double kClearlyOpen = 0.5;  // less than that of the limit
 
 }  // namespace
 
@@ -46,7 +48,6 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   dt_s_ = prediction.dt_s;
   searched_sigma_m_ = 0.0;
   standing_pose_.reset();
-  was_open_country_ = open_country_;
   open_country_ = false;
   turn_found_ = false;
   updateRelief(sweep, prediction, T_cog_lidar);
@@ -213,13 +214,17 @@ void RegistrationFront::matchStanding(double sigma_yaw_rad) {
   const StandingMatch::Params& params = standing_.params();
   if (!params.enabled) return;
   // A sweep with a little more to hold on to does not end it: its planes are sure of the heading, and often wrong.
-  const double slack = was_open_country_ ? kStaysOpen : 1.0;
+  const double slack = open_sweeps_left_ > 0 ? kStaysOpen : 1.0;
+  open_sweeps_left_ = std::max(0, open_sweeps_left_ - 1);
   const double share = standing_.shareOfPlanes(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
   nearly_open_ = share <= kStaysOpen * params.max_information_share;
   if (share > slack * params.max_information_share) return;
   const StandingPoints standing = standing_.select(cloud_.map_points_cog);
-  open_country_ = standing.share <= slack * params.max_standing_share;
+  open_country_ = standing.share <= params.max_standing_share;
   if (!open_country_) return;
+  if (share <= params.max_information_share && standing.share <= kClearlyOpen * params.max_standing_share) {
+    open_sweeps_left_ = kOpenSweeps;
+  }
   standing_pose_ = standing_.find(standing, T_odom_cog_start_);
   if (standing_pose_) T_odom_cog_start_ = standing_pose_->T_odom_cog;
 }
@@ -315,7 +320,7 @@ void RegistrationFront::reset() {
   beam_ranges_.reset();
   standing_.clear();
   nearly_open_ = true;
-  open_country_ = false;
+  open_sweeps_left_ = 0;
   relief_speed_.reset();
   speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;

@@ -30,9 +30,9 @@ class DriftModel {
     double measured_share = 0.0;  ///< of the observed part's variance, that adds up too, at least
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
-    double heading_per_root_metre_deg = 0.0004;
+    double heading_per_root_metre_deg = 0.00035;
     double heading_bias_deg_per_m = 0.000012;  ///< standard deviation of the constant
-    double scale_bias = 0.00004;               ///< likewise: metres per metre
+    double scale_bias = 0.000035;              ///< likewise: metres per metre
     double slow_mps = 10.0;                    ///< faster, the walks and the scale bias grow with the speed
     double passing_share = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
     double passing_rotation_share = 0.02;  ///< likewise rotation

@@ -85,7 +85,7 @@ class RegistrationFront {
   std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep
   std::optional<StandingPose> standing_pose_;      ///< likewise
   bool open_country_ = false;                      ///< of the prepared sweep: see standing_match.hpp
-  bool was_open_country_ = false;                  ///< of the one before it
+  int open_sweeps_left_ = 0;                       ///< in which planes may tell more than where open country begins
   bool nearly_open_ = true;                        ///< the last one's planes told little: what stands in it is kept
   double searched_sigma_m_ = 0.0;                  ///< of the start pose, if the search gave it; else 0
   Eigen::Vector3d lidar_in_cog_ = Eigen::Vector3d::Zero();
