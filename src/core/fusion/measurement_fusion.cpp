@@ -173,35 +173,36 @@ struct Distance {
   bool expected;           ///< both know where they are, and their covariances say no better
 };
 
-bool isOutvoted(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
-                double agreement_distance_m) {
-  if (weights[input] > 0.0) return false;
+/// How much a measurement's disagreement counts: in full, or if those that the prediction bears out better outnumber it,
+/// as much as the prediction bears it out (its weight).
+double say(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
+           double agreement_distance_m) {
   int votes_for = 1, votes_against = 0;
   for (const Distance& d : distances) {
     if (d.abstains || (d.one != input && d.other != input)) continue;
-    if (weights[d.one == input ? d.other : d.one] > 0.0) {
+    if (weights[d.one == input ? d.other : d.one] > weights[input]) {
       ++votes_against;
     } else if (d.distance_m <= agreement_distance_m) {
       ++votes_for;
     }
   }
-  return votes_against > votes_for;
+  return votes_against > votes_for ? weights[input] : 1.0;
 }
 
 void judgeDisagreement(const std::vector<Distance>& distances, double agreement_distance_m, FusionResult* result) {
   bool any_agree = false;
+  double farthest_m = 0.0;
   for (const Distance& d : distances) {
     any_agree = any_agree || d.distance_m < agreement_distance_m;
     if (d.abstains) continue;
     result->disagreement_m = std::max(result->disagreement_m, d.distance_m);
-    const auto outvoted = [&](std::size_t input) {
-      return isOutvoted(input, distances, result->weights, agreement_distance_m);
-    };
-    if (!d.expected && !outvoted(d.one) && !outvoted(d.other)) {
-      result->undecided_m = std::max(result->undecided_m, d.distance_m);
-    }
+    if (d.expected) continue;
+    const double counts = std::min(say(d.one, distances, result->weights, agreement_distance_m),
+                                   say(d.other, distances, result->weights, agreement_distance_m));
+    result->undecided_m = std::max(result->undecided_m, counts * d.distance_m);
+    if (counts > 0.0) farthest_m = std::max(farthest_m, d.distance_m);
   }
-  result->confirmed = any_agree && result->undecided_m < agreement_distance_m;
+  result->confirmed = any_agree && farthest_m < agreement_distance_m;
 }
 
 }  // namespace

@@ -161,12 +161,25 @@ TEST(MeasurementFusion, ADistanceThatTheCovariancesExpectDecidesNothing) {
     const FusionResult r = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
     EXPECT_GT(r.weights[2], 0.0);
     EXPECT_NEAR(r.disagreement_m, std::hypot(0.25, 0.01), 1e-12) << "is told all the same";
-    EXPECT_EQ(r.confirmed, r.undecided_m < 0.2);
-    return r.undecided_m;
+    EXPECT_EQ(r.confirmed, r.undecided_m == 0.0);
+    return r.undecided_m / r.weights[2];
   };
   EXPECT_EQ(undecidedWith(0.1), 0.0);
   EXPECT_NEAR(undecidedWith(0.05), std::hypot(0.25, 0.01), 1e-12) << "five sigma are no chance";
   EXPECT_NEAR(undecidedWith(0.3), std::hypot(0.25, 0.01), 1e-12) << "what knows next to nothing bears nobody out";
+}
+
+TEST(MeasurementFusion, OneThatTheLikelierOnesOutnumberCountsByItsWeight) {
+  const Matrix6d P = diagonal(0.04, 0.1, 0.1), R = diagonal(1e-4, 0.1, 0.1);
+  const auto at = [&](double x_m) { return measurementAt(vector6(x_m, 0, 0, 0, 0, 0), R); };
+  const FusionResult far = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.01), at(0.4)}));
+  EXPECT_NEAR(far.weights[2], 1.0 - 0.4 / std::sqrt(0.0401) / 3.0, 1e-9);
+  EXPECT_NEAR(far.undecided_m, 0.4 * far.weights[2], 1e-12);
+  EXPECT_FALSE(far.confirmed) << "it speaks against the others all the same";
+  const FusionResult led_astray = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.4), at(0.41), at(0.0)}));
+  EXPECT_NEAR(led_astray.undecided_m, 0.4, 1e-12) << "the prediction bears out the one";
+  const FusionResult one_against_one = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.4)}));
+  EXPECT_NEAR(one_against_one.undecided_m, 0.4, 1e-12);
 }
 
 TEST(MeasurementFusion, TheGatesEdge) {

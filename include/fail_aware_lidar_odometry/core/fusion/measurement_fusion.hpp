@@ -14,6 +14,7 @@
 //
 // Disagreement. One that is gated out is outvoted, and its disagreement decides nothing, if more of those that are used
 // speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
+// One inside its gate that is outnumbered in this way, by those of greater weight, counts by its weight.
 // Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are: their
 // sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
 // An external one abstains as long as its covariance bears the other out (FusionInput::external).
@@ -48,8 +49,8 @@ struct FusionResult {
   bool prediction_invalid = false;    ///< predicted state or covariance not usable
   double disagreement_m = 0.0;        ///< largest horizontal distance between two usable measurements
   double disagreement_yaw_rad = 0.0;
-  double undecided_m = 0.0;  ///< the same, where it is unexpected, between those that are not outvoted
-  bool confirmed = false;    ///< some two are within agreement_distance_m, and so is undecided_m
+  double undecided_m = 0.0;  ///< the same, where it is unexpected; that of one that is outnumbered times its weight
+  bool confirmed = false;    ///< some two are within agreement_distance_m, and none that is not outvoted speaks against
   int valid_inputs = 0;
   int invalid_inputs = 0;  ///< said ok, but unusable
 };
