@@ -18,6 +18,7 @@ double squared(double value) { return value * value; }
 
 void DriftModel::Params::validate() const {
   requireWithin("measured_share", measured_share, 0.0, 1.0);
+  requireWithin("unobserved_share", unobserved_share, 0.0, 1.0);
   requireNotNegative("position_per_root_metre_m", position_per_root_metre_m);
   requireNotNegative("tilt_per_root_metre_deg", tilt_per_root_metre_deg);
   requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
@@ -31,6 +32,7 @@ void DriftModel::Params::validate() const {
 DriftModel::Params DriftModel::Params::independent() {
   Params params;
   params.measured_share = 1.0;
+  params.unobserved_share = 1.0;
   params.position_per_root_metre_m = 0.0;
   params.tilt_per_root_metre_deg = 0.0;
   params.heading_per_root_metre_deg = 0.0;
@@ -48,13 +50,21 @@ double DriftModel::lastingShare(const Matrix6d& increment, const Matrix6d& unobs
   return std::max(params_.measured_share, squared(squared(unobservedAlong(increment, unobserved))));
 }
 
+// Of what stays open: on roads, u of 0.05 to 0.2, little more than the least; from an u of 0.4 on, all.
+double DriftModel::lastingShareOfOpen(const Matrix6d& increment, const Matrix6d& unobserved) const {
+  constexpr double kOpen = 0.4;
+  const double openness = std::min(1.0, squared(unobservedAlong(increment, unobserved) / kOpen));
+  return params_.unobserved_share + (1.0 - params_.unobserved_share) * openness;
+}
+
 double DriftModel::pace(double distance_m, double dt_s) const {
   return dt_s > 0.0 ? std::clamp(distance_m / (dt_s * params_.slow_mps), 1.0, kMaxPace) : 1.0;
 }
 
 Matrix6d DriftModel::lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
                              double pace) const {
-  Matrix6d lasting = unobserved + lastingShare(increment, unobserved) * (increment - unobserved);
+  Matrix6d lasting = lastingShareOfOpen(increment, unobserved) * unobserved +
+                     lastingShare(increment, unobserved) * (increment - unobserved);
   const double walk_m = pace * pace * distance_m;
   const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * walk_m;
   lasting.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * walk_m;

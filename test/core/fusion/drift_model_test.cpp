@@ -29,6 +29,7 @@ TEST(DriftModel, IndependentErrorsStayAsAWhole) {
 TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
   DriftModel::Params params;
   params.measured_share = 0.25;
+  params.unobserved_share = 1.0;
   params.position_per_root_metre_m = 0.01;
   params.tilt_per_root_metre_deg = 0.03;
   params.heading_per_root_metre_deg = 0.02;
@@ -49,6 +50,7 @@ TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
 TEST(DriftModel, WhereLittleIsObservedTheJitterAddsUp) {
   DriftModel::Params params;
   params.measured_share = 0.01;
+  params.unobserved_share = 1.0;
   params.position_per_root_metre_m = params.tilt_per_root_metre_deg = params.heading_per_root_metre_deg = 0.0;
   params.passing_share = params.passing_rotation_share = 1.0;
   const DriftModel model(params);
@@ -59,6 +61,23 @@ TEST(DriftModel, WhereLittleIsObservedTheJitterAddsUp) {
     EXPECT_NEAR(model.lasting(C, U, 5.0)(5, 5), 1e-6 + share * 3e-6, 1e-15) << u;
     EXPECT_NEAR(model.passing(C, U)(5, 5), 0.5 * (1.0 - share) * 3e-6, 1e-15) << u;
   }
+}
+
+TEST(DriftModel, WhatStaysOpenAddsUpInPartWhereTheRoadIsObserved) {
+  DriftModel::Params params;
+  params.measured_share = 0.0;
+  params.unobserved_share = 0.6;
+  params.heading_per_root_metre_deg = 0.0;
+  const DriftModel model(params);
+  const Matrix6d C = diagonal(4e-4, 4e-6);
+  const auto kept = [&](double u) {
+    const Matrix6d U = diagonal(u * 4e-4, 1e-6);
+    return (model.lasting(C, U, 5.0)(5, 5) - std::pow(u, 4) * 3e-6) / 1e-6;
+  };
+  EXPECT_NEAR(kept(1e-6), 0.6, 1e-6);
+  EXPECT_NEAR(kept(0.2), 0.6 + 0.4 * 0.25, 1e-9);
+  EXPECT_NEAR(kept(0.4), 1.0, 1e-9);
+  EXPECT_NEAR(kept(0.8), 1.0, 1e-9);
 }
 
 TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {

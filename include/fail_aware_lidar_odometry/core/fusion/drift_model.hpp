@@ -2,7 +2,8 @@
 //
 // A sweep is registered against a map, so most of a measurement's error is gone with the next sweep: the pose jitters
 // about the map, the jitter does not add up. What adds up is
-//   - what the measurements leave open: FilterState::unobserved_covariance (filter/pose_filter.hpp), all of it
+//   - what the measurements leave open: FilterState::unobserved_covariance (filter/pose_filter.hpp); all of it where
+//     little of the way is observed (u below), else a share: the next sweeps look at the same part of the map again
 //   - where little of the way is observed (u below), that jitter, too, times u^4: there is hardly a map to hold on to
 //   - the slow drift of the map itself, which goes with the distance driven, not with the number of sweeps (a standing
 //     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
@@ -27,7 +28,8 @@ namespace fail_aware {
 class DriftModel {
  public:
   struct Params {
-    double measured_share = 0.0;  ///< of the observed part's variance, that adds up too, at least
+    double measured_share = 0.0;    ///< of the observed part's variance, that adds up too, at least
+    double unobserved_share = 0.7;  ///< of the variance of what stays open, that adds up, at least
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
     double heading_per_root_metre_deg = 0.00035;
@@ -40,6 +42,7 @@ class DriftModel {
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("measured_share", self.measured_share);
+      v("unobserved_share", self.unobserved_share);
       v("position_per_root_metre_m", self.position_per_root_metre_m);
       v("tilt_per_root_metre_deg", self.tilt_per_root_metre_deg);
       v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
@@ -74,6 +77,7 @@ class DriftModel {
   double unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const;
 
  private:
+  double lastingShareOfOpen(const Matrix6d& increment, const Matrix6d& unobserved) const;
   double lastingShare(const Matrix6d& increment, const Matrix6d& unobserved) const;
 
   Params params_;
