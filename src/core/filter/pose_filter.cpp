@@ -325,7 +325,7 @@ void PoseFilter::updateMotion() {
 
 // One of two measurements that lie apart is wrong, and the fused one may be as wrong as they are apart. Now and then
 // that is chance; where it lasts (the median of some sweeps) the odometry is being led astray. What is outvoted is not
-// counted.
+// counted, what is outnumbered by its weight.
 double PoseFilter::excessDisagreement(double undecided_m) {
   constexpr std::size_t kSweeps = 5;
   undecided_m_.push_back(undecided_m);

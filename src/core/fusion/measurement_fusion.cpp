@@ -175,8 +175,8 @@ struct Distance {
 
 /// How much a measurement's disagreement counts: in full, or if those that the prediction bears out better outnumber it,
 /// as much as the prediction bears it out (its weight).
-double say(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
-           double agreement_distance_m) {
+double credence(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
+                double agreement_distance_m) {
   int votes_for = 1, votes_against = 0;
   for (const Distance& d : distances) {
     if (d.abstains || (d.one != input && d.other != input)) continue;
@@ -190,6 +190,10 @@ double say(std::size_t input, const std::vector<Distance>& distances, const std:
 }
 
 void judgeDisagreement(const std::vector<Distance>& distances, double agreement_distance_m, FusionResult* result) {
+  std::vector<double> credences;
+  for (std::size_t input = 0; input < result->weights.size(); ++input) {
+    credences.push_back(credence(input, distances, result->weights, agreement_distance_m));
+  }
   bool any_agree = false;
   double farthest_m = 0.0;
   for (const Distance& d : distances) {
@@ -197,8 +201,7 @@ void judgeDisagreement(const std::vector<Distance>& distances, double agreement_
     if (d.abstains) continue;
     result->disagreement_m = std::max(result->disagreement_m, d.distance_m);
     if (d.expected) continue;
-    const double counts = std::min(say(d.one, distances, result->weights, agreement_distance_m),
-                                   say(d.other, distances, result->weights, agreement_distance_m));
+    const double counts = std::min(credences[d.one], credences[d.other]);
     result->undecided_m = std::max(result->undecided_m, counts * d.distance_m);
     if (counts > 0.0) farthest_m = std::max(farthest_m, d.distance_m);
   }
