@@ -26,6 +26,7 @@
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fusion_ukf_params.hpp"
 #include "health.hpp"
 #include "lidar_place.hpp"
@@ -75,7 +76,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     const ProfileParameters& profile = pipeline.profile;
     T_base_cog_ = pipeline.vehicle.T_base_cog();
     start_sigmas_ << Eigen::Vector3d::Constant(profile.filter.initial_sigma_m),
-        Eigen::Vector3d::Constant(profile.filter.initial_sigma_deg * M_PI / 180.0);
+        Eigen::Vector3d::Constant(profile.filter.initial_sigma_deg * kDegree);
     filter_ = std::make_unique<PoseFilter>(profile.filter, profile.ukf,
                                            VehicleModel(pipeline.vehicle.dynamics, profile.model), profile.history,
                                            profile.road, profile.fusion);

@@ -169,7 +169,7 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
   source.last_status = toString(source.measurement->status);
   source.last_duration_s = message.duration;
   ++source.answers;
-  sweep_points_ = std::max(sweep_points_, static_cast<int>(message.sweep_points));
+  if (source.built_in) sweep_points_ = std::max(sweep_points_, static_cast<int>(message.sweep_points));
   answered_();
 }
 

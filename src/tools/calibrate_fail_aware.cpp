@@ -74,7 +74,7 @@ int run(Options options) {
                 });
               },
               options.late_share),
-          "no run fails, or predictions are late whatever it is (calibrate_noise first)");
+          "no run fails (give some that do), or predictions are late whatever it is (calibrate_noise first)");
   // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
   // than the one that the published time already bears.
   const CovariancePredictor::Params& given = runs.front().params.profile.monitor.predictor;
@@ -93,7 +93,7 @@ int run(Options options) {
     std::cerr << kName << ": monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm "
               << "is up too long whatever it is\n";
   }
-  add("monitor.predictor.alarm_confidence", alarm, "the alarm is up too long whatever it is");
+  add("monitor.predictor.alarm_confidence", alarm, "every episode failed, or the alarm is up too long whatever it is");
   if (list.empty()) return kExitFailed;
   printAndKeep(formatYaml(list), options.output);
   return kExitDone;
@@ -107,7 +107,7 @@ int main(int argc, char** argv) {
         "Fits monitor.indicator.threshold (eta), monitor.predictor.confidence and alarm_confidence to recorded runs "
         "with ground truth; alarm_confidence is at most confidence. Judge the result on other runs: "
         "evaluate_fail_aware --parameters FILE.\n"
-        "Exit codes: 0 done, 1 the work failed (too few failures), 2 bad usage or input.",
+        "Exit codes: 0 done, 1 nothing could be fitted, 2 bad usage or input.",
         kName);
     Options options;
     addRunOptions(app, options.runs);

@@ -72,22 +72,25 @@ Json intervalJson(const std::optional<Interval>& interval) {
   return interval ? Json({interval->low, interval->high}) : Json(nullptr);
 }
 
-/// The samples of all episodes; `only_at`: those of one judged instant (0: 1 s, 1: 3 s, 2: 5 s after t1).
+/// Of the samples of all episodes, and of those at three instants.
 Json concordanceJson(const std::vector<FailAwareEpisode>& episodes, const Predictor& predictor,
                      const ReportOptions& options) {
   std::vector<SurvivalSample> samples;
   std::vector<Predicted> predicted;
-  std::vector<std::vector<SurvivalSample>> samples_at(3);
-  std::vector<std::vector<Predicted>> predicted_at(3);
+  constexpr std::array<std::pair<const char*, int>, 3> kInstants = {{{"at_1s", 1}, {"at_3s", 3}, {"at_5s", 5}}};
+  std::array<std::vector<SurvivalSample>, kInstants.size()> samples_at;
+  std::array<std::vector<Predicted>, kInstants.size()> predicted_at;
   for (std::size_t e = 0; e < episodes.size(); ++e) {
-    const std::vector<std::size_t> judged = judgedSweeps(episodes[e]);
-    for (std::size_t k = 0; k < judged.size(); ++k) {
-      const FailAwareSweep& sweep = episodes[e].sweeps[judged[k]];
+    for (const std::size_t i : judgedSweeps(episodes[e])) {
+      const FailAwareSweep& sweep = episodes[e].sweeps[i];
       samples.push_back({sweep.remaining_s, episodes[e].failed, e});
       predicted.push_back(predictor.later(sweep));
-      if (k >= 3) continue;
-      samples_at[k].push_back(samples.back());
-      predicted_at[k].push_back(predicted.back());
+      const int second = static_cast<int>(sweep.since_start_s + kStartTolerance_s);  // later than meant after a gap
+      for (std::size_t k = 0; k < kInstants.size(); ++k) {
+        if (second != kInstants[k].second) continue;
+        samples_at[k].push_back(samples.back());
+        predicted_at[k].push_back(predicted.back());
+      }
     }
   }
   const Concordance concordance(samples, predicted);
@@ -99,9 +102,8 @@ Json concordanceJson(const std::vector<FailAwareEpisode>& episodes, const Predic
   json["interval_runs"] =
       intervalJson(Concordance(by_run, predicted).interval(options.resamples, kIntervalLevel, options.seed));
   json["between_episodes"] = orNull(concordance.betweenGroups().index());
-  const char* names[] = {"at_1s", "at_3s", "at_5s"};
-  for (std::size_t k = 0; k < 3; ++k) {
-    json[names[k]] = orNull(Concordance(samples_at[k], predicted_at[k]).all().index());
+  for (std::size_t k = 0; k < kInstants.size(); ++k) {
+    json[kInstants[k].first] = orNull(Concordance(samples_at[k], predicted_at[k]).all().index());
   }
   json["samples"] = samples.size();
   json["comparable_pairs"] = concordance.all().comparable;
@@ -160,8 +162,11 @@ Json alarmJson(const std::vector<FailAwareEpisode>& episodes, double early_s) {
   json["available_share"] = alarm.availableShare();
   json["lead_p5_s"] = leads_s.empty() ? Json(nullptr) : Json(quantile(leads_s, 0.05));
   json["lead_p50_s"] = leads_s.empty() ? Json(nullptr) : Json(quantile(leads_s, 0.5));
-  json["stop_in_time_2mps2"] = alarm.stopShare(2.0);
-  json["stop_in_time_4mps2"] = alarm.stopShare(4.0);
+  const auto stopShare = [&](double deceleration_mps2) {
+    return alarm.failing == 0 ? Json(nullptr) : Json(alarm.stopShare(deceleration_mps2));
+  };
+  json["stop_in_time_2mps2"] = stopShare(2.0);
+  json["stop_in_time_4mps2"] = stopShare(4.0);
   return json;
 }
 
@@ -383,6 +388,11 @@ void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
                       const std::vector<FailAwareEpisode>& episodes) {
   out << "run,begin_s,failed,since_start_s,remaining_s,combination_s,eta_s,covariance_s,state,reasons,eta,error_m,"
          "protection_level_m,speed_mps\n";
+  const auto stamp = [](double stamp_s) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(6) << stamp_s;  // since 1970, too
+    return text.str();
+  };
   out << std::setprecision(8);
   for (const FailAwareEpisode& episode : episodes) {
     double next_s = 0.0;
@@ -390,7 +400,7 @@ void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
       if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
       next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
       const MonitorOutput& o = sweep.output;
-      out << runs[episode.run].name << ',' << episode.begin_s << ',' << (episode.failed ? 1 : 0) << ','
+      out << runs[episode.run].name << ',' << stamp(episode.begin_s) << ',' << (episode.failed ? 1 : 0) << ','
           << sweep.since_start_s << ',' << sweep.remaining_s << ',' << o.time_to_failure.seconds << ','
           << o.time_to_failure_indicator.seconds << ',' << o.time_to_failure_covariance.seconds << ','
           << toString(o.state) << ',' << reasonText(o.reasons) << ',' << o.eta << ',' << sweep.error_m.norm() << ','

@@ -2,16 +2,32 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <fstream>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "json.hpp"
 
 namespace fail_aware {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The scan of its drive that a run began with (offline_odometry --first), which its rows are counted from.
+std::size_t firstScan(const fs::path& run) {
+  const fs::path path = run / "summary.json";
+  std::ifstream file(path);
+  if (!file) return 0;
+  const Json summary = Json::parse(file, nullptr, false);
+  const Json::json_pointer first("/run/first");
+  if (!summary.is_object()) throw InputError(path.string() + ": cannot be read as JSON");
+  if (!summary.contains(first)) return 0;
+  if (!summary.at(first).is_number_unsigned())
+    throw InputError(path.string() + ": run.first: must be a number of scans");
+  return summary.at(first).get<std::size_t>();
+}
 
 FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth, const FailAwareRunOptions& options) {
   FailAwareRun run;
@@ -23,18 +39,20 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   if (fs::exists(measurements)) run.measurements = readMeasurementLog(measurements.string());
   // A run made before a parameter was there is as good as one with its default.
   loadYaml((path / "parameters.yaml").string(), run.params, MissingKeys::kKeep);
-  if (!options.parameters.empty()) loadYaml(options.parameters, run.params, MissingKeys::kKeep);
+  for (const std::string& file : options.parameters) loadYaml(file, run.params, MissingKeys::kKeep);
   for (const std::string& assignment : options.set) setParameter(run.params, assignment);
   run.params.validate();
 
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);
   if (!options.calib.empty()) poses = lidarFromCameraTrajectory(poses, readLidarToCamera(options.calib));
-  if (run.log.back().row >= poses.size()) {
-    throw InputError(ground_truth + " has " + std::to_string(poses.size()) + " poses, " + path.string() + " at least " +
-                     std::to_string(run.log.back().row + 1) + " sweeps: they do not belong together");
+  const std::size_t first = firstScan(path);
+  if (first + run.log.back().row >= poses.size()) {
+    throw InputError(ground_truth + " has " + std::to_string(poses.size()) + " poses, " + path.string() +
+                     " goes on to scan " + std::to_string(first + run.log.back().row + 1) +
+                     " at least: they do not belong together");
   }
   const Pose T_lidar_cog = run.params.sensor.T_base_lidar().inverse() * run.params.vehicle.T_base_cog();
-  for (const MonitorInput& input : run.log) run.truth.push_back(poses[input.row] * T_lidar_cog);
+  for (const MonitorInput& input : run.log) run.truth.push_back(poses[first + input.row] * T_lidar_cog);
   return run;
 }
 
@@ -46,7 +64,9 @@ void addRunOptions(CLI::App& app, FailAwareRunOptions& options) {
       ->required();
   app.add_option("--run", options.runs, "folder that offline_odometry wrote; may be repeated")->required();
   app.add_option("--calib", options.calib, "KITTI calib.txt: the ground truths are in the camera frame");
-  app.add_option("--parameters", options.parameters, "yaml file with parameters to replay the monitor with");
+  app.add_option("--parameters", options.parameters,
+                 "yaml file with parameters to replay the monitor with; may be repeated, the last one counts")
+      ->take_all();
   app.add_option("--set", options.set, "key=value, one such parameter; may be repeated")->take_all();
 }
 

@@ -22,14 +22,14 @@ struct FailAwareRun {
 
 struct FailAwareRunOptions {
   std::vector<std::string> ground_truths, runs;
-  std::string calib, parameters;
-  std::vector<std::string> set;
+  std::string calib;
+  std::vector<std::string> parameters, set;
 };
 
 void addRunOptions(CLI::App& app, FailAwareRunOptions& options);
 
 /// The n-th ground truth belongs to the n-th run. The monitor's parameters are those of the runs, changed by
-/// `parameters` (a yaml file that may name some keys only) and `set`. Throws InputError, ParameterError.
+/// `parameters` (yaml files that may name some keys only, one after another) and `set`. Throws InputError, ParameterError.
 std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options);
 
 /// --alert-limit: what counts as a failure where it is given; otherwise the limit of the monitor that is replayed.

@@ -36,7 +36,7 @@ constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", 
 struct Options {
   std::string kitti, bag, topic, base_frame = "base_link";
   std::string output, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg;
-  std::vector<std::string> set;
+  std::vector<std::string> parameters, set;
   int threads = 2;
   long first = 0;
   long count = -1;
@@ -64,6 +64,9 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--vehicle", options.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
   app.add_option("--sensor", options.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
   app.add_option("--cfg", options.cfg, "the package's cfg folder (default: found from the tool's own place)");
+  app.add_option("--parameters", options.parameters,
+                 "yaml file with some parameters, as the calibrations write it; overrides the profile; may be repeated")
+      ->take_all();
   app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
   app.add_option("--threads", options.threads, "measurements run beside each other")
       ->check(CLI::Range(1, 256))
@@ -73,7 +76,6 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--redundant-at", options.redundant_at_s,
                  "t1: seconds from the first sweep at which the odometry "
                  "begins to serve as the localisation")
-      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }
 
@@ -153,7 +155,7 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
 }
 
 int run(const Options& options) {
-  requireNotNegative("--redundant-at", options.redundant_at_s);  // NaN passes the option's own check
+  requireNotNegative("--redundant-at", options.redundant_at_s);
   PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
   const std::unique_ptr<SweepSource> drive = openDrive(options, params.sensor);
   const std::string& drive_name = options.bag.empty() ? options.kitti : options.bag;
@@ -163,6 +165,7 @@ int run(const Options& options) {
                      " scans");
   }
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
+  for (const std::string& file : options.parameters) loadYaml(file, params, MissingKeys::kKeep);
   for (const std::string& assignment : options.set) setParameter(params, assignment);
   params.validate();
   const fs::path output = makeOutput(options.output);
@@ -206,6 +209,10 @@ int run(const Options& options) {
   }
   for (const BadScan& bad : bad_scans) {
     std::cerr << kName << ": warning: " << bad.reason << "; carried on as over a dropped sweep" << std::endl;
+  }
+  if (!t1_stamp_s) {
+    std::cerr << kName << ": warning: the drive ended before --redundant-at: there is no t1, every state is UNKNOWN"
+              << std::endl;
   }
   writeKittiTrajectory((output / "trajectory_kitti.txt").string(), lidar_trajectory);
   writeTumTrajectory((output / "trajectory_tum.txt").string(), base_trajectory);

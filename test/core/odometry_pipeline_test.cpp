@@ -9,6 +9,7 @@
 
 #include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -58,7 +59,7 @@ struct PoseError {
 PoseError poseError(const Pose& T_odom_base, const Pose& truth) {
   const Pose error = truth.inverse() * T_odom_base;
   return {error.translation().head<2>().norm(), std::abs(error.translation().z()),
-          std::abs(rpyFromRotation(error.linear()).z()) * 180.0 / M_PI};
+          std::abs(rpyFromRotation(error.linear()).z()) / kDegree};
 }
 
 void expectNear(const SweepResult& result, const Pose& truth, double tolerance_m, const std::string& what) {

@@ -14,12 +14,15 @@ import xml.etree.ElementTree as ElementTree
 
 PACKAGE = "fail_aware_lidar_odometry"
 BAG = "drive with blank.bag"  # in a temporary folder
+FITTED = "fitted.yaml"  # likewise
+FITTED_TEXT = "monitor:\n  drift:\n    scale_bias: 0.5\n"
 CASES = {
     "odometry.launch": [{}, {"rviz": "true"}, {"start_manager": "false", "manager": "/other"}, {"profile": "paper"},
-                        {"namespace": "second"}],
-    "kitti_replay.launch": [{"bag": BAG}, {"bag": BAG, "bag_tf": "true"}, {"play": "false"},
+                        {"namespace": "second"}, {"parameters": FITTED}],
+    "kitti_replay.launch": [{"bag": BAG}, {"bag": BAG, "bag_tf": "true"}, {"play": "false"}, {"play": "false", "parameters": FITTED},
                             {"bag": BAG, "loop": "true", "rviz": "true"}],
-    "velodyne_hdl64e.launch": [{}, {"driver": "false"}, {"calibration": "/data/head.yaml", "rviz": "true"}],
+    "velodyne_hdl64e.launch": [{}, {"driver": "false"}, {"calibration": "/data/head.yaml", "rviz": "true"},
+                               {"parameters": FITTED}],
 }
 DRIVER = """<launch>
   %s
@@ -86,6 +89,8 @@ def check(root, name, arguments, config, nodelets):
     expect(("rviz" in names) == (arguments.get("rviz") == "true"), "rviz")
     for key in ("profile/registration/use_point", "vehicle/cog_in_base", "sensor/lidar_in_base"):
         expect("%s/%s" % (namespace, key) in values, "no parameter %s" % key)
+    fitted = values["%s/profile/monitor/drift/scale_bias" % namespace] == 0.5
+    expect(fitted == ("parameters" in arguments), "parameters over the profile's")
     managers = [node for node in config.nodes if node.package == "nodelet" and node.args == "manager"]
     expect(len(managers) == (0 if arguments.get("start_manager") == "false" else 1), "managers: %d" % len(managers))
 
@@ -161,6 +166,8 @@ def main(arguments):
         before = os.environ.get("ROS_PACKAGE_PATH", "/usr/share")
         os.environ["ROS_PACKAGE_PATH"] = os.pathsep.join(path + [before])
         write_bag(os.path.join(folder, BAG))
+        with open(os.path.join(folder, FITTED), "w") as file:
+            file.write(FITTED_TEXT)
         for bag in ("/no/such.bag", BAG, ""):
             try:
                 check_bag_is_refused(root, bag)
@@ -170,8 +177,7 @@ def main(arguments):
                 print("FAILED: bag '%s': %s" % (bag, error))
         for name in files:
             for case in CASES.get(name, [{}]):
-                if "bag" in case:
-                    case = dict(case, bag=os.path.join(folder, BAG))
+                case = {key: os.path.join(folder, value) if value in (BAG, FITTED) else value for key, value in case.items()}
                 try:
                     config = load(os.path.join(root, "launch", name), case)
                     check(root, name, case, config, nodelets)

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 
 namespace fail_aware {
@@ -115,7 +116,7 @@ class Street {
       const Pose T_street_lidar = T_street_base(stamp_s + since_stamp_s) * lidar.T_base_lidar;
       for (int beam = 0; beam < lidar.beams; ++beam) {
         const double share = static_cast<double>(beam) / std::max(1, lidar.beams - 1);
-        const double elevation = (lidar.lowest_deg + share * (lidar.highest_deg - lidar.lowest_deg)) * M_PI / 180.0;
+        const double elevation = (lidar.lowest_deg + share * (lidar.highest_deg - lidar.lowest_deg)) * kDegree;
         const Eigen::Vector3d ray(std::cos(elevation) * std::cos(yaw), std::cos(elevation) * std::sin(yaw),
                                   std::sin(elevation));
         const double distance = range(T_street_lidar.translation(), T_street_lidar.linear() * ray, lidar.max_range_m);

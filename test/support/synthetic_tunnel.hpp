@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "synthetic_street.hpp"
 
 namespace fail_aware {
@@ -55,7 +56,7 @@ struct Tunnel {
       const Eigen::Vector3d origin = Eigen::Vector3d(base_x, 0.0, 0.0) + lidar.T_base_lidar.translation();
       for (int beam = 0; beam < lidar.beams; ++beam) {
         const double share = static_cast<double>(beam) / std::max(1, lidar.beams - 1);
-        const double elevation = (lidar.lowest_deg + share * (lidar.highest_deg - lidar.lowest_deg)) * M_PI / 180.0;
+        const double elevation = (lidar.lowest_deg + share * (lidar.highest_deg - lidar.lowest_deg)) * kDegree;
         const Eigen::Vector3d ray(std::cos(elevation) * std::cos(yaw), std::cos(elevation) * std::sin(yaw),
                                   std::sin(elevation));
         const double distance = range(origin, ray, base_x);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "../support/tool_run.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "made_up_run.hpp"
 
 namespace fail_aware {
@@ -53,7 +54,7 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   loadYaml(yaml.string(), fitted, MissingKeys::kKeep);
   const PoseFilter::Params& filter = fitted.filter;
   const double floor_m = filter.increment_floor_m + filter.increment_per_metre_m;
-  const double floor_rad = filter.increment_floor_deg * M_PI / 180.0;
+  const double floor_rad = filter.increment_floor_deg * kDegree;
   EXPECT_NEAR(std::sqrt(filter.increment_scale * 0.04 * 0.04 + floor_m * floor_m), 0.02, 1e-3);
   EXPECT_NEAR(std::sqrt(filter.increment_scale * 4e-6 + floor_rad * floor_rad), 1e-3, 5e-5);
   EXPECT_NE(result_.out.find("heading_per_root_metre_deg"), std::string::npos);

@@ -73,7 +73,7 @@ TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   EXPECT_EQ(result_.out.find("nan"), std::string::npos);
   const std::string csv = contentOf(folder_ / "result" / "predictions.csv");
   EXPECT_EQ(csv.rfind("run,begin_s,failed,since_start_s,remaining_s,", 0), 0u);
-  EXPECT_NE(csv.find("\nbad,30,1,0,6,"), std::string::npos);
+  EXPECT_NE(csv.find("\nbad,30.000000,1,0,6,"), std::string::npos);
 }
 
 TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
@@ -152,6 +152,42 @@ TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(report()["run"]["missed"], 0);
   EXPECT_GT(report()["run"]["lead_p50_s"].get<double>(), 4.0);
+  EXPECT_TRUE(report()["run"]["stop_in_time_2mps2"].is_number());
+  std::ofstream(folder_ / "lax.yaml")
+      << "monitor:\n  indicator:\n    threshold: 1.0e+9\n  predictor:\n    alert_limit_m: 1.0e+9\n";
+  run(options("run") + output + " --parameters '" + (folder_ / "strict.yaml").string() + "' --parameters '" +
+      (folder_ / "lax.yaml").string() + "' --alert-limit 1000");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(report()["run"]["alarm_share"], 0.0) << "the last file counts";
+  EXPECT_TRUE(report()["run"]["stop_in_time_2mps2"].is_null()) << "nothing failed";
+}
+
+/// A run of a part of a drive (offline_odometry --first) is held against that part of the truth.
+TEST_F(EvaluateFailAware, ALaterPartOfADriveHasItsOwnTruth) {
+  constexpr int kFirst = 7;
+  MadeUpRun made_up;
+  made_up.drift_m = 0.0101;
+  made_up.sweeps = 120;
+  made_up.write(folder_ / "run");
+  const std::string output = " --resamples 1 --output '" + (folder_ / "result").string() + "'";
+  run(options("run") + output);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const nlohmann::json whole = report();
+  const std::string truth = contentOf(folder_ / "run" / "poses.txt");
+  std::ofstream longer(folder_ / "run" / "poses.txt");
+  for (int i = 0; i < kFirst; ++i) longer << "1 0 0 " << i << " 0 1 0 0 0 0 1 0\n";  // before it
+  longer << truth;
+  longer.close();
+  std::ofstream(folder_ / "run" / "summary.json") << "{\"run\": {\"first\": " << kFirst << "}}";
+  run(options("run") + output);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(report(), whole);
+  std::ofstream(folder_ / "run" / "summary.json") << "{\"run\": {\"first\": " << kFirst + 1 << "}}";
+  expectRefused(options("run"), "do not belong together");
+  std::ofstream(folder_ / "run" / "summary.json") << "{\"run\": {\"first\": -1}}";
+  expectRefused(options("run"), "run.first");
+  std::ofstream(folder_ / "run" / "summary.json") << "{";
+  expectRefused(options("run"), "summary.json");
 }
 
 TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {

@@ -20,6 +20,8 @@
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 
 namespace fail_aware {
 namespace {
@@ -184,6 +186,31 @@ TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
   const std::string parameters = contentOf(out("parameters.yaml"));
   EXPECT_NE(parameters.find("max_speed_mps: 25.0"), std::string::npos) << "the parameters used, --set included";
   EXPECT_NE(parameters.find("stamp_reference: \"mid\""), std::string::npos);
+}
+
+TEST_F(OfflineOdometry, ParameterFilesOverrideTheProfileOneAfterAnother) {
+  const auto file = [&](const char* name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return " --parameters '" + (folder_ / name).string() + "'";
+  };
+  const std::string first = file("first.yaml", "monitor:\n  drift:\n    scale_bias: 1.0e-4\n    slow_mps: 11.0\n");
+  const std::string second = file("second.yaml", "monitor:\n  drift:\n    slow_mps: 12.0\n    passing_share: 0.25\n");
+  run(base() / "drive", "--count 2" + first + second + " --set monitor.drift.passing_share=0.125");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  PipelineParameters used;
+  loadYaml(out("parameters.yaml").string(), used);
+  EXPECT_EQ(used.profile.monitor.drift.scale_bias, 1e-4);
+  EXPECT_EQ(used.profile.monitor.drift.slow_mps, 12.0);
+  EXPECT_EQ(used.profile.monitor.drift.passing_share, 0.125);
+}
+
+TEST_F(OfflineOdometry, AStartAfterTheDrivesEndIsSaid) {
+  run(base() / "drive", "--count 2 --redundant-at 5");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("the drive ended before --redundant-at"), std::string::npos) << result_.err;
+  EXPECT_TRUE(summary()["run"]["t1_stamp_s"].is_null());
+  run(base() / "drive", "--count 2");
+  EXPECT_EQ(result_.err.find("--redundant-at"), std::string::npos) << result_.err;
 }
 
 TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
@@ -400,6 +427,9 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
                 "registration.plane.observability.lever_m = 0");
   expectRefused(good + "--set fusion.gate_sigma=wide", "fusion.gate_sigma: must be a number");
   expectRefused(good + "--set fusion.gate_sigma", "key=value");
+  std::ofstream(folder_ / "wrong.yaml") << "fusion:\n  gate_sigmas: 2.5\n";
+  expectRefused(good + "--parameters '" + (folder_ / "wrong.yaml").string() + "'", "wrong.yaml:2: fusion.gate_sigmas");
+  expectRefused(good + "--parameters /no/such.yaml", "/no/such.yaml");
   expectRefused(good + "--profile papre", "papre");
   expectRefused(good + "--vehicle golf", "golf");
   expectRefused(good + "--sensor vlp", "vlp");
@@ -409,7 +439,7 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
   expectRefused(good + "--first 10", "--first 10");
   expectRefused(good + "--first -1", "--first");
   expectRefused(good + "--count 0", "--count");
-  expectRefused(good + "--redundant-at -1", "--redundant-at");
+  expectRefused(good + "--redundant-at -1", "--redundant-at = -1");
   expectRefused(good + "--redundant-at nan", "--redundant-at");
   expectRefused(good + "--nonsense", "--nonsense");
   EXPECT_FALSE(fs::exists(output)) << "nothing is made before everything is known to be good";
@@ -433,8 +463,8 @@ TEST_F(OfflineOdometry, HelpListsTheOptions) {
   runPlain("--help");
   EXPECT_EQ(result_.exit_code, 0);
   EXPECT_EQ(result_.err, "");
-  for (const char* option : {"--kitti", "--output", "--profile", "--vehicle", "--sensor", "--cfg", "--set", "--threads",
-                             "--first", "--count", "--redundant-at"}) {
+  for (const char* option : {"--kitti", "--output", "--profile", "--vehicle", "--sensor", "--cfg", "--parameters",
+                             "--set", "--threads", "--first", "--count", "--redundant-at"}) {
     EXPECT_NE(result_.out.find(option), std::string::npos) << option;
   }
 }

@@ -184,7 +184,8 @@ std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, co
 }
 
 PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& others) {
-  if (samples.size() < kFewest) throw InputError("too few sweeps to calibrate with");
+  if (samples.size() < kFewest)
+    throw InputError("too few sweeps to calibrate with: at least " + std::to_string(kFewest) + " are needed");
   using P = PoseFilter::Params;
   P begin = others;
   begin.increment_scale = 1.0;
@@ -208,7 +209,9 @@ PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples
 DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
                             const DriftFitOptions& options) {
   std::vector<DriftSample> samples = driftSamples(runs, options);
-  if (samples.size() < kFewest) throw InputError("too few sweeps to calibrate with");
+  if (samples.size() < kFewest) {
+    throw InputError("too few sweeps to calibrate the drift with: a run of 25 s, or several of 15 s, are needed");
+  }
   DriftModel::Params begin = others;
   begin.position_per_root_metre_m = begin.heading_per_root_metre_deg = 0.005;
   begin.heading_bias_deg_per_m = 0.0002;

@@ -19,8 +19,8 @@ constexpr const char* kReasonNames[] = {
 int severity(FailAwareState state) {
   switch (state) {
     case FailAwareState::kOk: return 0;
-    case FailAwareState::kUnknown: return 1;
-    case FailAwareState::kDegraded: return 2;
+    case FailAwareState::kDegraded: return 1;
+    case FailAwareState::kUnknown: return 2;
     case FailAwareState::kFailing: return 3;
     case FailAwareState::kFailed: return 4;
   }

@@ -1,5 +1,6 @@
 #include "fail_aware_lidar_odometry/core/fail_aware/indicator.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -108,7 +109,11 @@ TimeToFailure FailAwareIndicator::timeToFailure() const {
   const std::optional<double> rate = etaRate();
   if (!rate) return TimeToFailure::unknown();
   if (*rate <= 0.0) return TimeToFailure::fromSeconds(params_.horizon_s, params_.horizon_s);
-  return TimeToFailure::fromSeconds((params_.threshold - eta_) / *rate, params_.horizon_s);
+  // eta is that of the last sample, the time counts from the last stamp
+  const double from_sample_s = (params_.threshold - eta_) / *rate;
+  const double left_s = from_sample_s - secondsBetween(last_->stamp_s, *last_stamp_s_);
+  const double soonest_s = std::min(from_sample_s, params_.reference_period_s);  // not reached as far as is known
+  return TimeToFailure::fromSeconds(std::max(left_s, soonest_s), params_.horizon_s);
 }
 
 }  // namespace fail_aware

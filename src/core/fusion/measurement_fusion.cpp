@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -171,6 +172,7 @@ struct Distance {
   double distance_m;       ///< horizontal
   bool abstains;           ///< one of them is external and its covariance bears the other out
   bool expected;           ///< both know where they are, and their covariances say no better
+  bool by_chance;  ///< one of them is external and does not know where it is: being near each other says nothing
 };
 
 /// How much a measurement's disagreement counts: in full, or if those that the prediction bears out better outnumber it,
@@ -197,7 +199,7 @@ void judgeDisagreement(const std::vector<Distance>& distances, double agreement_
   bool any_agree = false;
   double farthest_m = 0.0;
   for (const Distance& d : distances) {
-    any_agree = any_agree || d.distance_m < agreement_distance_m;
+    any_agree = any_agree || (!d.by_chance && d.distance_m < agreement_distance_m);
     if (d.abstains) continue;
     result->disagreement_m = std::max(result->disagreement_m, d.distance_m);
     if (d.expected) continue;
@@ -256,7 +258,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
       const bool known = R_xy.trace() <= params_.agreement_distance_m * params_.agreement_distance_m;
       const double distance_m = apart.head<2>().norm();
       const bool abstains = external && borne_out;
-      distances.push_back({c.input, candidates[j].input, distance_m, abstains, borne_out && known});
+      distances.push_back({c.input, candidates[j].input, distance_m, abstains, borne_out && known, external && !known});
       if (!abstains) result.disagreement_yaw_rad = std::max(result.disagreement_yaw_rad, std::abs(apart[5]));
     }
   }
@@ -264,7 +266,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
 
   if (result.all_gated_out && !params_.literal) {
     const std::vector<std::size_t> group =
-        largestAgreement(candidates, params_.agreement_distance_m, params_.agreement_yaw_deg * M_PI / 180.0);
+        largestAgreement(candidates, params_.agreement_distance_m, params_.agreement_yaw_deg * kDegree);
     if (group.size() >= 2) {
       result.prediction_overruled = true;
       for (const std::size_t member : group) result.weights[candidates[member].input] = 1.0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -114,7 +115,7 @@ Solution solveObserved(const NormalEquations& equations, const ObservabilityPara
 Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params) {
   const Observed observed = observedOf(equations, params);
   const Spectrum& s = observed.spectrum;
-  const double weak_rotation_m = params.weak_sigma_deg * M_PI / 180.0 * params.lever_m;
+  const double weak_rotation_m = params.weak_sigma_deg * kDegree * params.lever_m;
   Matrix6d covariance = Matrix6d::Zero();
   const auto weakVariance = [&](int i) {
     // the direction's own share of rotation decides which weak sigma it gets; both are in metres here

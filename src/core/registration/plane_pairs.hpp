@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
@@ -20,11 +21,11 @@ class NormalFilter {
   NormalFilter(const NormalFilteredIcp::Params& params, double heading_rad, double sigma_yaw_rad)
       : enabled_(params.filter_normals),
         keep_ground_(params.keep_ground),
-        min_ground_z_(static_cast<float>(std::cos(params.ground_tolerance_deg * M_PI / 180.0))),
-        max_wall_z_(static_cast<float>(std::sin(params.vertical_tolerance_deg * M_PI / 180.0))),
+        min_ground_z_(static_cast<float>(std::cos(params.ground_tolerance_deg * kDegree))),
+        max_wall_z_(static_cast<float>(std::sin(params.vertical_tolerance_deg * kDegree))),
         cos4_heading_(static_cast<float>(std::cos(4.0 * heading_rad))),
         sin4_heading_(static_cast<float>(std::sin(4.0 * heading_rad))) {
-    const double tolerance = std::min(std::max(sigma_yaw_rad, params.heading_tolerance_deg * M_PI / 180.0), M_PI / 4.0);
+    const double tolerance = std::min(std::max(sigma_yaw_rad, params.heading_tolerance_deg * kDegree), M_PI / 4.0);
     min_cos4_ = static_cast<float>(std::cos(4.0 * tolerance)) - 1e-6f;
   }
 
@@ -110,7 +111,7 @@ class PlanePairs {
 
 inline bool stepWithin(const Vector6d& step, const NormalFilteredIcp::Params& params, double factor) {
   return step.head<3>().norm() < factor * params.step_translation_m &&
-         step.tail<3>().norm() < factor * params.step_rotation_deg * M_PI / 180.0;
+         step.tail<3>().norm() < factor * params.step_rotation_deg * kDegree;
 }
 
 }  // namespace fail_aware

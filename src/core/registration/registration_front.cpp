@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
@@ -236,7 +237,7 @@ void RegistrationFront::addStanding(Measurement& measurement) const {
   // what travels with the sensor is off by no more than the way
   const double way_m = corrected_twist_cog_.head<3>().norm() * dt_s_;
   const double surface_sigma_m = std::min(params.surface_sigma_m, 0.5 * way_m);
-  const double surface_sigma_rad = params.surface_sigma_deg * M_PI / 180.0 * surface_sigma_m / params.surface_sigma_m;
+  const double surface_sigma_rad = params.surface_sigma_deg * kDegree * surface_sigma_m / params.surface_sigma_m;
   measurement.covariance.diagonal().head<2>().array() += surface_sigma_m * surface_sigma_m;
   measurement.covariance(5, 5) += surface_sigma_rad * surface_sigma_rad;
   if (!standing_pose_) return;

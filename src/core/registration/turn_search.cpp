@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
@@ -43,7 +44,7 @@ std::optional<Eigen::Vector3d> TurnSearch::find(const std::vector<Eigen::Vector3
                                                 const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   if (!params_.enabled || map.empty() || times_s.size() != points_cog.size()) return std::nullopt;
   const PlanePairs pairs(planes_, T_odom_cog_predicted, sigma_yaw_rad);
-  const double sigma_rad_s = params_.sigma_deg_s * M_PI / 180.0;
+  const double sigma_rad_s = params_.sigma_deg_s * kDegree;
   const double prior = planes_.correlation_inflation / (sigma_rad_s * sigma_rad_s);  // in the pairs' weights
   Pose T = T_odom_cog_predicted;
   Eigen::Vector3d rate_odom = Eigen::Vector3d::Zero();

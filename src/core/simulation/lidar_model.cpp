@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 
@@ -38,8 +39,8 @@ LidarModel::LidarModel(std::uint64_t seed, const Params& params) : params_(param
   params_.validate();
   RandomStream random(combineKeys(seed, 51));
   for (int ring = 0; ring < kBeams; ++ring) {
-    const double nominal = elevationDeg(ring) * M_PI / 180.0;
-    const double real = nominal + params_.elevation_error_deg * M_PI / 180.0 * random.normal();
+    const double nominal = elevationDeg(ring) * kDegree;
+    const double real = nominal + params_.elevation_error_deg * kDegree * random.normal();
     beams_.push_back({static_cast<float>(std::sin(nominal)), static_cast<float>(std::cos(nominal)),
                       static_cast<float>(std::sin(real)), static_cast<float>(std::cos(real)),
                       static_cast<float>(params_.range_bias_m * random.normal())});

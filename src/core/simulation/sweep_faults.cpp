@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 
@@ -41,7 +42,7 @@ void filter(Sweep& sweep, Keep&& keep) {
 }  // namespace
 
 void blankSector(Sweep& sweep, double width_deg) {
-  const double half_rad = 0.5 * width_deg * M_PI / 180.0;
+  const double half_rad = 0.5 * width_deg * kDegree;
   filter(sweep, [&](std::size_t i) {
     const Eigen::Vector3f& p = sweep.points_lidar[i];
     return std::abs(std::atan2(static_cast<double>(p.y()), static_cast<double>(p.x()))) > half_rad;
@@ -88,7 +89,7 @@ void cutShort(Sweep& sweep, double share) {
 }
 
 void tiltMount(Sweep& sweep, double angle_deg) {
-  const double angle = angle_deg * M_PI / 180.0;
+  const double angle = angle_deg * kDegree;
   // the sensor turns by R, so what it sees turns by R^-1
   const Eigen::Matrix3f R = rotationFromRpy(0.5 * angle, angle, 0.0).transpose().cast<float>();
   for (Eigen::Vector3f& p : sweep.points_lidar) p = R * p;

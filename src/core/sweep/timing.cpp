@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 #include "point_block.hpp"
@@ -200,7 +201,7 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
 
 void SweepTiming::assignAzimuth(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) const {
   // Turned (and mirrored, for a counter-clockwise head) so that the sweep runs from yaw pi down to -pi.
-  const double turn = M_PI - params_.start_azimuth_deg * M_PI / 180.0;
+  const double turn = M_PI - params_.start_azimuth_deg * kDegree;
   const float c = static_cast<float>(std::cos(turn)), s = static_cast<float>(std::sin(turn));
   const float mirror = params_.clockwise ? 1.0f : -1.0f;
   const float period = static_cast<float>(result.period_s);

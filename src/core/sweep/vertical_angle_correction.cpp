@@ -2,13 +2,14 @@
 
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {
 
 void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar) {
   if (params.angle_deg == 0.0) return;
-  const double angle_rad = params.angle_deg * M_PI / 180.0;
+  const double angle_rad = params.angle_deg * kDegree;
   const float c = static_cast<float>(std::cos(angle_rad));
   const float s = static_cast<float>(std::sin(angle_rad));
 

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -65,7 +66,7 @@ TEST(VoxelMap, fitsAPlaneWithItsScatter) {
   VoxelMap::PlaneMatch match;
   ASSERT_TRUE(map.findPlane(Eigen::Vector3d(0.5, 0.5, 0.5), match));
   EXPECT_NEAR(match.normal.norm(), 1.0f, 1e-6f);
-  EXPECT_GT(std::abs(match.normal.dot(n)), std::cos(2.0 * M_PI / 180.0));
+  EXPECT_GT(std::abs(match.normal.dot(n)), std::cos(2.0 * kDegree));
   EXPECT_NEAR(std::sqrt(match.variance), kSigma, 0.15f * kSigma);
   EXPECT_NEAR(match.distance_m, 0.0f, 0.01f);
   // the distance is signed, along the normal, and has the query's change along it

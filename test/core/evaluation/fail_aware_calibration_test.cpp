@@ -55,6 +55,8 @@ TEST(FailAwareCalibration, TheLargestAlarmConfidenceThatIsSeldomUp) {
   EXPECT_NEAR(confidenceForAlarmShare(episodes_with, 0.2, 0.05, 0.95).value(), 0.2, 0.011);
   EXPECT_EQ(confidenceForAlarmShare(episodes_with, 1.0, 0.05, 0.95).value(), 0.95);
   EXPECT_FALSE(confidenceForAlarmShare(episodes_with, 0.0, 0.05, 0.95));
+  const auto failing = [](double) { return std::vector<FailAwareEpisode>{madeUpEpisode("XXXXXXXXXXXXXXXX", 12)}; };
+  EXPECT_FALSE(confidenceForAlarmShare(failing, 0.2, 0.05, 0.95)) << "no time without a failure to judge by";
 }
 
 TEST(FailAwareCalibration, TheSmallestConfidenceThatIsSeldomLate) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -68,7 +69,7 @@ TEST(KittiMetric, ConstantHeadingRateErrorHasAClosedForm) {
     const std::complex<double> end = (std::exp(i * (turn_rad * length)) - 1.0) / (std::exp(i * turn_rad) - 1.0);
     const KittiMetric::Average& average = metric.per_length[static_cast<std::size_t>(length / 100 - 1)];
     EXPECT_NEAR(average.t_err_percent, 100.0 * std::abs(end - double(length)) / length, 1e-8);
-    EXPECT_NEAR(average.r_err_deg_per_m, turn_rad * 180.0 / M_PI, 1e-9);
+    EXPECT_NEAR(average.r_err_deg_per_m, turn_rad / kDegree, 1e-9);
   }
   EXPECT_EQ(metric.per_length[3].segments, 0u);
 }

@@ -102,6 +102,8 @@ TEST(StateHysteresis, Unknown) {
   EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown);
   EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
   EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown);
+  EXPECT_EQ(hysteresis.update(State::kDegraded), State::kDegraded);
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown) << "not available is worse than degraded";
   hysteresis.update(State::kFailing);
   hysteresis.reset();
   EXPECT_EQ(hysteresis.state(), State::kUnknown);

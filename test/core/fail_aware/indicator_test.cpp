@@ -138,6 +138,28 @@ TEST(FailAwareIndicator, MeansAreWeightedWithTheirSpeed) {
   EXPECT_NEAR(indicator.eta(), 0.1 * (2.0 * 0.025 + 0.5 * 0.075), 1e-12);
 }
 
+TEST(FailAwareIndicator, TheTimeCountsFromTheLastStamp) {
+  FailAwareIndicator::Params params = paramsWith(1.0, 10);
+  params.average_s = 1.0;
+  FailAwareIndicator indicator(params);
+  indicator.start(0.0);
+  double reached_s = -1.0;
+  std::vector<double> reached_at_s;  // as told each sweep
+  for (int i = 0; reached_s < 0.0 && i < 1000; ++i) {
+    const double stamp_s = 0.1 * i;
+    indicator.update(stamp_s,
+                     0.1 * (1 + i / 10 % 2));  // each second's mean another one: eta grows by the same each second
+    const TimeToFailure time = indicator.timeToFailure();
+    if (time.status == TimeToFailureStatus::kReached) reached_s = stamp_s;
+    if (time.status == TimeToFailureStatus::kWithinHorizon) reached_at_s.push_back(stamp_s + time.seconds);
+  }
+  ASSERT_GT(reached_s, 0.0);
+  ASSERT_GT(reached_at_s.size(), 30u);
+  for (const double told_s : reached_at_s)
+    EXPECT_NEAR(told_s, reached_s, 1.6) << "a mean is known when its second is over";
+  for (std::size_t i = 1; i < reached_at_s.size(); ++i) EXPECT_NEAR(reached_at_s[i], reached_at_s[i - 1], 0.11);
+}
+
 TEST(FailAwareIndicator, StampsThatDoNotAdvanceAreIgnored) {
   FailAwareIndicator with(paramsWith(1.0, 5)), without(paramsWith(1.0, 5));
   with.start(0.0);

@@ -11,6 +11,7 @@
 
 #include "../../support/poses.hpp"
 #include "../parameters/error_of.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 
 namespace fail_aware {
@@ -121,7 +122,7 @@ TEST(PoseFilter, TheFirstSweepDefinesThePose) {
   EXPECT_FALSE(first.state.corrected);
   EXPECT_TRUE(first.state.T_previous_now.isApprox(Pose::Identity()));
   EXPECT_TRUE(first.state.increment_covariance.isZero());
-  EXPECT_NEAR(first.state.sigma_yaw_rad, PoseFilter::Params().initial_sigma_deg * M_PI / 180.0, 1e-9);
+  EXPECT_NEAR(first.state.sigma_yaw_rad, PoseFilter::Params().initial_sigma_deg * kDegree, 1e-9);
 }
 
 TEST(PoseFilter, AStampThatDoesNotAdvanceIsRefusedAndChangesNothing) {

@@ -133,6 +133,18 @@ TEST(ExternalPose, HasNoVoteAgainstWhatItsCovarianceBearsOut) {
   EXPECT_TRUE(outvoted.confirmed);
 }
 
+TEST(ExternalPose, ConfirmsOnlyIfItKnowsWhereItIs) {
+  const auto at = [](double x_m, double sigma_m) {
+    return externalMeasurement(gps(1.0, pose(x_m, 0, 0, 0, 0, 0), sigma_m, 0.001), 1.0, Pose::Identity(),
+                               Vector6d::Zero(), Pose::Identity());
+  };
+  const Measurement icp = at(0.0, 0.02), rough = at(0.1, 1.0), fine = at(0.1, 0.05);
+  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const Matrix6d P = 1e-2 * Matrix6d::Identity();
+  EXPECT_FALSE(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &rough, true}}).confirmed);
+  EXPECT_TRUE(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &fine, true}}).confirmed);
+}
+
 TEST(ExternalPoseBuffer, GivesTheNearestOnceAndNothingOutsideTheTolerance) {
   ExternalPoseBuffer buffer;
   EXPECT_FALSE(buffer.takeNearest(1.0, 10.0));

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 
 namespace fail_aware {
@@ -215,7 +216,7 @@ TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
   odometry.mark(Pose::Identity());
   driveStraight(odometry, 100, Matrix6d::Zero(), Matrix6d::Zero());
   const Matrix6d& C = odometry.sinceMark();
-  const double bias = 0.01 * M_PI / 180.0;
+  const double bias = 0.01 * kDegree;
   EXPECT_NEAR(std::sqrt(C(0, 0)), 0.02 * 100.0, 1e-9);
   EXPECT_NEAR(std::sqrt(C(5, 5)), bias * 100.0, 1e-12);
   EXPECT_NEAR(std::sqrt(C(1, 1)), bias * 100.0 * 99.0 / 2.0, 1e-9) << "sum of the headings at the steps' begins";

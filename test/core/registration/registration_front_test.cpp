@@ -120,7 +120,7 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
     ASSERT_TRUE(front.prepare(standing.sweep(0.0, 1), prediction, drive.T_cog_lidar));
     front.place(stateOf(prediction, Pose::Identity(), false));
     Vector6d slower = drive.twist_cog;
-    slower[5] -= 15.0 * M_PI / 180.0;
+    slower[5] -= 15.0 * kDegree;
     CorrectedSweep sweep = drive.sweep(0.1, 2);
     Sweep seen;
     seen.stamp_s = sweep.stamp_s;

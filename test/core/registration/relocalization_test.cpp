@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
@@ -25,7 +26,7 @@ VoxelMap mapOf(const std::vector<Eigen::Vector3d>& points, const Pose& T_odom_co
 
 Matrix6d covarianceOf(double sigma_m, double sigma_yaw_deg) {
   Vector6d sigmas;
-  sigmas << sigma_m, sigma_m, 0.5 * sigma_m, 0.01, 0.01, sigma_yaw_deg * M_PI / 180.0;
+  sigmas << sigma_m, sigma_m, 0.5 * sigma_m, 0.01, 0.01, sigma_yaw_deg * kDegree;
   return sigmas.cwiseAbs2().asDiagonal();
 }
 

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 
@@ -105,14 +106,14 @@ inline std::vector<Eigen::Vector3f> seenFrom(const std::vector<Eigen::Vector3d>&
 inline Pose poseOf(double x, double y, double z, double roll_deg, double pitch_deg, double yaw_deg) {
   Vector6d state;
   state << x, y, z, roll_deg, pitch_deg, yaw_deg;
-  state.tail<3>() *= M_PI / 180.0;
+  state.tail<3>() *= kDegree;
   return poseFromVector(state);
 }
 
 inline double translationError(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 
 inline double rotationErrorDeg(const Pose& a, const Pose& b) {
-  return logSo3(a.linear().transpose() * b.linear()).norm() * 180.0 / M_PI;
+  return logSo3(a.linear().transpose() * b.linear()).norm() / kDegree;
 }
 
 }  // namespace fail_aware

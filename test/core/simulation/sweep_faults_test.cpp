@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+
 namespace fail_aware {
 namespace {
 
@@ -91,7 +93,7 @@ TEST(SweepFaults, tiltForwardRaisesWhatIsAhead) {
   Sweep sweep;
   sweep.points_lidar = {{10, 0, 0}, {0, 10, 0}};
   tiltMount(sweep, 2.0);
-  EXPECT_NEAR(sweep.points_lidar[0].z(), 10.0 * std::sin(2.0 * M_PI / 180.0), 2e-2);
+  EXPECT_NEAR(sweep.points_lidar[0].z(), 10.0 * std::sin(2.0 * kDegree), 2e-2);
   EXPECT_LT(sweep.points_lidar[1].z(), -0.1f);  // leaning to the right, what is on the left sinks
   EXPECT_NEAR(sweep.points_lidar[0].norm(), 10.0f, 1e-5f);
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "../../support/poses.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
@@ -114,7 +115,7 @@ TEST(SweepCorrection, RestoresTheSceneFromAzimuthForBothDirectionsAndAnyStart) {
   for (const Convention& reference : kReferences) {
     for (const bool clockwise : {true, false}) {
       for (const double start_deg : {180.0, 60.0}) {
-        const MovingSweep moving = scan(drive, 0.4, reference.position, clockwise, start_deg * M_PI / 180.0);
+        const MovingSweep moving = scan(drive, 0.4, reference.position, clockwise, start_deg * kDegree);
         SweepTimingParams params;
         params.source = "azimuth";
         params.stamp_reference = reference.name;

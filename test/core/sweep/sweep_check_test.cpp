@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "../../support/synthetic_street.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -25,7 +26,7 @@ void keepOnly(Sweep& sweep, const std::function<bool(const Eigen::Vector3f&)>& k
   sweep.points_lidar = kept;
 }
 
-double azimuthDeg(const Eigen::Vector3f& p) { return std::atan2(p.y(), p.x()) * 180.0 / M_PI; }
+double azimuthDeg(const Eigen::Vector3f& p) { return std::atan2(p.y(), p.x()) / kDegree; }
 
 TEST(SweepCheck, NothingIsWrongWithAStreet) {
   SweepCheck check{SweepCheckParams()};

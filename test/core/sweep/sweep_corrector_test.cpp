@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../../support/poses.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -92,7 +93,7 @@ TEST(SweepCorrector, MovesEveryPointToTheStamp) {
 }
 
 TEST(SweepCorrector, TheVerticalAngleIsCorrectedBeforeTheMotion) {
-  const double angle_deg = 0.205, angle = angle_deg * M_PI / 180.0;
+  const double angle_deg = 0.205, angle = angle_deg * kDegree;
   MovingSweep moving = scan(3.0, 0.5);
   for (Eigen::Vector3f& p : moving.sweep.points_lidar) {  // what a head with beams too low reports
     const double range = p.cast<double>().norm();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -58,7 +59,7 @@ TEST(SweepTiming, AzimuthAgreesWithAtan2ForAnyStartAndDirection) {
       std::vector<float> times_s;
       SweepTiming(params).assign(sweep, times_s);
       for (std::size_t i = 0; i < yaws.size(); ++i) {
-        double turned = (clockwise ? 1.0 : -1.0) * (start_deg * M_PI / 180.0 - yaws[i]) / (2.0 * M_PI);
+        double turned = (clockwise ? 1.0 : -1.0) * (start_deg * kDegree - yaws[i]) / (2.0 * M_PI);
         turned -= std::floor(turned);
         if (turned < 1e-5 || turned > 1.0 - 1e-5) continue;  // the seam: either end is right
         ASSERT_NEAR(times_s[i] / kPeriod_s, turned, 1e-4 / (2.0 * M_PI)) << start_deg << " " << clockwise << " " << i;

@@ -5,6 +5,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+
 namespace fail_aware {
 namespace {
 
@@ -17,7 +19,7 @@ VerticalAngleCorrectionParams kitti() {
 }
 
 TEST(VerticalAngleCorrection, RaisesElevationByTheAngleAndKeepsRangeAndAzimuth) {
-  const double angle = kKittiAngle_deg * M_PI / 180.0;
+  const double angle = kKittiAngle_deg * kDegree;
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 150; ++i) {  // not a multiple of the block size
     const double azimuth = 0.11 * i - 3.1, elevation = 0.02 * (i % 30) - 0.43, range = 2.0 + 0.7 * i;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
@@ -92,7 +93,7 @@ Comparison compared(const std::vector<Vector6d>& states, const VehicleModel::Par
   return out;
 }
 
-constexpr double kTenthDegree = 0.1 * M_PI / 180.0;
+constexpr double kTenthDegree = 0.1 * kDegree;
 
 // Rises smoothly from 0 to 1 over [begin, end].
 double ramp(double t, double begin, double end) {

@@ -70,7 +70,7 @@ struct FailureThresholds {
 FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,
                         const FailureThresholds& thresholds, std::uint32_t reasons);
 
-/// Gets worse at once (OK < UNKNOWN < DEGRADED < FAILING < FAILED), better only after `sweeps_to_recover` better sweeps
+/// Gets worse at once (OK < DEGRADED < UNKNOWN < FAILING < FAILED), better only after `sweeps_to_recover` better sweeps
 /// in a row, and then to the worst of those. UNKNOWN is left at once, whichever way.
 class StateHysteresis {
  public:

@@ -54,7 +54,7 @@ struct SweepCondition {
   bool point_missing = false;
   bool plane_missing = false;
   bool corners_missing = false;
-  double min_information_share = 1.0;  ///< weakest horizontal direction, the ICPs' smaller; 1: not known
+  double min_information_share = 1.0;  ///< weakest horizontal direction, point to plane; 1: not known
 
   /// Every field: what the monitor's log is made of.
   template <class Self, class Visitor>

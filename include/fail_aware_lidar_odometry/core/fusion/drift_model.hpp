@@ -28,8 +28,8 @@ namespace fail_aware {
 class DriftModel {
  public:
   struct Params {
-    double measured_share = 0.0;     ///< of the observed part's variance, that adds up too, at least
-    double unobserved_share = 0.55;  ///< of the variance of what stays open, that adds up, at least
+    double measured_share = 0.0;    ///< of the observed part's variance, that adds up too, at least
+    double unobserved_share = 0.6;  ///< of the variance of what stays open, that adds up, at least
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
     double heading_per_root_metre_deg = 0.00035;
