@@ -12,15 +12,12 @@ def end_of_script(why):
 
 
 def find_tool(name, failure=end_of_script):
-    """Its path: beside the scripts (installed), in this tree's build, in the PATH. Otherwise raises failure(why)."""
+    """Its path: beside the scripts (installed), in the PATH, in this tree's build. Otherwise raises failure(why)."""
     scripts = pathlib.Path(__file__).resolve().parent.parent
-    for candidate in (scripts / name, scripts.parent / "build/workspace/devel/lib" / PACKAGE / name):
-        if os.access(candidate, os.X_OK):
+    for candidate in (scripts / name, shutil.which(name), scripts.parent / "build/workspace/devel/lib" / PACKAGE / name):
+        if candidate and os.access(candidate, os.X_OK):
             return str(candidate)
-    found = shutil.which(name)
-    if not found:
-        raise failure(f"{name} not found; build first (scripts/build)")
-    return found
+    raise failure(f"{name} not found; build first (scripts/build)")
 
 
 def last_line(text):
