@@ -21,8 +21,8 @@
 #include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
+#include "parameter_overrides.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -115,8 +115,7 @@ int run(const Options& options) {
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
   PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
   if (params.sensor.timing.stamp_reference == "auto") params.sensor.timing.stamp_reference = "mid";
-  for (const std::string& assignment : options.set) setParameter(params, assignment);
-  params.validate();
+  overrideParameters(params, {}, options.set);
 
   OdometryPipeline pipeline(params, options.threads);
   pipeline.startRedundant();

@@ -388,11 +388,6 @@ void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
                       const std::vector<FailAwareEpisode>& episodes) {
   out << "run,begin_s,failed,since_start_s,remaining_s,combination_s,eta_s,covariance_s,state,reasons,eta,error_m,"
          "protection_level_m,speed_mps\n";
-  const auto stamp = [](double stamp_s) {
-    std::ostringstream text;
-    text << std::fixed << std::setprecision(6) << stamp_s;  // since 1970, too
-    return text.str();
-  };
   out << std::setprecision(8);
   for (const FailAwareEpisode& episode : episodes) {
     double next_s = 0.0;
@@ -400,7 +395,7 @@ void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
       if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
       next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
       const MonitorOutput& o = sweep.output;
-      out << runs[episode.run].name << ',' << stamp(episode.begin_s) << ',' << (episode.failed ? 1 : 0) << ','
+      out << runs[episode.run].name << ',' << std::to_string(episode.begin_s) << ',' << (episode.failed ? 1 : 0) << ','
           << sweep.since_start_s << ',' << sweep.remaining_s << ',' << o.time_to_failure.seconds << ','
           << o.time_to_failure_indicator.seconds << ',' << o.time_to_failure_covariance.seconds << ','
           << toString(o.state) << ',' << reasonText(o.reasons) << ',' << o.eta << ',' << sweep.error_m.norm() << ','

@@ -8,6 +8,7 @@
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
+#include "parameter_overrides.hpp"
 
 namespace fail_aware {
 
@@ -39,9 +40,7 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   if (fs::exists(measurements)) run.measurements = readMeasurementLog(measurements.string());
   // A run made before a parameter was there is as good as one with its default.
   loadYaml((path / "parameters.yaml").string(), run.params, MissingKeys::kKeep);
-  for (const std::string& file : options.parameters) loadYaml(file, run.params, MissingKeys::kKeep);
-  for (const std::string& assignment : options.set) setParameter(run.params, assignment);
-  run.params.validate();
+  overrideParameters(run.params, options.parameters, options.set);
 
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);
   if (!options.calib.empty()) poses = lidarFromCameraTrajectory(poses, readLidarToCamera(options.calib));

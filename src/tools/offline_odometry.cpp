@@ -18,6 +18,7 @@
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
+#include "parameter_overrides.hpp"
 #include "sweep_log.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
@@ -165,9 +166,7 @@ int run(const Options& options) {
                      " scans");
   }
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
-  for (const std::string& file : options.parameters) loadYaml(file, params, MissingKeys::kKeep);
-  for (const std::string& assignment : options.set) setParameter(params, assignment);
-  params.validate();
+  overrideParameters(params, options.parameters, options.set);
   const fs::path output = makeOutput(options.output);
 
   OdometryPipeline pipeline(params, options.threads);

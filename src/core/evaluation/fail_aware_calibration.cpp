@@ -64,18 +64,20 @@ std::optional<double> confidenceForLateShare(const std::function<std::vector<Fai
 
 std::optional<double> confidenceForAlarmShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
                                               double alarm_share, double smallest, double largest) {
-  bool any_sound = false;
-  const auto quiet = [&](double confidence) {
+  const auto soundWith = [&](double confidence) {
     std::vector<FailAwareEpisode> sound;
     for (const FailAwareEpisode& episode : episodes_with(confidence)) {
       if (!episode.failed) sound.push_back(episode);
     }
-    any_sound = any_sound || !sound.empty();
+    return sound;
+  };
+  const auto isQuiet = [&](const std::vector<FailAwareEpisode>& sound) {
     return alarmStatistics(sound).alarmShare() <= alarm_share;
   };
-  const bool always_quiet = quiet(largest);
-  if (!any_sound) return std::nullopt;
-  if (always_quiet) return largest;
+  const auto quiet = [&](double confidence) { return isQuiet(soundWith(confidence)); };
+  const std::vector<FailAwareEpisode> at_largest = soundWith(largest);
+  if (at_largest.empty()) return std::nullopt;
+  if (isQuiet(at_largest)) return largest;
   if (!quiet(smallest)) return std::nullopt;
   while (largest - smallest > kConfidenceStep) {
     const double middle = 0.5 * (smallest + largest);

@@ -184,8 +184,9 @@ std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, co
 }
 
 PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& others) {
-  if (samples.size() < kFewest)
+  if (samples.size() < kFewest) {
     throw InputError("too few sweeps to calibrate with: at least " + std::to_string(kFewest) + " are needed");
+  }
   using P = PoseFilter::Params;
   P begin = others;
   begin.increment_scale = 1.0;

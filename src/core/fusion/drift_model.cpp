@@ -46,14 +46,14 @@ DriftModel::Params DriftModel::Params::independent() {
 DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }
 
 // Of what is observed. The fourth power: on roads, u below 0.3, next to nothing; in the open, u of 0.4 to 1, the most.
-double DriftModel::lastingShare(const Matrix6d& increment, const Matrix6d& unobserved) const {
-  return std::max(params_.measured_share, squared(squared(unobservedAlong(increment, unobserved))));
+double DriftModel::lastingShare(double unobserved_along) const {
+  return std::max(params_.measured_share, squared(squared(unobserved_along)));
 }
 
 // Of what stays open: on roads, u of 0.05 to 0.2, little more than the least; from an u of 0.4 on, all.
-double DriftModel::lastingShareOfOpen(const Matrix6d& increment, const Matrix6d& unobserved) const {
+double DriftModel::lastingShareOfOpen(double unobserved_along) const {
   constexpr double kOpen = 0.4;
-  const double openness = std::min(1.0, squared(unobservedAlong(increment, unobserved) / kOpen));
+  const double openness = std::min(1.0, squared(unobserved_along / kOpen));
   return params_.unobserved_share + (1.0 - params_.unobserved_share) * openness;
 }
 
@@ -63,8 +63,8 @@ double DriftModel::pace(double distance_m, double dt_s) const {
 
 Matrix6d DriftModel::lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
                              double pace) const {
-  Matrix6d lasting = lastingShareOfOpen(increment, unobserved) * unobserved +
-                     lastingShare(increment, unobserved) * (increment - unobserved);
+  const double u = unobservedAlong(increment, unobserved);
+  Matrix6d lasting = lastingShareOfOpen(u) * unobserved + lastingShare(u) * (increment - unobserved);
   const double walk_m = pace * pace * distance_m;
   const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * walk_m;
   lasting.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * walk_m;
@@ -78,7 +78,7 @@ Matrix6d DriftModel::passing(const Matrix6d& increment, const Matrix6d& unobserv
   Vector6d root;
   root << Eigen::Vector3d::Constant(std::sqrt(params_.passing_share)),
       Eigen::Vector3d::Constant(std::sqrt(params_.passing_rotation_share));
-  return 0.5 * (1.0 - lastingShare(increment, unobserved)) *
+  return 0.5 * (1.0 - lastingShare(unobservedAlong(increment, unobserved))) *
          (root.asDiagonal() * (increment - unobserved) * root.asDiagonal());
 }
 

@@ -77,8 +77,8 @@ class DriftModel {
   double unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const;
 
  private:
-  double lastingShareOfOpen(const Matrix6d& increment, const Matrix6d& unobserved) const;
-  double lastingShare(const Matrix6d& increment, const Matrix6d& unobserved) const;
+  double lastingShareOfOpen(double unobserved_along) const;
+  double lastingShare(double unobserved_along) const;
 
   Params params_;
 };

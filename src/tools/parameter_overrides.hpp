@@ -1,0 +1,21 @@
+// What a command line changes of a profile's parameters: files that name some keys, then single keys.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+
+namespace fail_aware {
+
+/// `files` (yaml) one after another, then `assignments` (key=value); the last one counts. Validates. Throws
+/// ParameterError.
+inline void overrideParameters(PipelineParameters& params, const std::vector<std::string>& files,
+                               const std::vector<std::string>& assignments) {
+  for (const std::string& file : files) loadYaml(file, params, MissingKeys::kKeep);
+  for (const std::string& assignment : assignments) setParameter(params, assignment);
+  params.validate();
+}
+
+}  // namespace fail_aware
