@@ -79,7 +79,7 @@ def is_up(master):
 
 
 class LiveGraph:
-    """kitti_replay.launch without its bag, and what is started beside it: name -> process."""
+    """What is launched, and what is started beside it: name -> process."""
 
     def __init__(self, port):
         import rosgraph
@@ -102,19 +102,22 @@ class LiveGraph:
 
 
 @contextlib.contextmanager
-def replay_graph(arguments, log_path, port=0):
+def launched_graph(launch_file, arguments, log_path, port=0):
     """A LiveGraph whose nodelets are all up; everything is stopped when the block is left."""
     port = port or free_port()
     graph = LiveGraph(port)
     with open(log_path, "w") as log:
         try:
-            graph.start("roslaunch", ["roslaunch", "-p", str(port), PACKAGE, "kitti_replay.launch", "play:=false"] + arguments,
-                        stdout=log, stderr=subprocess.STDOUT)
+            graph.start("roslaunch", ["roslaunch", "-p", str(port), PACKAGE, launch_file] + arguments, stdout=log, stderr=subprocess.STDOUT)
             graph.wait_for(lambda: is_up(graph.master), 120.0, "the odometry's start")
             yield graph
         finally:
             for process in reversed(list(graph.processes.values())):
                 stop(process)
+
+
+def replay_graph(arguments, log_path, port=0):
+    return launched_graph("kitti_replay.launch", ["play:=false"] + arguments, log_path, port)
 
 
 def bag_of(drive, folder):

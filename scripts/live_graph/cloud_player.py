@@ -1,0 +1,155 @@
+"""Plays the clouds of a simulated bag into the live graph in real time and hears all that the graph says."""
+import math
+import struct
+import threading
+import time
+
+from . import PACKAGE, Failure
+
+NAMESPACE = "/" + PACKAGE
+MAX_REORDER_S = 0.5  # fusion_ukf's default: a stamp farther back than this is a new drive, one less far is refused
+STATES = ["UNKNOWN", "OK", "DEGRADED", "FAILING", "FAILED"]
+UNSEEN = ("/local_map", "/path")  # large; their content is that of sweep/points, placed, and of odometry
+
+
+def finite(value):
+    """Whether every number is, in a message, a list, a text of diagnostics."""
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, str):
+        return value.strip().lower().lstrip("+-") not in ("nan", "inf", "infinity")
+    if isinstance(value, (list, tuple)):
+        return all(finite(entry) for entry in value)
+    return all(finite(getattr(value, slot)) for slot in getattr(value, "__slots__", ()))
+
+
+def finite_points(cloud):
+    import numpy
+    words = numpy.frombuffer(cloud.data, numpy.uint8).reshape(-1, cloud.point_step)
+    return all(numpy.isfinite(numpy.ascontiguousarray(words[:, field.offset:field.offset + 4]).view(numpy.float32)).all()
+               for field in cloud.fields if field.datatype == field.FLOAT32)
+
+
+class CloudPlayer:
+    """Of one graph; play() may be called for one drive after the other."""
+
+    def __init__(self, environment):
+        import os
+        os.environ.update(ROS_MASTER_URI=environment["ROS_MASTER_URI"], ROS_HOSTNAME="localhost")
+        import rospy
+        from roslib.message import get_message_class
+        from sensor_msgs.msg import PointCloud2
+        from tf2_msgs.msg import TFMessage
+        self._rospy = rospy
+        rospy.init_node("cloud_player", disable_signals=True, log_level=rospy.FATAL)
+        self._clouds = rospy.Publisher("/velodyne_points", PointCloud2, queue_size=100)
+        self._places = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+        self._lock = threading.Lock()
+        self._forget()
+        for topic, type_name in rospy.get_published_topics(NAMESPACE) + [["/tf", "tf2_msgs/TFMessage"],
+                                                                         ["/diagnostics", "diagnostic_msgs/DiagnosticArray"]]:
+            message_class = get_message_class(type_name)  # none for the manager's own bonds
+            if message_class is not None and not topic.endswith(UNSEEN):
+                rospy.Subscriber(topic, message_class, self._on_message, topic, queue_size=200)
+
+    def _forget(self):
+        self._heard = {}  # topic -> messages in order of arrival
+        self._not_finite = {}  # topic -> how many
+
+    def _on_message(self, message, topic):
+        ok = finite_points(message) if message._type == "sensor_msgs/PointCloud2" else finite(message)
+        with self._lock:
+            if not ok:
+                self._not_finite[topic] = self._not_finite.get(topic, 0) + 1
+            if topic.startswith(NAMESPACE) and hasattr(message, "header") and not hasattr(message, "data"):
+                self._heard.setdefault(topic[len(NAMESPACE) + 1:], []).append(message)
+
+    def _listeners(self):
+        until = time.monotonic() + 30.0
+        while self._clouds.get_num_connections() < 1:
+            if time.monotonic() > until:
+                raise Failure("the odometry does not listen to %s" % self._clouds.name)
+            time.sleep(0.05)
+
+    def play(self, path):
+        """[(cloud's stamp, true time in s, true pose as 12 numbers)] in order of arrival, {topic: messages}, what was not
+        finite: {topic: number of messages}. The stamps are moved to now."""
+        import rosbag
+        from std_srvs.srv import Trigger
+        self._rospy.ServiceProxy(NAMESPACE + "/fusion_ukf/reset", Trigger)()
+        with self._lock:
+            self._forget()
+        sent, pending, begin_s, shift_s = [], None, None, None
+        with rosbag.Bag(path) as bag:
+            for topic, (type_name, data, *_), recorded in bag.read_messages(raw=True):
+                if topic.endswith("tf_static"):
+                    self._places.publish(self._parsed(self._places, data))
+                    self._listeners()
+                    time.sleep(0.5)
+                elif type_name == "sensor_msgs/PointCloud2":
+                    if begin_s is None:
+                        begin_s = time.monotonic() - recorded.to_sec()
+                        shift_s = int(time.time()) - recorded.secs
+                    time.sleep(max(0.0, begin_s + recorded.to_sec() - time.monotonic()))
+                    data = bytearray(data)
+                    seconds, nanoseconds = struct.unpack_from("<II", data, 4)  # Header: seq, stamp
+                    struct.pack_into("<I", data, 4, seconds + shift_s)
+                    pending = (seconds + shift_s) * 10**9 + nanoseconds
+                    self._clouds.publish(self._parsed(self._clouds, bytes(data)))
+                elif type_name == "nav_msgs/Odometry":
+                    from nav_msgs.msg import Odometry
+                    truth = Odometry().deserialize(data)
+                    sent.append((pending, truth.header.stamp.to_sec(), pose_row(truth.pose.pose)))
+        self._settle()
+        with self._lock:
+            return sent, self._heard, self._not_finite
+
+    def _settle(self):
+        """Until nothing new has been heard for a second."""
+        def heard():
+            with self._lock:
+                return len(self._heard.get("odometry", ()))
+        count, until = -1, time.monotonic() + 30.0
+        while heard() != count and time.monotonic() < until:
+            count = heard()
+            time.sleep(1.0)
+
+    @staticmethod
+    def _parsed(publisher, data):
+        return publisher.data_class().deserialize(data)
+
+
+def pose_row(pose):
+    """The pose as a row of KITTI's poses.txt."""
+    p, q = pose.position, pose.orientation
+    x, y, z, w = q.x, q.y, q.z, q.w
+    return [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), p.x,
+            2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), p.y,
+            2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), p.z]
+
+
+def rows_of(clouds, heard):
+    """Of what play() gave: state, reasons and status for each cloud, as per_sweep.csv has them; the poses; what is wrong."""
+    odometry = {m.header.stamp.to_nsec(): m for m in heard.get("odometry", ())}
+    filtered = {m.header.stamp.to_nsec(): m for m in heard.get("filter_state", ())}
+    told = {}  # a drive whose stamps jump back may use one twice: then the last message stands for both
+    for m in heard.get("time_to_failure", ()):
+        if "STALE" not in m.reasons_text.split("|"):
+            told[m.header.stamp.to_nsec()] = m
+    rows, poses_of, lost, newest = [], [], 0, None
+    for stamp, _, _ in clouds:
+        if newest is not None and 0 <= newest - stamp <= MAX_REORDER_S * 1e9:
+            rows.append(dict(rows[-1], status="stamp_not_advancing"))
+            poses_of.append(poses_of[-1])
+            continue
+        newest = stamp
+        if stamp in odometry and stamp in filtered and stamp in told:
+            rows.append({"state": STATES[min(told[stamp].state, 4)], "reasons": told[stamp].reasons_text,
+                         "status": "corrected" if filtered[stamp].corrected else "predicted"})
+            poses_of.append(pose_row(odometry[stamp].pose.pose))
+        else:
+            lost += 1
+            rows.append(dict(rows[-1], status="lost") if rows else {"state": "UNKNOWN", "reasons": "", "status": "lost"})
+            poses_of.append(poses_of[-1] if poses_of else list(clouds[0][2]))
+    counted = sum(m.dropped_before for m in heard.get("filter_state", ()))
+    return rows, poses_of, ["%d clouds without odometry, %d counted" % (lost, counted)] if lost > counted else []
