@@ -13,8 +13,10 @@ namespace fail_aware {
 namespace {
 
 constexpr double kNominalPeriod_s = 0.1;
-constexpr double kShortestPeriod_s = 0.02;  // 50 Hz and 1 Hz: no head turns faster or slower
+constexpr double kShortestPeriod_s = 0.02;  // 50 Hz and 1 Hz: no head that turns faster or slower is known
 constexpr double kLongestPeriod_s = 1.0;
+constexpr double kLongestMeasured_s = 0.22;  // 5 Hz, the slowest that these heads turn: what takes longer holds a gap
+constexpr double kMultipleTolerance = 0.15;  // of the period, by which a gap's share may differ from it
 constexpr std::size_t kPeriodWindow = 11;
 constexpr std::size_t kPeriodsNeeded = 3;
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
@@ -114,10 +116,25 @@ void SweepTiming::reset() {
   periods_s_.clear();
 }
 
+std::optional<double> SweepTiming::measuredPeriod_s() const {
+  if (periods_s_.size() < kPeriodsNeeded) return std::nullopt;
+  std::vector<double> sorted(periods_s_.begin(), periods_s_.end());
+  std::sort(sorted.begin(), sorted.end());
+  return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+}
+
+// A whole number of known periods is so many of them, and all but the last sweep was lost.
+double SweepTiming::withoutGap(double interval_s) const {
+  const std::optional<double> known_s = measuredPeriod_s();
+  if (!known_s) return interval_s;
+  const double share_s = interval_s / std::max(1.0, std::round(interval_s / *known_s));
+  return std::abs(share_s - *known_s) <= kMultipleTolerance * *known_s ? share_s : interval_s;
+}
+
 void SweepTiming::observeStamp(double stamp_s) {
   if (!std::isfinite(stamp_s)) return;
-  const double period_s = secondsBetween(last_stamp_s_, stamp_s);
-  if (has_stamp_ && period_s >= kShortestPeriod_s && period_s <= kLongestPeriod_s) {
+  const double period_s = withoutGap(secondsBetween(last_stamp_s_, stamp_s));
+  if (has_stamp_ && period_s >= kShortestPeriod_s && period_s <= kLongestMeasured_s) {
     periods_s_.push_back(period_s);
     if (periods_s_.size() > kPeriodWindow) periods_s_.pop_front();
   }
@@ -139,10 +156,8 @@ TimingResult SweepTiming::assign(const Sweep& sweep, std::vector<float>& times_r
   if (params_.sweep_period_s > 0.0) {
     result.period_s = params_.sweep_period_s;
     result.period_known = true;
-  } else if (periods_s_.size() >= kPeriodsNeeded) {
-    std::vector<double> sorted(periods_s_.begin(), periods_s_.end());
-    std::sort(sorted.begin(), sorted.end());
-    result.period_s = 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
+  } else if (const std::optional<double> measured_s = measuredPeriod_s()) {
+    result.period_s = *measured_s;
     result.period_known = true;
   }
   result.reference = referenceOr(StampReference::kEnd);
