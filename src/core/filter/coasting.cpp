@@ -54,6 +54,11 @@ void Coasting::observed(const Measured& measured, double dt_s) {
   S_.topLeftCorner<3, 3>() = two_poses * two_poses * measured.R;
 }
 
+double Coasting::yawAcceleration_rad_s2(double speed_mps) const {
+  const double slowness = std::min(1.0, params_.turning_speed_mps / std::max(speed_mps, 1e-3));
+  return params_.yaw_acceleration_rad_s2 * slowness * slowness;
+}
+
 Coasting::Motion Coasting::begin(const Motion& before, double dt_s) {
   active_ = true;
   const double kept = std::exp(-dt_s / params_.acceleration_time_s);
@@ -68,8 +73,7 @@ Coasting::Motion Coasting::begin(const Motion& before, double dt_s) {
   Eigen::Matrix2d F_yaw;
   F_yaw << 1.0, dt_s, 0.0, yaw_kept;
   S_yaw_ = (F_yaw * S_yaw_ * F_yaw.transpose()).eval();
-  const double slowness = std::min(1.0, params_.turning_speed_mps / std::max(before.velocity_mps.norm(), 1e-3));
-  const double yaw_acceleration = params_.yaw_acceleration_rad_s2 * slowness * slowness;
+  const double yaw_acceleration = yawAcceleration_rad_s2(before.velocity_mps.norm());
   S_yaw_(1, 1) += (1.0 - yaw_kept * yaw_kept) * yaw_acceleration * yaw_acceleration;
 
   Motion motion;
@@ -126,6 +130,17 @@ Eigen::Matrix4d Coasting::incrementCovariance(double dt_s) const {
   if (!active_) return added;
   added.topLeftCorner<3, 3>() = dt_s * dt_s * S_.topLeftCorner<3, 3>();
   added(3, 3) = dt_s * dt_s * S_yaw_(0, 0);
+  return added;
+}
+
+// Rates are means over an interval, carried to its end with accelerations of one interval before: three quarters old.
+Eigen::Matrix4d Coasting::drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const {
+  const double per_acceleration = (0.5 * dt_s + 0.75 * previous_dt_s) * dt_s;
+  const double along_m = params_.acceleration_mps2 * per_acceleration;
+  const double yaw_rad = yawAcceleration_rad_s2(speed_mps) * per_acceleration;
+  const double across_m = speed_mps * dt_s * yaw_rad / 3.0;  // the turn grows with the square of the time
+  Eigen::Matrix4d added = Eigen::Matrix4d::Zero();
+  added.diagonal() << along_m * along_m, across_m * across_m, 0.0, yaw_rad * yaw_rad;
   return added;
 }
 

@@ -180,6 +180,12 @@ bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
     process_noise_ = Q;
     // not for the filter: a heading that it thinks uncertain would shorten the unscented mean of every step
     process_noise_(5, 5) += uncertain_yaw;
+    if (prediction_.motion_known && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
+      const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
+      const Eigen::Matrix4d driven = coasting_.drivenCovariance(dt, state_.dt_s, motion_.velocity_body_mps.norm());
+      Q.topLeftCorner<3, 3>() += R_odom_body * driven.topLeftCorner<3, 3>() * R_odom_body.transpose();
+      Q(5, 5) += driven(3, 3);
+    }
     if (!state_.corrected) {
       // Roll and pitch do not walk away from the road: at most one step's noise. Added up over many sweeps it would
       // shorten the unscented mean of every step by cos(pitch), a tenth of the speed.

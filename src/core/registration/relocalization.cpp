@@ -10,6 +10,7 @@ namespace fail_aware {
 namespace {
 
 constexpr int kNarrowingSteps = 3;    // times the usual ICP's iterations
+constexpr double kShortGap_s = 0.75;  // up to which the seeds around the prediction reach far enough
 constexpr double kTurn_rad_s2 = 0.2;  // standard deviations of a vehicle's yaw and forward acceleration
 constexpr double kAcceleration_mps2 = 0.5;
 
@@ -93,9 +94,11 @@ std::optional<Pose> Relocalization::find(const RegistrationCloud& cloud, const V
   std::optional<CorrelativeSearch::Found> place;
   if (params_.search.enabled && search_.find(cloud.map_points_cog, map, T_odom_cog_predicted,
                                              covariance + steered(gap, T_odom_cog_predicted.linear()), place)) {
-    if (!place) return std::nullopt;
-    const Measurement narrowed = narrowing_.align(cloud.point_points_cog, map, place->T_odom_cog, covariance);
-    return narrowed.ok() ? confirmedBy(usual_, cloud, map, narrowed, covariance) : std::nullopt;
+    if (place) {
+      const Measurement narrowed = narrowing_.align(cloud.point_points_cog, map, place->T_odom_cog, covariance);
+      return narrowed.ok() ? confirmedBy(usual_, cloud, map, narrowed, covariance) : std::nullopt;
+    }
+    if (gap.duration_s > kShortGap_s) return std::nullopt;
   }
   const Measurement found = wide_.align(cloud.point_points_cog, map, T_odom_cog_predicted, covariance);
   return found.ok() ? confirmedBy(strict_, cloud, map, found, covariance) : std::nullopt;

@@ -200,5 +200,21 @@ TEST(Coasting, ParametersAreChecked) {
   EXPECT_THROW(Coasting{params}, ParameterError);
 }
 
+TEST(Coasting, OverALongIntervalTheDriverMayDoWhatHisAccelerationsAllow) {
+  const Coasting coasting{Coasting::Params()};
+  const Coasting::Params params;
+  // the speed of 0.75 * 0.2 s ago, and 0.4 s in which it changes further
+  const double lever_s2 = (0.75 * 0.2 + 0.5 * 0.4) * 0.4;
+  const Eigen::Matrix4d slow = coasting.drivenCovariance(0.4, 0.2, 5.0);
+  EXPECT_NEAR(std::sqrt(slow(0, 0)), params.acceleration_mps2 * lever_s2, 1e-12);
+  EXPECT_NEAR(std::sqrt(slow(3, 3)), params.yaw_acceleration_rad_s2 * lever_s2, 1e-12);
+  EXPECT_NEAR(std::sqrt(slow(1, 1)), 5.0 * 0.4 * std::sqrt(slow(3, 3)) / 3.0, 1e-12);
+  EXPECT_DOUBLE_EQ(slow(2, 2), 0.0);
+  // at twice the turning speed bends are four times as wide
+  const Eigen::Matrix4d fast = coasting.drivenCovariance(0.4, 0.2, 2.0 * params.turning_speed_mps);
+  EXPECT_NEAR(std::sqrt(fast(3, 3)), 0.25 * std::sqrt(slow(3, 3)), 1e-12);
+  EXPECT_DOUBLE_EQ(fast(0, 0), slow(0, 0));
+}
+
 }  // namespace
 }  // namespace fail_aware

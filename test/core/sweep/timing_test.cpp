@@ -210,6 +210,26 @@ TEST(SweepTiming, PeriodIsNominalThenTheMedianOfStampDifferences) {
   EXPECT_FALSE(assign(stamp_s += 0.05).period_known);
 }
 
+TEST(SweepTiming, SweepsThatAreLostDoNotLengthenThePeriod) {
+  SweepTimingParams params = paramsWith("azimuth");
+  params.sweep_period_s = 0.0;
+  SweepTiming timing(params);
+  std::vector<float> times_s;
+  const auto assign = [&](double stamp_s) { return timing.assign(sweepAt({0.0}, stamp_s), times_s); };
+  double stamp_s = 50.0;
+  for (int i = 0; i < 5; ++i) assign(stamp_s += kPeriod_s);
+  for (const int every : {2, 3, 7}) {
+    for (int i = 0; i < 30; ++i) ASSERT_NEAR(assign(stamp_s += every * kPeriod_s).period_s, kPeriod_s, 1e-9) << every;
+  }
+  EXPECT_NEAR(times_s[0], -0.5 * kPeriod_s, 1e-6);
+
+  timing.reset();  // lost from the start: no head turns that slowly
+  for (int i = 0; i < 30; ++i) EXPECT_FALSE(assign(stamp_s += 0.4).period_known);
+  timing.reset();  // one that does
+  for (int i = 0; i < 5; ++i) assign(stamp_s += 0.2);
+  EXPECT_NEAR(assign(stamp_s += 0.2).period_s, 0.2, 1e-9);
+}
+
 TEST(SweepTiming, RefusesBadParameters) {
   const auto broken = [](void (*change)(SweepTimingParams&)) {
     SweepTimingParams params;

@@ -89,12 +89,17 @@ class Coasting {
   /// What the uncertain motion adds to the next increment (x y z, m^2, and yaw, rad^2). Zero unless active.
   Eigen::Matrix4d incrementCovariance(double dt_s) const;
 
+  /// What the driver's accelerations add to an increment over dt_s (as above; active or not), where the motion is known
+  /// from poses previous_dt_s apart: it is that of some time ago, and stays so for as long as the increment lasts.
+  Eigen::Matrix4d drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const;
+
   /// Of the sweep closed last, along the vehicle. Zero unless active.
   SpeedError speedError() const { return active_ ? SpeedError{S_(0, 0), kept_} : SpeedError(); }
 
   Eigen::Matrix3d velocityCovariance() const { return S_.topLeftCorner<3, 3>(); }
 
  private:
+  double yawAcceleration_rad_s2(double speed_mps) const;
   Motion begin(const Motion& before, double dt_s);
   void correctVelocity(const Measured& measured, double dt_s, Motion& motion);
   void correctYawRate(const Measured& measured, double dt_s, Motion& motion);

@@ -7,6 +7,8 @@
 // themselves and run away. So without a measurement the last road plane and derivatives stay, the latter without their
 // accelerations, and roll and pitch gain no more than one step's process noise; and where
 // the measurement does not observe the motion on the road, the velocity coasts (coasting.hpp).
+// After lost sweeps (an interval above kLongInterval_s) P grows by what the driver may have done meanwhile, so that search
+// and gate reach as far (Coasting::drivenCovariance).
 // The motion's feedback: a sweep corrected for a speed that is e too high and whose stamp is middle_s from its middle
 // is measured -e middle_s too far on. Speeds taken from such poses would answer an error by an error, swinging up by
 // themselves. What the correction does not move is the pose in the sweep's middle: the derivatives come from those.
