@@ -28,7 +28,8 @@ constexpr double kPriorShare = 0.02;  // what a unit of the squared Mahalanobis 
 class PlanGrid {
  public:
   PlanGrid(double half_m, double cell_m)
-      : cell_m_(cell_m), size_(2 * static_cast<int>(std::ceil(half_m / cell_m))),
+      : cell_m_(cell_m),
+        size_(2 * static_cast<int>(std::ceil(half_m / cell_m))),
         cells_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_), 0) {}
 
   int index(double x_m, double y_m) const {

@@ -25,7 +25,8 @@ Outcome drive(int every) {
   simulated.lidar.columns = 1042;
   DriveSimulation simulation(simulated, 1);
   PipelineParameters params;
-  params.sensor.timing.stamp_reference = "mid";  // the times count from the start: to bring them together takes the period
+  params.sensor.timing.stamp_reference =
+      "mid";  // the times count from the start: to bring them together takes the period
   OdometryPipeline pipeline(params, 1);
   Outcome outcome;
   Pose T_world_first, T_world_base;
@@ -39,7 +40,8 @@ Outcome drive(int every) {
     Sweep arriving = kittiSweep(sweep);
     result = pipeline.step(arriving);
     if (result.status == SweepStatus::kPredicted) ++outcome.predicted;
-    outcome.error_m = (result.T_odom_base.translation() - (T_world_first.inverse() * T_world_base).translation()).norm();
+    outcome.error_m =
+        (result.T_odom_base.translation() - (T_world_first.inverse() * T_world_base).translation()).norm();
   }
   return outcome;
 }
