@@ -1,4 +1,5 @@
 """Plays the clouds of a simulated bag into the live graph in real time and hears all that the graph says."""
+import collections
 import math
 import struct
 import threading
@@ -7,6 +8,8 @@ import time
 from . import PACKAGE, Failure
 
 NAMESPACE = "/" + PACKAGE
+RESET = NAMESPACE + "/fusion_ukf/reset"
+LOST_BY_RESET = 4  # sweeps in work and waiting when stamps jump back; diagnostics count them, filter_state does not
 MAX_REORDER_S = 0.5  # fusion_ukf's default: a stamp farther back than this is a new drive, one less far is refused
 STATES = ["UNKNOWN", "OK", "DEGRADED", "FAILING", "FAILED"]
 UNSEEN = ("/local_map", "/path")  # large; their content is that of sweep/points, placed, and of odometry
@@ -42,6 +45,10 @@ class CloudPlayer:
         from tf2_msgs.msg import TFMessage
         self._rospy = rospy
         rospy.init_node("cloud_player", disable_signals=True, log_level=rospy.FATAL)
+        try:
+            rospy.wait_for_service(RESET, 30.0)  # the last thing that the filter offers: all topics are there
+        except rospy.ROSException as error:
+            raise Failure(error)
         self._clouds = rospy.Publisher("/velodyne_points", PointCloud2, queue_size=100)
         self._places = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         self._lock = threading.Lock()
@@ -76,10 +83,13 @@ class CloudPlayer:
         finite: {topic: number of messages}. The stamps are moved to now."""
         import rosbag
         from std_srvs.srv import Trigger
-        self._rospy.ServiceProxy(NAMESPACE + "/fusion_ukf/reset", Trigger)()
+        try:
+            self._rospy.ServiceProxy(RESET, Trigger)()
+        except self._rospy.ServiceException as error:
+            raise Failure("%s: %s" % (RESET, error))
         with self._lock:
             self._forget()
-        sent, pending, begin_s, shift_s = [], None, None, None
+        sent, untold, begin_s, shift_s = [], collections.deque(), None, None  # untold: clouds whose truth has not come yet
         with rosbag.Bag(path) as bag:
             for topic, (type_name, data, *_), recorded in bag.read_messages(raw=True):
                 if topic.endswith("tf_static"):
@@ -94,12 +104,12 @@ class CloudPlayer:
                     data = bytearray(data)
                     seconds, nanoseconds = struct.unpack_from("<II", data, 4)  # Header: seq, stamp
                     struct.pack_into("<I", data, 4, seconds + shift_s)
-                    pending = (seconds + shift_s) * 10**9 + nanoseconds
+                    untold.append((seconds + shift_s) * 10**9 + nanoseconds)
                     self._clouds.publish(self._parsed(self._clouds, bytes(data)))
                 elif type_name == "nav_msgs/Odometry":
                     from nav_msgs.msg import Odometry
                     truth = Odometry().deserialize(data)
-                    sent.append((pending, truth.header.stamp.to_sec(), pose_row(truth.pose.pose)))
+                    sent.append((untold.popleft(), truth.header.stamp.to_sec(), pose_row(truth.pose.pose)))
         self._settle()
         with self._lock:
             return sent, self._heard, self._not_finite
@@ -136,12 +146,14 @@ def rows_of(clouds, heard):
     for m in heard.get("time_to_failure", ()):
         if "STALE" not in m.reasons_text.split("|"):
             told[m.header.stamp.to_nsec()] = m
-    rows, poses_of, lost, newest = [], [], 0, None
+    rows, poses_of, newest, lost, refused, resets = [], [], None, 0, 0, 0
     for stamp, _, _ in clouds:
         if newest is not None and 0 <= newest - stamp <= MAX_REORDER_S * 1e9:
+            refused += 1
             rows.append(dict(rows[-1], status="stamp_not_advancing"))
             poses_of.append(poses_of[-1])
             continue
+        resets += newest is not None and stamp < newest
         newest = stamp
         if stamp in odometry and stamp in filtered and stamp in told:
             rows.append({"state": STATES[min(told[stamp].state, 4)], "reasons": told[stamp].reasons_text,
@@ -152,4 +164,6 @@ def rows_of(clouds, heard):
             rows.append(dict(rows[-1], status="lost") if rows else {"state": "UNKNOWN", "reasons": "", "status": "lost"})
             poses_of.append(poses_of[-1] if poses_of else list(clouds[0][2]))
     counted = sum(m.dropped_before for m in heard.get("filter_state", ()))
-    return rows, poses_of, ["%d clouds without odometry, %d counted" % (lost, counted)] if lost > counted else []
+    if lost + refused > counted + LOST_BY_RESET * resets:
+        return rows, poses_of, ["%d clouds without odometry, %d refused, %d counted" % (lost, refused, counted)]
+    return rows, poses_of, []

@@ -9,6 +9,13 @@
 
 namespace fail_aware {
 
+namespace {
+
+constexpr double kLongestDriven_s = 3.0;
+constexpr double kWidestDriven_rad = 0.25;
+
+}  // namespace
+
 void Coasting::Params::validate() const {
   requirePositive("observed_sigma_m", observed_sigma_m);
   requirePositive("observed_sigma_deg", observed_sigma_deg);
@@ -134,11 +141,13 @@ Eigen::Matrix4d Coasting::incrementCovariance(double dt_s) const {
 }
 
 // Rates are means over an interval, carried to its end with accelerations of one interval before: three quarters old.
+// Bounded: nobody speeds up or turns for longer, and the filter's sigma points must not turn about.
 Eigen::Matrix4d Coasting::drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const {
-  const double per_acceleration = (0.5 * dt_s + 0.75 * previous_dt_s) * dt_s;
+  const double bounded_s = std::min(dt_s, kLongestDriven_s);
+  const double per_acceleration = (0.5 * bounded_s + 0.75 * std::min(previous_dt_s, kLongestDriven_s)) * bounded_s;
   const double along_m = params_.acceleration_mps2 * per_acceleration;
-  const double yaw_rad = yawAcceleration_rad_s2(speed_mps) * per_acceleration;
-  const double across_m = speed_mps * dt_s * yaw_rad / 3.0;  // the turn grows with the square of the time
+  const double yaw_rad = std::min(yawAcceleration_rad_s2(speed_mps) * per_acceleration, kWidestDriven_rad);
+  const double across_m = speed_mps * bounded_s * yaw_rad / 3.0;  // the turn grows with the square of the time
   Eigen::Matrix4d added = Eigen::Matrix4d::Zero();
   added.diagonal() << along_m * along_m, across_m * across_m, 0.0, yaw_rad * yaw_rad;
   return added;

@@ -46,7 +46,8 @@ MultiplexIcp::Params strict(const Relocalization::Params& params, const Multiple
   return one;
 }
 
-// What the driver may have done meanwhile that the prediction, which keeps the motion, knows nothing of.
+// What the driver may have done since the last sweep in the map. Of one long interval the prediction knows it already: then
+// the search reaches farther by half.
 Matrix6d steered(const Relocalization::Gap& gap, const Eigen::Matrix3d& R_odom_cog) {
   const double yaw_rad = 0.5 * kTurn_rad_s2 * gap.duration_s * gap.duration_s;
   const double along_m = 0.5 * kAcceleration_mps2 * gap.duration_s * gap.duration_s;

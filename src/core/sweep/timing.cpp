@@ -16,7 +16,7 @@ constexpr double kNominalPeriod_s = 0.1;
 constexpr double kShortestPeriod_s = 0.02;  // 50 Hz and 1 Hz: no head that turns faster or slower is known
 constexpr double kLongestPeriod_s = 1.0;
 constexpr double kLongestMeasured_s = 0.22;  // 5 Hz, the slowest that these heads turn: what takes longer holds a gap
-constexpr double kMultipleTolerance = 0.15;  // of the period, by which a gap's share may differ from it
+constexpr double kMultipleTolerance = 0.15;  // periods, by which a gap may differ from a whole number of them
 constexpr std::size_t kPeriodWindow = 11;
 constexpr std::size_t kPeriodsNeeded = 3;
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
@@ -123,12 +123,12 @@ std::optional<double> SweepTiming::measuredPeriod_s() const {
   return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
 }
 
-// A whole number of known periods is so many of them, and all but the last sweep was lost.
+// A whole number of known periods is so many of them, and all but the last sweep was lost. Known is what a full window
+// tells: a head that begins with a few short sweeps would be held to their period.
 double SweepTiming::withoutGap(double interval_s) const {
-  const std::optional<double> known_s = measuredPeriod_s();
-  if (!known_s) return interval_s;
-  const double share_s = interval_s / std::max(1.0, std::round(interval_s / *known_s));
-  return std::abs(share_s - *known_s) <= kMultipleTolerance * *known_s ? share_s : interval_s;
+  if (periods_s_.size() < kPeriodWindow) return interval_s;
+  const double periods = interval_s / *measuredPeriod_s(), whole = std::round(periods);
+  return whole >= 2.0 && std::abs(periods - whole) <= kMultipleTolerance ? interval_s / whole : interval_s;
 }
 
 void SweepTiming::observeStamp(double stamp_s) {

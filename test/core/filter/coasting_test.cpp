@@ -214,6 +214,9 @@ TEST(Coasting, OverALongIntervalTheDriverMayDoWhatHisAccelerationsAllow) {
   const Eigen::Matrix4d fast = coasting.drivenCovariance(0.4, 0.2, 2.0 * params.turning_speed_mps);
   EXPECT_NEAR(std::sqrt(fast(3, 3)), 0.25 * std::sqrt(slow(3, 3)), 1e-12);
   EXPECT_DOUBLE_EQ(fast(0, 0), slow(0, 0));
+  const Eigen::Matrix4d forever = coasting.drivenCovariance(100.0, 100.0, 5.0);
+  EXPECT_DOUBLE_EQ(std::sqrt(forever(3, 3)), 0.25);
+  EXPECT_TRUE(forever.isApprox(coasting.drivenCovariance(3.0, 3.0, 5.0)));
 }
 
 }  // namespace

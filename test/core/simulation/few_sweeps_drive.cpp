@@ -8,7 +8,7 @@
 namespace fail_aware {
 namespace {
 
-constexpr int kAllUntil = 12;  // sweeps: the motion is known, the period too
+constexpr int kAllUntil = 14;  // sweeps: the motion is known, the period too
 constexpr double kEnd_s = 15.0;
 
 struct Outcome {

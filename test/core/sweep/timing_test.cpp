@@ -217,11 +217,15 @@ TEST(SweepTiming, SweepsThatAreLostDoNotLengthenThePeriod) {
   std::vector<float> times_s;
   const auto assign = [&](double stamp_s) { return timing.assign(sweepAt({0.0}, stamp_s), times_s); };
   double stamp_s = 50.0;
-  for (int i = 0; i < 5; ++i) assign(stamp_s += kPeriod_s);
+  for (int i = 0; i < 3; ++i)
+    assign(stamp_s += 0.5 * kPeriod_s);  // a head that speeds down is not held to its first period
+  for (int i = 0; i < 12; ++i) assign(stamp_s += kPeriod_s);
   for (const int every : {2, 3, 7}) {
     for (int i = 0; i < 30; ++i) ASSERT_NEAR(assign(stamp_s += every * kPeriod_s).period_s, kPeriod_s, 1e-9) << every;
   }
   EXPECT_NEAR(times_s[0], -0.5 * kPeriod_s, 1e-6);
+  for (int i = 0; i < 30; ++i) assign(stamp_s += 6.4 * kPeriod_s);  // no whole number of them: tells nothing
+  EXPECT_NEAR(assign(stamp_s += kPeriod_s).period_s, kPeriod_s, 1e-9);
 
   timing.reset();  // lost from the start: no head turns that slowly
   for (int i = 0; i < 30; ++i) EXPECT_FALSE(assign(stamp_s += 0.4).period_known);

@@ -12,10 +12,10 @@
 //
 // `stamp_reference`, the instant of the sweep that its stamp means, gives the result's interval: start [0, T],
 // mid [-T/2, T/2], end [-T, 0]. "auto": from the sign of the field, else end. KITTI: mid.
-// T: `sweep_period_s`, or the median of the recent differences of stamps. Once it is known, a difference of several
-// periods counts as that many, so sweeps may be lost for as long as they like; and none is longer than 0.22 s. If from
-// the start sweeps of a head that is faster than 10 Hz are lost before they get here, that median is wrong: give the
-// period.
+// T: `sweep_period_s`, or the median of the recent differences of stamps, none longer than 0.22 s. Once 11 are known, a
+// difference of several periods counts as that many, so sweeps may be lost for as long as they like. Where every other
+// sweep is lost from the start that median is wrong, and a head that is set to turn half as fast in a drive is taken for
+// one whose sweeps are lost: give the period.
 //
 // Failure is data: with any status but kOk the times are empty. Cost: about 0.25 ms for 120 000 points.
 #pragma once
