@@ -8,6 +8,7 @@ import time
 
 PACKAGE = "fail_aware_lidar_odometry"
 CLOUD = "/kitti/velo/pointcloud"
+STATES = ["UNKNOWN", "OK", "DEGRADED", "FAILING", "FAILED"]  # by TimeToFailure's numbers
 
 
 class Failure(Exception):

@@ -5,13 +5,12 @@ import struct
 import threading
 import time
 
-from . import PACKAGE, Failure
+from . import PACKAGE, STATES, Failure
 
 NAMESPACE = "/" + PACKAGE
 RESET = NAMESPACE + "/fusion_ukf/reset"
 LOST_BY_RESET = 4  # sweeps in work and waiting when stamps jump back; diagnostics count them, filter_state does not
 MAX_REORDER_S = 0.5  # fusion_ukf's default: a stamp farther back than this is a new drive, one less far is refused
-STATES = ["UNKNOWN", "OK", "DEGRADED", "FAILING", "FAILED"]
 UNSEEN = ("/local_map", "/path")  # large; their content is that of sweep/points, placed, and of odometry
 
 

@@ -165,6 +165,10 @@ bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
     prediction_.dt_s = dt;
     prediction_.motion_known = corrected_sweeps_ >= 2;
     Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
+    const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
+    const auto inOdom = [&](const Eigen::Matrix4d& increment) -> Eigen::Matrix3d {  // of its position
+      return R_odom_body * increment.topLeftCorner<3, 3>() * R_odom_body.transpose();
+    };
     double uncertain_yaw = 0.0;
     if (!prediction_.motion_known) {
       // only the speed along the road is that uncertain
@@ -172,18 +176,16 @@ bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
       const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
       Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
     } else if (coasting_.active()) {
-      const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
       const Eigen::Matrix4d uncertain = coasting_.incrementCovariance(dt);
-      Q.topLeftCorner<3, 3>() += R_odom_body * uncertain.topLeftCorner<3, 3>() * R_odom_body.transpose();
+      Q.topLeftCorner<3, 3>() += inOdom(uncertain);
       uncertain_yaw = uncertain(3, 3);
     }
     process_noise_ = Q;
     // not for the filter: a heading that it thinks uncertain would shorten the unscented mean of every step
     process_noise_(5, 5) += uncertain_yaw;
     if (prediction_.motion_known && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
-      const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
       const Eigen::Matrix4d driven = coasting_.drivenCovariance(dt, state_.dt_s, motion_.velocity_body_mps.norm());
-      Q.topLeftCorner<3, 3>() += R_odom_body * driven.topLeftCorner<3, 3>() * R_odom_body.transpose();
+      Q.topLeftCorner<3, 3>() += inOdom(driven);
       Q(5, 5) += driven(3, 3);
     }
     if (!state_.corrected) {

@@ -185,12 +185,21 @@ TEST(SweepTiming, AbsentFieldOffAndEmpty) {
   EXPECT_TRUE(times_s.empty());
 }
 
-TEST(SweepTiming, PeriodIsNominalThenTheMedianOfStampDifferences) {
-  SweepTimingParams params = paramsWith("azimuth");
-  params.sweep_period_s = 0.0;
-  SweepTiming timing(params);
+/// Measures the period from sweeps of one point.
+class MeasuredPeriod : public testing::Test {
+ protected:
+  static SweepTimingParams params() {
+    SweepTimingParams params = paramsWith("azimuth");
+    params.sweep_period_s = 0.0;
+    return params;
+  }
+  TimingResult assign(double stamp_s) { return timing.assign(sweepAt({0.0}, stamp_s), times_s); }
+
+  SweepTiming timing{params()};
   std::vector<float> times_s;
-  const auto assign = [&](double stamp_s) { return timing.assign(sweepAt({0.0}, stamp_s), times_s); };
+};
+
+TEST_F(MeasuredPeriod, IsNominalThenTheMedianOfStampDifferences) {
   double stamp_s = 50.0;
   for (int i = 0; i < 3; ++i) {
     const TimingResult early = assign(stamp_s += kPeriod_s);
@@ -210,15 +219,10 @@ TEST(SweepTiming, PeriodIsNominalThenTheMedianOfStampDifferences) {
   EXPECT_FALSE(assign(stamp_s += 0.05).period_known);
 }
 
-TEST(SweepTiming, SweepsThatAreLostDoNotLengthenThePeriod) {
-  SweepTimingParams params = paramsWith("azimuth");
-  params.sweep_period_s = 0.0;
-  SweepTiming timing(params);
-  std::vector<float> times_s;
-  const auto assign = [&](double stamp_s) { return timing.assign(sweepAt({0.0}, stamp_s), times_s); };
+TEST_F(MeasuredPeriod, IsNotLengthenedBySweepsThatAreLost) {
   double stamp_s = 50.0;
-  for (int i = 0; i < 3; ++i)
-    assign(stamp_s += 0.5 * kPeriod_s);  // a head that speeds down is not held to its first period
+  // a head that slows down is not held to its first period
+  for (int i = 0; i < 3; ++i) assign(stamp_s += 0.5 * kPeriod_s);
   for (int i = 0; i < 12; ++i) assign(stamp_s += kPeriod_s);
   for (const int every : {2, 3, 7}) {
     for (int i = 0; i < 30; ++i) ASSERT_NEAR(assign(stamp_s += every * kPeriod_s).period_s, kPeriod_s, 1e-9) << every;

@@ -90,7 +90,8 @@ class Coasting {
   Eigen::Matrix4d incrementCovariance(double dt_s) const;
 
   /// What the driver's accelerations add to an increment over dt_s (as above; active or not), where the motion is known
-  /// from poses previous_dt_s apart: it is that of some time ago, and stays so for as long as the increment lasts. As over 3 s at most, and 0.25 rad.
+  /// from poses previous_dt_s apart: it is that of some time ago, and stays so for as long as the increment lasts. As
+  /// over 3 s at most, and 0.25 rad.
   Eigen::Matrix4d drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const;
 
   /// Of the sweep closed last, along the vehicle. Zero unless active.
