@@ -6,25 +6,13 @@ import socket
 import subprocess
 import time
 
-PACKAGE = "fail_aware_lidar_odometry"
+from offline_tools import PACKAGE, find_tool
+
 CLOUD = "/kitti/velo/pointcloud"
-STATES = ["UNKNOWN", "OK", "DEGRADED", "FAILING", "FAILED"]  # by TimeToFailure's numbers
 
 
 class Failure(Exception):
     pass
-
-
-def tool(name):
-    """A tool of the package: installed beside this script, or where the sourced workspace has it."""
-    beside = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), name)
-    if os.path.exists(beside):
-        return [beside]
-    for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":"):
-        path = os.path.join(prefix, "lib", PACKAGE, name)
-        if os.path.exists(path):
-            return [path]
-    raise Failure("no %s found; source the workspace's devel/setup.bash first" % name)
 
 
 def run(command, **options):
@@ -82,11 +70,19 @@ def is_up(master):
 class LiveGraph:
     """What is launched, and what is started beside it: name -> process."""
 
-    def __init__(self, port):
+    def __init__(self, port, log):
         import rosgraph
+        self._log = log
         self.environment = dict(os.environ, ROS_MASTER_URI="http://localhost:%d" % port, ROS_HOSTNAME="localhost")
         self.master = rosgraph.Master("/" + PACKAGE + "_scripts", "http://localhost:%d" % port)
         self.processes = {}
+
+    def join(self, name):
+        """Makes this process a node of the graph's; rospy is imported then only, as it reads the environment."""
+        os.environ.update(self.environment)
+        import rospy
+        rospy.init_node(name, disable_signals=True, log_level=rospy.FATAL)
+        return rospy
 
     def start(self, name, command, **options):
         self.processes[name] = subprocess.Popen(command, env=self.environment, **options)
@@ -99,15 +95,15 @@ class LiveGraph:
 
     def play(self, bag, *options):
         self.start("rosbag play", ["rosbag", "play", "--clock", "--quiet", "--delay", "5", bag, "/tf:=/kitti/tf"] + list(options),
-                   stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+                   stdout=subprocess.DEVNULL, stderr=self._log, stdin=subprocess.DEVNULL)
 
 
 @contextlib.contextmanager
 def launched_graph(launch_file, arguments, log_path, port=0):
     """A LiveGraph whose nodelets are all up; everything is stopped when the block is left."""
     port = port or free_port()
-    graph = LiveGraph(port)
     with open(log_path, "w") as log:
+        graph = LiveGraph(port, log)
         try:
             graph.start("roslaunch", ["roslaunch", "-p", str(port), PACKAGE, launch_file] + arguments, stdout=log, stderr=subprocess.STDOUT)
             graph.wait_for(lambda: is_up(graph.master), 120.0, "the odometry's start")
@@ -128,5 +124,5 @@ def bag_of(drive, folder):
         return bag
     times = ["--point-times"] if os.path.isdir(os.path.join(bag, "stamps")) else []
     made = os.path.join(os.path.abspath(folder), "drive.bag")
-    run(tool("kitti_to_bag") + [bag, made] + times)
+    run([find_tool("kitti_to_bag", Failure), bag, made] + times)
     return made

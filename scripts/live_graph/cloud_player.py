@@ -5,12 +5,12 @@ import struct
 import threading
 import time
 
-from . import PACKAGE, STATES, Failure
+from offline_tools import PACKAGE, STATES
+
+from . import Failure
 
 NAMESPACE = "/" + PACKAGE
 RESET = NAMESPACE + "/fusion_ukf/reset"
-LOST_BY_RESET = 4  # sweeps in work and waiting when stamps jump back; diagnostics count them, filter_state does not
-MAX_REORDER_S = 0.5  # fusion_ukf's default: a stamp farther back than this is a new drive, one less far is refused
 UNSEEN = ("/local_map", "/path")  # large; their content is that of sweep/points, placed, and of odometry
 
 
@@ -35,19 +35,19 @@ def finite_points(cloud):
 class CloudPlayer:
     """Of one graph; play() may be called for one drive after the other."""
 
-    def __init__(self, environment):
-        import os
-        os.environ.update(ROS_MASTER_URI=environment["ROS_MASTER_URI"], ROS_HOSTNAME="localhost")
-        import rospy
+    def __init__(self, graph):
+        rospy = self._rospy = graph.join("cloud_player")
         from roslib.message import get_message_class
         from sensor_msgs.msg import PointCloud2
         from tf2_msgs.msg import TFMessage
-        self._rospy = rospy
-        rospy.init_node("cloud_player", disable_signals=True, log_level=rospy.FATAL)
         try:
             rospy.wait_for_service(RESET, 30.0)  # the last thing that the filter offers: all topics are there
         except rospy.ROSException as error:
             raise Failure(error)
+        # A stamp farther back than max_reorder_s is a new drive, one less far is refused. The sweeps in work and waiting when a
+        # new drive begins are counted by diagnostics, not by filter_state.
+        self._max_reorder_s = rospy.get_param(NAMESPACE + "/fusion_ukf/max_reorder_s")
+        self._lost_by_reset = 1 + rospy.get_param(NAMESPACE + "/fusion_ukf/queue_size")
         self._clouds = rospy.Publisher("/velodyne_points", PointCloud2, queue_size=100)
         self._places = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         self._lock = threading.Lock()
@@ -123,6 +123,37 @@ class CloudPlayer:
             count = heard()
             time.sleep(1.0)
 
+    def rows_of(self, clouds, heard):
+        """Of what play() gave: state, reasons and status for each cloud, as per_sweep.csv has them; the poses; what is
+        wrong."""
+        odometry = {m.header.stamp.to_nsec(): m for m in heard.get("odometry", ())}
+        filtered = {m.header.stamp.to_nsec(): m for m in heard.get("filter_state", ())}
+        told = {}  # a drive whose stamps jump back may use one twice: then the last message stands for both
+        for m in heard.get("time_to_failure", ()):
+            if "STALE" not in m.reasons_text.split("|"):
+                told[m.header.stamp.to_nsec()] = m
+        rows, poses_of, newest, lost, refused, resets = [], [], None, 0, 0, 0
+        for stamp, _, _ in clouds:
+            if newest is not None and 0 <= newest - stamp <= self._max_reorder_s * 1e9:
+                refused += 1
+                rows.append(dict(rows[-1], status="stamp_not_advancing"))
+                poses_of.append(poses_of[-1])
+                continue
+            resets += newest is not None and stamp < newest
+            newest = stamp
+            if stamp in odometry and stamp in filtered and stamp in told:
+                rows.append({"state": STATES[min(told[stamp].state, 4)], "reasons": told[stamp].reasons_text,
+                             "status": "corrected" if filtered[stamp].corrected else "predicted"})
+                poses_of.append(pose_row(odometry[stamp].pose.pose))
+            else:
+                lost += 1
+                rows.append(dict(rows[-1], status="lost") if rows else {"state": "UNKNOWN", "reasons": "", "status": "lost"})
+                poses_of.append(poses_of[-1] if poses_of else list(clouds[0][2]))
+        counted = sum(m.dropped_before for m in heard.get("filter_state", ()))
+        if lost + refused > counted + self._lost_by_reset * resets:
+            return rows, poses_of, ["%d clouds without odometry, %d refused, %d counted" % (lost, refused, counted)]
+        return rows, poses_of, []
+
     @staticmethod
     def _parsed(publisher, data):
         return publisher.data_class().deserialize(data)
@@ -135,34 +166,3 @@ def pose_row(pose):
     return [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), p.x,
             2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), p.y,
             2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), p.z]
-
-
-def rows_of(clouds, heard):
-    """Of what play() gave: state, reasons and status for each cloud, as per_sweep.csv has them; the poses; what is wrong."""
-    odometry = {m.header.stamp.to_nsec(): m for m in heard.get("odometry", ())}
-    filtered = {m.header.stamp.to_nsec(): m for m in heard.get("filter_state", ())}
-    told = {}  # a drive whose stamps jump back may use one twice: then the last message stands for both
-    for m in heard.get("time_to_failure", ()):
-        if "STALE" not in m.reasons_text.split("|"):
-            told[m.header.stamp.to_nsec()] = m
-    rows, poses_of, newest, lost, refused, resets = [], [], None, 0, 0, 0
-    for stamp, _, _ in clouds:
-        if newest is not None and 0 <= newest - stamp <= MAX_REORDER_S * 1e9:
-            refused += 1
-            rows.append(dict(rows[-1], status="stamp_not_advancing"))
-            poses_of.append(poses_of[-1])
-            continue
-        resets += newest is not None and stamp < newest
-        newest = stamp
-        if stamp in odometry and stamp in filtered and stamp in told:
-            rows.append({"state": STATES[min(told[stamp].state, 4)], "reasons": told[stamp].reasons_text,
-                         "status": "corrected" if filtered[stamp].corrected else "predicted"})
-            poses_of.append(pose_row(odometry[stamp].pose.pose))
-        else:
-            lost += 1
-            rows.append(dict(rows[-1], status="lost") if rows else {"state": "UNKNOWN", "reasons": "", "status": "lost"})
-            poses_of.append(poses_of[-1] if poses_of else list(clouds[0][2]))
-    counted = sum(m.dropped_before for m in heard.get("filter_state", ()))
-    if lost + refused > counted + LOST_BY_RESET * resets:
-        return rows, poses_of, ["%d clouds without odometry, %d refused, %d counted" % (lost, refused, counted)]
-    return rows, poses_of, []

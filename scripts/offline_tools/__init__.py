@@ -1,10 +1,12 @@
-"""The package's offline tools, for the scripts that call them."""
+"""The package's tools and states, for the scripts that call and read them."""
 import os
 import pathlib
 import shutil
 import sys
 
 PACKAGE = "fail_aware_lidar_odometry"
+STATES = ["UNKNOWN", "OK", "DEGRADED", "FAILING", "FAILED"]  # by TimeToFailure's numbers
+BY_SEVERITY = ["OK", "DEGRADED", "UNKNOWN", "FAILING", "FAILED"]  # as the monitor's hysteresis orders them
 
 
 def end_of_script(why):
@@ -12,9 +14,12 @@ def end_of_script(why):
 
 
 def find_tool(name, failure=end_of_script):
-    """Its path: beside the scripts (installed), in the PATH, in this tree's build. Otherwise raises failure(why)."""
+    """Its path: beside the scripts (installed), in the PATH, in a sourced workspace, in this tree's build. Otherwise raises
+    failure(why)."""
     scripts = pathlib.Path(__file__).resolve().parent.parent
-    for candidate in (scripts / name, shutil.which(name), scripts.parent / "build/workspace/devel/lib" / PACKAGE / name):
+    sourced = [pathlib.Path(prefix) for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":") if prefix]
+    built = [prefix / "lib" / PACKAGE / name for prefix in sourced + [scripts.parent / "build/workspace/devel"]]
+    for candidate in [scripts / name, shutil.which(name)] + built:
         if candidate and os.access(candidate, os.X_OK):
             return str(candidate)
     raise failure(f"{name} not found; build first (scripts/build)")

@@ -4,9 +4,11 @@ import struct
 
 import numpy as np
 
+from offline_tools import STATES
+
 from . import poses
 from .covariance import since
-from .run import STATES, InputError, Measurement, Monitor, Run, Trajectory
+from .run import InputError, Measurement, Monitor, Run, Trajectory
 
 PACKAGE = "fail_aware_lidar_odometry/"
 ODOMETRY, FILTER_STATE, TIME_TO_FAILURE, POSE_MEASUREMENT, TRANSFORMS, CLOUD = (

@@ -1,7 +1,8 @@
 """State, reasons and faults over time, a row each."""
-from . import style
-from .run import NotAvailable, STATES
+from offline_tools import STATES
 
+from . import style
+from .run import NotAvailable
 
 
 def draw(run, comparison):

@@ -4,8 +4,6 @@ from typing import Dict, List, Optional
 
 import numpy as np
 
-STATES = ["UNKNOWN", "OK", "DEGRADED", "FAILING", "FAILED"]
-
 
 class InputError(Exception):
     """The run, or a file given beside it, cannot be used. The text is one line."""

@@ -37,6 +37,7 @@ messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Heade
   message.motion_known = task.prediction.motion_known;
   message.lidar_in_cog = toPoseMessage(task.T_cog_lidar);
   message.odom_epoch = task.prediction.odom_epoch;
+  message.lidar_frame = task.lidar_frame;
   return message;
 }
 
@@ -54,6 +55,7 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   task.prediction.motion_known = message.motion_known != 0;
   task.T_cog_lidar = *lidar;
   task.prediction.odom_epoch = message.odom_epoch;
+  task.lidar_frame = message.lidar_frame;
   return task;
 }
 
@@ -248,7 +250,7 @@ messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorPara
   message.sigma_x = output.sigma_x_m;
   message.sigma_y = output.sigma_y_m;
   message.protection_level = output.protection_level_m;
-  if (output.t1_stamp_s > 0.0) message.t1.fromSec(output.t1_stamp_s);
+  if (output.t1_stamp_s > 0.0 && output.t1_stamp_s < ros::TIME_MAX.toSec() - 1.0) message.t1.fromSec(output.t1_stamp_s);
   message.eta_threshold = params.indicator.threshold;
   message.alert_limit = params.predictor.alert_limit_m;
   return message;

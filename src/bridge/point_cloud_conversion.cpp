@@ -60,6 +60,14 @@ struct Field {
   }
 };
 
+/// A hundred times a large sweep; what is written of them stays below 2^32 bytes.
+constexpr std::size_t kMaxPoints = 10000000;
+
+float finiteOrZero(double value) {
+  const auto number = static_cast<float>(value);
+  return std::isfinite(number) ? number : 0.0f;
+}
+
 class Layout {
  public:
   explicit Layout(const sensor_msgs::PointCloud2& cloud) : cloud_(cloud) {
@@ -70,6 +78,10 @@ class Layout {
     count_ = static_cast<std::size_t>(cloud.width) * cloud.height;
     if (count_ == 0) {
       refuse(CloudStatus::kEmpty, "no points");
+      return;
+    }
+    if (count_ > kMaxPoints) {
+      refuse(CloudStatus::kBadLayout, std::to_string(count_) + " points, more than " + std::to_string(kMaxPoints));
       return;
     }
     const std::uint64_t row = static_cast<std::uint64_t>(cloud.width) * cloud.point_step;
@@ -158,7 +170,10 @@ void clear(Sweep& sweep) {
   sweep.points_dropped = 0;
 }
 
-bool usable(const Eigen::Vector3f& p) { return p.allFinite() && !p.isZero(0.0f); }
+bool usable(const Eigen::Vector3f& p) {
+  constexpr float kFarthest_m = 1e6f;  // farther than any lidar sees; squares and what is turned stay finite
+  return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest_m && !p.isZero(0.0f);
+}
 
 }  // namespace
 
@@ -182,7 +197,7 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
       return;
     }
     sweep.points_lidar.push_back(p);
-    if (layout.intensity) sweep.intensities.push_back(static_cast<float>(layout.intensity.at(point)));
+    if (layout.intensity) sweep.intensities.push_back(finiteOrZero(layout.intensity.at(point)));
     if (layout.ring) sweep.rings.push_back(layout.ringAt(point));
     if (layout.time) {
       double time_s = time_unit_s * layout.time.at(point);

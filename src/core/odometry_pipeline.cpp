@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
@@ -18,6 +19,8 @@
 namespace fail_aware {
 
 namespace {
+
+constexpr double kNoStamp = std::numeric_limits<double>::quiet_NaN();
 
 class Stopwatch {
  public:
@@ -106,7 +109,8 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
-  int refused = 0;  ///< sweeps since the last one that was taken
+  double far_ahead_stamp_s = kNoStamp;  ///< the last sweep's, if it was refused as that
+  int refused = 0;                      ///< sweeps since the last one that was taken
 };
 
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
@@ -168,10 +172,13 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   Stopwatch total, stage;
   SweepPrediction prediction;
   const FilterState& last = filter.state();
-  if (filter.started() && stampOrder(sweep.stamp_s - last.stamp_s) == StampOrder::kJumpedBack) {
-    beginDrive(Pose(last.T_odom_cog));
+  StampOrder order = StampOrder::kAdvances;
+  if (filter.started()) {
+    order = stampOrder(sweep.stamp_s - last.stamp_s, kMaxReorder_s, sweep.stamp_s - far_ahead_stamp_s);
+    far_ahead_stamp_s = order == StampOrder::kFarAhead ? sweep.stamp_s : kNoStamp;
   }
-  if (!filter.predict(sweep.stamp_s, prediction)) {
+  if (order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead) beginDrive(Pose(last.T_odom_cog));
+  if (order == StampOrder::kFarAhead || !filter.predict(sweep.stamp_s, prediction)) {
     ++refused;
     result.status = SweepStatus::kStampNotAdvancing;
     result.state = exchanged(last);

@@ -15,17 +15,20 @@ class ExactStampBuffer {
  public:
   explicit ExactStampBuffer(std::size_t capacity) : capacity_(capacity) {}
 
-  /// False: an older one had to go.
-  bool push(const ros::Time& stamp, Value value) {
+  void push(const ros::Time& stamp, Value value) {
     entries_.emplace_back(stamp, std::move(value));
-    if (entries_.size() <= capacity_) return true;
-    entries_.pop_front();
-    return false;
+    if (entries_.size() > capacity_) entries_.pop_front();
   }
 
   /// Null if there is none.
   Value* find(const ros::Time& stamp) {
-    const auto at = std::find_if(entries_.rbegin(), entries_.rend(), [&](const auto& e) { return e.first == stamp; });
+    return find(stamp, [](const Value&) { return true; });
+  }
+  /// The newest of them that is `fitting`.
+  template <class Fitting>
+  Value* find(const ros::Time& stamp, const Fitting& fitting) {
+    const auto at = std::find_if(entries_.rbegin(), entries_.rend(),
+                                 [&](const auto& e) { return e.first == stamp && fitting(e.second); });
     return at == entries_.rend() ? nullptr : &at->second;
   }
 

@@ -23,7 +23,6 @@
 #include "deferred_call.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
@@ -54,7 +53,8 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; here it is counted
   static constexpr double kDeadlineCheck_s = 0.01;
-  static constexpr std::size_t kHeld = 3;  ///< fewer than the correction keeps clouds
+  static constexpr double kSilent_s = 2.0;  ///< without a sweep: worth a diagnostic
+  static constexpr std::size_t kHeld = 3;   ///< fewer than the correction keeps clouds
 
   struct Counts {
     std::size_t sweeps = 0, predicted_only = 0, no_transform = 0, resets = 0, time_jumps = 0, poses_set = 0,
@@ -85,8 +85,6 @@ class FusionUkfNodelet : public nodelet::Nodelet {
                                                     [this] { onAnswer(); });
     const FusionUkfTuning tuning{params_, profile.registration, profile.fusion};
     tune(tuning);
-    reconfiguration_ = std::make_unique<Reconfiguration<Config, FusionUkfTuning>>(
-        private_node, tuning, [this](const FusionUkfTuning& changed) { tune(changed); });
     output_ = std::make_unique<OdometryOutput>(node, private_node, params_, T_base_cog_);
     reset();
     if (params_.lidar_in_base_source == "parameter") {
@@ -97,10 +95,14 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
     prediction_publisher_ = node.advertise<messages::SweepPrediction>(topics::kSweepPrediction, topics::kQueue);
     state_publisher_ = node.advertise<messages::FilterState>(topics::kFilterState, topics::kQueue);
+    // From here on others may call, in another thread: all that they use is there.
+    opening_ = std::make_unique<DeferredCall>(node, [this] { openNext(); });
+    reconfiguration_ = std::make_unique<Reconfiguration<Config, FusionUkfTuning>>(
+        private_node, tuning, [this](const FusionUkfTuning& changed) { tune(changed); });
+    sources_->listen();
     reset_service_ = private_node.advertiseService("reset", &FusionUkfNodelet::onReset, this);
     deadline_timer_ =
         node.createSteadyTimer(ros::WallDuration(kDeadlineCheck_s), [this](const ros::SteadyTimerEvent&) { onTick(); });
-    opening_ = std::make_unique<DeferredCall>(node, [this] { openNext(); });
     set_pose_subscriber_ = node.subscribe(topics::kSetPose, 1, &FusionUkfNodelet::onSetPose, this);
     cloud_subscriber_ = node.subscribe(topics::kClouds, kCloudQueue, &FusionUkfNodelet::onCloud, this);
     health_ =
@@ -154,8 +156,8 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   void accept(const std_msgs::Header& header) {
     const ros::SteadyTime now = ros::SteadyTime::now();
-    if (intake_.offer(header, now) == SweepIntake::Verdict::kJumpedBack) {
-      NODELET_WARN("stamps jumped back by %.3f s: starting anew", intake_.behind_s(header.stamp));
+    if (intake_.offer(header, now) == SweepIntake::Verdict::kNewDrive) {
+      NODELET_WARN("stamps jumped by %.3f s: starting anew", intake_.since_newest_s(header.stamp));
       ++counts_.time_jumps;
       reset();
       intake_.offer(header, now);
@@ -176,6 +178,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
         continue;
       }
       task.T_cog_lidar = T_base_cog_.inverse() * lidar_.T_base_lidar();
+      task.lidar_frame = header.frame_id;
       header.frame_id = params_.odom_frame;
       open_ = header;
       arrived_at_ = next->arrived;
@@ -307,7 +310,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       status.summary(Level::ERROR,
                      "no transform " + params_.base_frame + " -> " + lidar_.lidarFrame() + ": " + lidar_.error());
     } else if (counts_.sweeps == 0) {
-      status.summary(Level::WARN, "no cloud yet");
+      const std::string refused = intake_.mostRefused();
+      status.summary(Level::WARN, refused.empty() ? "no cloud yet" : "no cloud that can be used: " + refused);
+    } else if (const double silent_s = (ros::SteadyTime::now() - arrived_at_).toSec(); silent_s > kSilent_s) {
+      status.summaryf(Level::WARN, "no cloud for %.0f s", silent_s);
     } else if (!absent.empty()) {
       status.summary(Level::WARN, "no answer from" + absent);
     } else if (!last_corrected_ && counts_.sweeps > 1) {
@@ -326,12 +332,13 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     status.add("dropped: overload", dropped.overload);
     status.add("dropped: duplicate stamp", dropped.duplicate);
     status.add("dropped: stamp out of order", dropped.reordered);
+    status.add("dropped: stamp far ahead", dropped.far_ahead);
     status.add("dropped: stamp not usable", dropped.unusable_stamp);
     status.add("dropped: frame is not " + lidar_.lidarFrame(), dropped.wrong_frame);
     status.add("dropped: no transform", counts_.no_transform);
     status.add("dropped: by a reset", dropped.reset);
     status.add("resets", counts_.resets);
-    status.add("resets because stamps jumped back", counts_.time_jumps);
+    status.add("resets because stamps jumped", counts_.time_jumps);
     status.add("poses set", counts_.poses_set);
     status.add("poses refused (set_pose)", counts_.poses_refused);
     sources_->diagnose(status);

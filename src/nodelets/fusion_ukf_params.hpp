@@ -47,9 +47,9 @@ struct FusionUkfNodeletParams {
     if (lidar_in_base_source != "tf" && lidar_in_base_source != "parameter") {
       throw ParameterError("lidar_in_base_source: must be tf or parameter, not " + lidar_in_base_source);
     }
-    requirePositive("deadline_s", deadline_s);
-    requirePositive("late_deadline_s", late_deadline_s);
-    requirePositive("first_deadline_s", first_deadline_s);
+    requireWithin("deadline_s", deadline_s, 0.01, 600.0);
+    requireWithin("late_deadline_s", late_deadline_s, 0.01, 600.0);
+    requireWithin("first_deadline_s", first_deadline_s, 0.01, 600.0);
     requireWithin("queue_size", queue_size, 1, topics::kMaxWaiting);
     requireNotNegative("max_reorder_s", max_reorder_s);
     requireWithin("absent_after_sweeps", absent_after_sweeps, 1, 1000);

@@ -55,8 +55,6 @@ MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
                                        const std::map<std::string, ExtraSourceParams>& extra,
                                        const std::string& odom_frame, std::function<void()> answered)
     : node_(node), odom_frame_(withoutSlash(odom_frame)), answered_(std::move(answered)) {
-  check_subscriber_ = node_.subscribe<messages::SweepCheck>(
-      topics::kSweepCheck, topics::kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
   for (const char* name : kBuiltIn) {
     Source& source = add(name);
     source.built_in = true;
@@ -67,7 +65,12 @@ MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
     source.params = params;
     source.exact = params.type == kPoseMeasurement;
   }
-  for (Source& source : sources_) {  // they stay where they are from here on
+}
+
+void MeasurementSources::listen() {
+  check_subscriber_ = node_.subscribe<messages::SweepCheck>(
+      topics::kSweepCheck, topics::kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
+  for (Source& source : sources_) {  // they stay where they are
     if (source.exact) {
       source.subscriber = node_.subscribe<messages::PoseMeasurement>(
           source.params.topic, topics::kQueue,

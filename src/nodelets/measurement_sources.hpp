@@ -51,6 +51,8 @@ class MeasurementSources {
   /// `answered` is called whenever something came for the open sweep.
   MeasurementSources(const ros::NodeHandle& node, const std::map<std::string, ExtraSourceParams>& extra,
                      const std::string& odom_frame, std::function<void()> answered);
+  /// Subscribes. Whatever `answered` needs must be there by then: messages come in another thread than load()'s.
+  void listen();
   ~MeasurementSources();
   /// `answered` is called no more.
   void stopListening();

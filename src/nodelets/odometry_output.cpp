@@ -24,7 +24,13 @@ OdometryOutput::OdometryOutput(ros::NodeHandle node, ros::NodeHandle private_nod
   if (params.publish_tf) tf_broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>();
   odometry_publisher_ = node.advertise<nav_msgs::Odometry>(topics::kOdometry, topics::kQueue);
   path_publisher_ = node.advertise<nav_msgs::Path>(topics::kPath, 1);
+  private_node.setCallbackQueue(&saving_);
   save_service_ = private_node.advertiseService("save_trajectory", &OdometryOutput::onSave, this);
+  saver_.start();
+}
+
+OdometryOutput::~OdometryOutput() {
+  saver_.stop();  // waits for a call that is under way
 }
 
 void OdometryOutput::publish(const FilterState& state, const Matrix6d& covariance, const std_msgs::Header& header) {
@@ -40,7 +46,10 @@ void OdometryOutput::publish(const FilterState& state, const Matrix6d& covarianc
     transform.transform = toTransformMessage(T_odom_base);
     tf_broadcaster_->sendTransform(transform);
   }
-  trajectory_.add(state.stamp_s, T_odom_base);
+  {
+    const std::lock_guard<std::mutex> lock(trajectory_mutex_);
+    trajectory_.add(state.stamp_s, T_odom_base);
+  }
   if (path_.add(T_odom_base, header) && path_publisher_.getNumSubscribers() > 0) {
     path_publisher_.publish(path_.message());
   }
@@ -48,6 +57,7 @@ void OdometryOutput::publish(const FilterState& state, const Matrix6d& covarianc
 
 void OdometryOutput::clear() {
   path_.clear();
+  const std::lock_guard<std::mutex> lock(trajectory_mutex_);
   trajectory_.clear();
 }
 
@@ -56,14 +66,17 @@ bool OdometryOutput::onSave(std_srvs::Trigger::Request&, std_srvs::Trigger::Resp
   const std::string file = readText(private_node_, "trajectory_file", trajectory_file_);
   std::error_code error;
   const std::filesystem::path path = std::filesystem::absolute(file, error);
+  std::unique_lock<std::mutex> lock(trajectory_mutex_);
+  const TrajectoryRecord trajectory = trajectory_;
+  lock.unlock();
   try {
-    if (trajectory_.size() == 0) throw std::runtime_error("there is no pose yet");
-    trajectory_.save(path.string());
+    if (trajectory.size() == 0) throw std::runtime_error("there is no pose yet");
+    trajectory.save(path.string());
     response.success = true;
-    response.message = path.string() + ": " + std::to_string(trajectory_.size()) + " poses";
-    if (trajectory_.forgotten() > 0) {
+    response.message = path.string() + ": " + std::to_string(trajectory.size()) + " poses";
+    if (trajectory.forgotten() > 0) {
       response.message +=
-          " (the first " + std::to_string(trajectory_.forgotten()) + " were forgotten, see " + "trajectory_max_poses)";
+          " (the first " + std::to_string(trajectory.forgotten()) + " were forgotten, see " + "trajectory_max_poses)";
     }
   } catch (const std::exception& failure) {
     response.success = false;

@@ -1,11 +1,13 @@
 // What FusionUkf says of base_link: odometry, path, tf, and every pose on demand (service ~save_trajectory).
 #pragma once
 
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "bounded_path.hpp"
@@ -19,6 +21,7 @@ class OdometryOutput {
  public:
   OdometryOutput(ros::NodeHandle node, ros::NodeHandle private_node, const FusionUkfNodeletParams& params,
                  const Pose& T_base_cog);
+  ~OdometryOutput();
 
   /// `covariance`: of the pose of the centre of gravity since the start (OdometryCovariance). `header`: the sweep's
   /// stamp, the odometry's frame.
@@ -27,6 +30,7 @@ class OdometryOutput {
   void clear();
 
  private:
+  /// In a thread of its own: a slow disk must not hold up the estimates.
   bool onSave(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response);
 
   ros::NodeHandle private_node_;
@@ -34,10 +38,13 @@ class OdometryOutput {
   std::string trajectory_file_;
   Pose T_base_cog_;
   BoundedPath path_;
+  std::mutex trajectory_mutex_;
   TrajectoryRecord trajectory_;
   std::unique_ptr<tf2_ros::TransformBroadcaster> tf_broadcaster_;
   ros::Publisher odometry_publisher_, path_publisher_;
+  ros::CallbackQueue saving_;
   ros::ServiceServer save_service_;
+  ros::AsyncSpinner saver_{1, &saving_};
 };
 
 }  // namespace fail_aware

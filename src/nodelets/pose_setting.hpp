@@ -37,10 +37,10 @@ class PoseSetting {
     pose.stamp_s = message.header.stamp.toSec();
     pose.T_odom_base = *T_odom_base;
     pose.covariance = fromMessage(message.pose.covariance);
-    if (!pose.covariance.isZero(0.0)) {
-      std::string reason = unusableReason(pose);
-      if (!reason.empty()) return reason;
-    }
+    ExternalPose judged = pose;
+    if (judged.covariance.isZero(0.0)) judged.covariance.setIdentity();  // that one may be zero
+    const std::string reason = unusableReason(judged);
+    if (!reason.empty()) return reason;
     if (!last_stamp.isZero() && isTooFar(pose, last_stamp.toSec())) return kTooFar;
     pending_ = pose;
     return "";

@@ -57,9 +57,12 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   }
 
   void advance(const ros::Time& stamp) {
-    const sensor_msgs::PointCloud2ConstPtr* cloud = clouds_.find(stamp);
     const messages::SweepPredictionConstPtr* prediction = predictions_.find(stamp);
-    if (cloud == nullptr || prediction == nullptr) return;
+    if (prediction == nullptr) return;
+    const std::string& frame = (*prediction)->lidar_frame;
+    const sensor_msgs::PointCloud2ConstPtr* cloud =
+        clouds_.find(stamp, [&](const auto& c) { return frame.empty() || c->header.frame_id == frame; });
+    if (cloud == nullptr) return;
     if (const std::optional<SweepTask> task = fromMessage(**prediction)) correct(**cloud, *task);
     unmatched_ += clouds_.popThrough(stamp);
     predictions_.popThrough(stamp);

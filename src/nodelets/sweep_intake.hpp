@@ -10,8 +10,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
+#include <iterator>
+#include <limits>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "stamps.hpp"
@@ -23,14 +28,15 @@ class SweepIntake {
   enum class Verdict {
     kQueued,
     kRefused,
-    kJumpedBack  ///< further back than max_reorder_s: start anew, then offer it again
+    kNewDrive  ///< stamps jumped (stamp_order.hpp): start anew, then offer it again
   };
   struct Waiting {
     std_msgs::Header header;
     ros::SteadyTime arrived;
   };
   struct Counts {
-    std::size_t overload = 0, duplicate = 0, reordered = 0, unusable_stamp = 0, wrong_frame = 0, reset = 0;
+    std::size_t overload = 0, duplicate = 0, reordered = 0, far_ahead = 0, unusable_stamp = 0, wrong_frame = 0,
+                reset = 0;
   };
 
   void setLimits(std::size_t queue_size, double max_reorder_s) {
@@ -39,16 +45,24 @@ class SweepIntake {
   }
 
   Verdict offer(const std_msgs::Header& header, const ros::SteadyTime& arrived = ros::SteadyTime()) {
-    if (header.stamp.isZero()) {
+    if (!isUsable(header.stamp)) {
       refuseStamp();
       return Verdict::kRefused;
     }
     if (!newest_.isZero()) {
-      switch (stampOrder(secondsFrom(newest_, header.stamp), max_reorder_s_)) {
+      const double since_far_ahead_s =
+          far_ahead_.isZero() ? std::numeric_limits<double>::quiet_NaN() : secondsFrom(far_ahead_, header.stamp);
+      far_ahead_ = ros::Time();
+      switch (stampOrder(secondsFrom(newest_, header.stamp), max_reorder_s_, since_far_ahead_s)) {
         case StampOrder::kAdvances: break;
         case StampOrder::kSame: lose(counts_.duplicate); return Verdict::kRefused;
         case StampOrder::kReordered: lose(counts_.reordered); return Verdict::kRefused;
-        case StampOrder::kJumpedBack: return Verdict::kJumpedBack;
+        case StampOrder::kFarAhead:
+          far_ahead_ = header.stamp;
+          lose(counts_.far_ahead);
+          return Verdict::kRefused;
+        case StampOrder::kJumpedBack:
+        case StampOrder::kJumpedAhead: return Verdict::kNewDrive;
       }
     }
     newest_ = header.stamp;
@@ -64,7 +78,7 @@ class SweepIntake {
   void refuseStamp() { lose(counts_.unusable_stamp); }
   void refuseFrame() { lose(counts_.wrong_frame); }
 
-  double behind_s(const ros::Time& stamp) const { return secondsFrom(stamp, newest_); }
+  double since_newest_s(const ros::Time& stamp) const { return secondsFrom(newest_, stamp); }
 
   /// To be asked when no sweep is in work.
   std::optional<Waiting> next() {
@@ -89,13 +103,31 @@ class SweepIntake {
     counts_.reset += waiting_.size() + (in_work ? 1 : 0);
     waiting_.clear();
     may_wait_ = queue_size_;
-    newest_ = ros::Time();
+    newest_ = far_ahead_ = ros::Time();
     dropped_ = 0;
   }
 
   const Counts& counts() const { return counts_; }
 
+  /// The cause for which most clouds were refused; empty if none was.
+  std::string mostRefused() const {
+    const std::pair<std::size_t, const char*> causes[] = {{counts_.unusable_stamp, "stamp not usable"},
+                                                          {counts_.wrong_frame, "another frame"},
+                                                          {counts_.duplicate, "duplicate stamp"},
+                                                          {counts_.reordered, "stamp out of order"},
+                                                          {counts_.far_ahead, "stamp far ahead"}};
+    const auto most = *std::max_element(std::begin(causes), std::end(causes),
+                                        [](const auto& a, const auto& b) { return a.first < b.first; });
+    return most.first == 0 ? "" : most.second;
+  }
+
  private:
+  /// Not at the end of time: others add to stamps (tf2: 10 s), which throws there.
+  static bool isUsable(const ros::Time& stamp) {
+    constexpr std::uint32_t kHour_s = 3600;
+    return !stamp.isZero() && stamp.nsec < 1000000000u && stamp.sec < ros::TIME_MAX.sec - kHour_s;
+  }
+
   void lose(std::size_t& cause) {
     ++cause;
     ++dropped_;
@@ -105,7 +137,8 @@ class SweepIntake {
   std::size_t may_wait_ = 3;  ///< now
   double max_reorder_s_ = kMaxReorder_s;
   std::deque<Waiting> waiting_;
-  ros::Time newest_;  ///< accepted
+  ros::Time newest_;     ///< accepted
+  ros::Time far_ahead_;  ///< the last stamp, if it was refused as that; otherwise zero
   int dropped_ = 0;
   Counts counts_;
 };

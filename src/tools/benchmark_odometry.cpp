@@ -114,7 +114,7 @@ int run(const Options& options) {
   }
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
   PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
-  if (params.sensor.timing.stamp_reference == "auto") params.sensor.timing.stamp_reference = "mid";
+  params.sensor.timing.useKittiStamps();
   overrideParameters(params, {}, options.set);
 
   OdometryPipeline pipeline(params, options.threads);

@@ -129,18 +129,13 @@ Json describeRun(const PipelineParameters& params, long first, std::optional<dou
   return json;
 }
 
-/// KITTI's stamps mean facing forward; a sensor file or --set can say otherwise.
-void applyKittiTiming(SensorParameters& sensor) {
-  if (sensor.timing.stamp_reference == "auto") sensor.timing.stamp_reference = "mid";
-}
-
 /// Opens the drive, and gives the sensor what the drive knows of it.
 std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters& sensor) {
 #ifdef FAIL_AWARE_WITH_BAGS
   if (options.kitti.empty() && options.bag.empty()) throw InputError("--kitti or --bag is needed (see --help)");
   if (!options.bag.empty()) {
     auto bag = std::make_unique<BagSweepSource>(options.bag, options.topic);
-    if (bag->topic().rfind("/kitti/", 0) == 0) applyKittiTiming(sensor);
+    if (bag->topic().rfind("/kitti/", 0) == 0) sensor.timing.useKittiStamps();
     if (const std::optional<Pose> T_base_lidar = bag->lidarInBase(options.base_frame)) {
       const Vector6d lidar_in_base = vectorFromPose(*T_base_lidar);
       sensor.lidar_in_base.assign(lidar_in_base.data(), lidar_in_base.data() + 6);
@@ -151,7 +146,7 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
     return bag;
   }
 #endif
-  applyKittiTiming(sensor);
+  sensor.timing.useKittiStamps();
   return std::make_unique<KittiSweepSource>(options.kitti);
 }
 

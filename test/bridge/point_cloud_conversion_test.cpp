@@ -110,9 +110,28 @@ TEST(ReadCloud, leavesOutWhatIsNoPoint) {
   EXPECT_EQ(sweep.intensities, (std::vector<float>{11, 14}));
   EXPECT_EQ(sweep.rings.size(), 2u);
   EXPECT_EQ(sweep.times_s.size(), 2u);
+  ASSERT_TRUE(readCloud(velodyneCloud({{2e19f, 1, 1}, {1, 2, 3}, {1, 1, -3e38f}}), sweep).ok());
+  EXPECT_EQ(sweep.size(), 1u) << "what is that far away cannot be squared";
   const CloudReadResult all = readCloud(velodyneCloud({{nan, 1, 1}}), sweep);
   EXPECT_EQ(all.status, CloudStatus::kEmpty);
   EXPECT_TRUE(sweep.empty());
+}
+
+TEST(ReadCloud, anIntensityThatIsNoNumberBecomesZero) {
+  auto cloud = velodyneCloud({{1, 2, 3}, {4, 5, 6}});
+  put(cloud, 12, std::numeric_limits<float>::quiet_NaN());
+  Sweep sweep;
+  ASSERT_TRUE(readCloud(cloud, sweep).ok());
+  EXPECT_EQ(sweep.intensities, (std::vector<float>{0, 11}));
+}
+
+TEST(ReadCloud, refusesMorePointsThanAnyLidarGives) {
+  auto cloud = makeCloud({{"x", 0, PointField::FLOAT32}, {"y", 0, PointField::FLOAT32}, {"z", 0, PointField::FLOAT32}},
+                         4, 10000001);
+  Sweep sweep;
+  const CloudReadResult result = readCloud(cloud, sweep);
+  EXPECT_EQ(result.status, CloudStatus::kBadLayout);
+  EXPECT_NE(result.reason.find("10000001 points"), std::string::npos) << result.reason;
 }
 
 sensor_msgs::PointCloud2 timedCloud(const char* name, std::uint8_t datatype) {

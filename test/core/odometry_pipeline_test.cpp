@@ -236,6 +236,25 @@ TEST(OdometryPipeline, AStampThatJumpsBackBeginsADriveAtTheLastPose) {
   EXPECT_LT(poseError(since, kDrive.T_odom_base(1.3, 0.7)).horizontal_m, 0.05);
 }
 
+TEST(OdometryPipeline, OneStampFarAheadIsRefusedTwoBeginADriveAtTheLastPose) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 14);
+  sweeps[4].stamp_s += 3600.0;
+  for (std::size_t i = 8; i < sweeps.size(); ++i) sweeps[i].stamp_s += 1.7e9;
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_EQ(results[4].status, SweepStatus::kStampNotAdvancing);
+  EXPECT_EQ(results[5].status, SweepStatus::kCorrected) << "the drive goes on";
+  EXPECT_EQ(results[5].condition.dropped_before, 1);
+  EXPECT_EQ(results[8].status, SweepStatus::kStampNotAdvancing);
+  EXPECT_EQ(results[9].status, SweepStatus::kFirst) << "the clock was set";
+  EXPECT_TRUE(results[9].T_odom_base.isApprox(results[7].T_odom_base, 1e-9));
+  EXPECT_EQ(results[9].monitor.sigma_x_m, 0.0) << "t1 anew";
+  for (std::size_t i = 11; i < sweeps.size(); ++i) EXPECT_EQ(results[i].status, SweepStatus::kCorrected) << i;
+  const Pose since = results[9].T_odom_base.inverse() * results[13].T_odom_base;
+  EXPECT_LT(poseError(since, kDrive.T_odom_base(1.3, 0.9)).horizontal_m, 0.05);
+}
+
 TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();

@@ -60,6 +60,11 @@ TEST(PoseSetting, SaysWhyItRefuses) {
   EXPECT_NE(setting.offer(bad, "odom", kStamp).find("quaternion"), std::string::npos);
   bad = message(kSet, -1.0);
   EXPECT_NE(setting.offer(bad, "odom", kStamp).find("covariance"), std::string::npos);
+  for (const double variance : {0.0, 0.01}) {
+    bad = message(kSet, variance);
+    bad.pose.pose.position.x = 1e10;
+    EXPECT_NE(setting.offer(bad, "odom", kStamp).find("beyond"), std::string::npos) << variance;
+  }
   bad = message(kSet);
   EXPECT_NE(setting.offer(bad, "odom", kStamp + ros::Duration(1.1)).find("stamp"), std::string::npos);
   EXPECT_FALSE(setting.pending());

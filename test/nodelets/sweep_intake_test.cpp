@@ -73,21 +73,39 @@ TEST(SweepIntake, StampsThatDoNotAdvanceAreRefusedByTheirCause) {
   EXPECT_EQ(intake.takeDropped(), 4);
 }
 
-TEST(SweepIntake, AStampOfTheEndOfTimeIsAJumpBackForAllThatFollow) {
+TEST(SweepIntake, AStampOfTheEndOfTimeIsRefused) {
   SweepIntake intake;
-  intake.offer(at(10.0));
   std_msgs::Header end;
   end.stamp = ros::TIME_MAX;
-  EXPECT_EQ(intake.offer(end), Verdict::kQueued);
-  EXPECT_EQ(intake.offer(at(10.1)), Verdict::kJumpedBack);
-  EXPECT_GT(intake.behind_s(ros::Time(10.1)), 4e9);
+  EXPECT_EQ(intake.offer(end), Verdict::kRefused) << "the first one, too";
+  end.stamp.sec -= 3600;
+  EXPECT_EQ(intake.offer(end), Verdict::kRefused) << "tf2 adds to it";
+  std_msgs::Header not_normal = at(10.0);
+  not_normal.stamp.nsec = 0xffffffff;  // as it may come off the wire
+  EXPECT_EQ(intake.offer(not_normal), Verdict::kRefused);
+  EXPECT_EQ(intake.counts().unusable_stamp, 3u);
+}
+
+TEST(SweepIntake, OneStampFarAheadIsRefusedASecondOneBeginsADrive) {
+  SweepIntake intake;
+  intake.setLimits(3, 0.5);
+  intake.offer(at(10.0));
+  EXPECT_EQ(intake.offer(at(3610.0)), Verdict::kRefused);
+  EXPECT_EQ(intake.offer(at(10.2)), Verdict::kQueued) << "the drive goes on";
+  EXPECT_EQ(intake.offer(at(3610.1)), Verdict::kRefused) << "what came in between spoke against it";
+  EXPECT_EQ(intake.counts().far_ahead, 2u);
+  EXPECT_EQ(intake.takeDropped(), 2);
+  EXPECT_EQ(intake.offer(at(3610.2)), Verdict::kNewDrive);
+  EXPECT_NEAR(intake.since_newest_s(ros::Time(3610.2)), 3600.0, 1e-6);
+  intake.clear();
+  EXPECT_EQ(intake.offer(at(3610.2)), Verdict::kQueued);
 }
 
 TEST(SweepIntake, AJumpBackIsToldAndTheCloudIsTakenOnceCleared) {
   SweepIntake intake;
   intake.offer(at(10.0));
-  EXPECT_EQ(intake.offer(at(9.4)), Verdict::kJumpedBack);
-  EXPECT_NEAR(intake.behind_s(ros::Time(9.4)), 0.6, 1e-9);
+  EXPECT_EQ(intake.offer(at(9.4)), Verdict::kNewDrive);
+  EXPECT_NEAR(intake.since_newest_s(ros::Time(9.4)), -0.6, 1e-9);
   intake.clear(true);
   EXPECT_EQ(intake.counts().reset, 2u) << "what waited and what was in work";
   EXPECT_EQ(intake.offer(at(9.4)), Verdict::kQueued);

@@ -30,6 +30,18 @@ void expectSameDefaults(const Tuning& in_code, const Tuning& in_yaml) {
   EXPECT_EQ(toMap(in_yaml), toMap(in_code));
 }
 
+TEST(Tuning, DeadlinesThatRosCannotHoldAreRefused) {
+  for (double FusionUkfNodeletParams::*deadline :
+       {&FusionUkfNodeletParams::deadline_s, &FusionUkfNodeletParams::late_deadline_s,
+        &FusionUkfNodeletParams::first_deadline_s}) {
+    FusionUkfNodeletParams params;
+    params.*deadline = 600.0;
+    EXPECT_NO_THROW(params.validate());
+    params.*deadline = 1e10;
+    EXPECT_THROW(params.validate(), ParameterError);
+  }
+}
+
 TEST(Tuning, DefaultsOfCfgCodeAndYamlAgree) {
   const ProfileParameters yaml = defaultYaml();
   expectSameDefaults<config::FusionUkfConfig>(

@@ -1,5 +1,6 @@
 // The package's own messages <-> the core's structs, so that each stage can live in a nodelet of its own.
-// Nothing is lost but a pose's last bits (rotation matrix <-> quaternion). Stamps: messages get theirs from the sweep's
+// What the stages need of each other is kept but for a pose's last bits (rotation matrix <-> quaternion); a number that is
+// not finite becomes 0. Stamps: messages get theirs from the sweep's
 // header, exactly; the core's stamp_s is their toSec(), as everywhere.
 #pragma once
 
@@ -28,6 +29,7 @@ namespace messages = ::fail_aware_lidar_odometry;
 struct SweepTask {
   SweepPrediction prediction;
   Pose T_cog_lidar = Pose::Identity();
+  std::string lidar_frame;  ///< of the sweep's cloud; empty: any
 
   bool first() const { return prediction.dt_s <= 0.0; }
 };

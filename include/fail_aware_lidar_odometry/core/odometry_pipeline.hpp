@@ -21,10 +21,10 @@
 namespace fail_aware {
 
 enum class SweepStatus {
-  kFirst,              ///< defines odom, or, where stamps jumped back, goes on from the last pose; not registered
+  kFirst,              ///< defines odom, or, where stamps jumped, goes on from the last pose; not registered
   kCorrected,          ///< measured and fused
   kPredicted,          ///< no usable measurement: the pose is the prediction
-  kStampNotAdvancing,  ///< duplicate, or out of order (stamp_order.hpp): refused, the pose is the last one
+  kStampNotAdvancing,  ///< duplicate, out of order, far ahead (stamp_order.hpp): refused, the pose is the last one
 };
 
 const char* toString(SweepStatus status);
@@ -59,7 +59,7 @@ class OdometryPipeline {
   OdometryPipeline(const PipelineParameters& params, int threads);
   ~OdometryPipeline();
 
-  /// A stamp that jumped back (stamp_order.hpp) begins a drive at the last pose: reference, motion and t1 anew.
+  /// A stamp that jumped (stamp_order.hpp) begins a drive at the last pose: reference, motion and t1 anew.
   /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model carries the pose. It is used up.
   SweepResult step(Sweep& sweep);
 

@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/core/evaluation/fail_aware_calibration.hpp"
 
+#include <cmath>
+
 #include "fail_aware_lidar_odometry/core/evaluation/alarm_statistics.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/kaplan_meier.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
@@ -9,7 +11,16 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kConfidenceStep = 0.005;
+constexpr double kLogOddsStep = 0.02;
+
+double logOdds(double confidence) { return std::log(confidence / (1.0 - confidence)); }
+
+/// Halfway between two confidences; nothing if they are near enough.
+std::optional<double> between(double smaller, double larger) {
+  const double a = logOdds(smaller), b = logOdds(larger);
+  if (!(b - a > kLogOddsStep)) return std::nullopt;
+  return 1.0 / (1.0 + std::exp(-0.5 * (a + b)));
+}
 
 /// Of the predictions of episodes that fail; nothing if none does.
 std::optional<double> lateShare(const std::vector<FailAwareEpisode>& episodes) {
@@ -55,9 +66,8 @@ std::optional<double> confidenceForLateShare(const std::function<std::vector<Fai
   if (!at_smallest) return std::nullopt;
   if (*at_smallest <= late_share) return smallest;
   if (lateShare(episodes_with(largest)) > late_share) return std::nullopt;
-  while (largest - smallest > kConfidenceStep) {
-    const double middle = 0.5 * (smallest + largest);
-    (lateShare(episodes_with(middle)) <= late_share ? largest : smallest) = middle;
+  while (const std::optional<double> middle = between(smallest, largest)) {
+    (lateShare(episodes_with(*middle)) <= late_share ? largest : smallest) = *middle;
   }
   return largest;
 }
@@ -79,9 +89,8 @@ std::optional<double> confidenceForAlarmShare(const std::function<std::vector<Fa
   if (at_largest.empty()) return std::nullopt;
   if (isQuiet(at_largest)) return largest;
   if (!quiet(smallest)) return std::nullopt;
-  while (largest - smallest > kConfidenceStep) {
-    const double middle = 0.5 * (smallest + largest);
-    (quiet(middle) ? smallest : largest) = middle;
+  while (const std::optional<double> middle = between(smallest, largest)) {
+    (quiet(*middle) ? smallest : largest) = *middle;
   }
   return smallest;
 }

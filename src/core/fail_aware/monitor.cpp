@@ -179,6 +179,10 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
       output.time_to_failure_covariance = prediction.time_to_failure;
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
+      if (prediction.radius_m < 0.0) {  // a covariance that nothing can be told of bounds no error
+        output.time_to_failure_covariance = time_to_alarm = TimeToFailure::reached();
+        output.reasons |= kReasonCovarianceLimit;
+      }
     }
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);

@@ -40,18 +40,18 @@ void MotionInitialization::Params::validate() const {
   requireWithin("standstill_share", standstill_share, 0.0, 1.0);
 }
 
-MotionInitialization::MotionInitialization(const Params& params) : params_(params), first_(denseMap(params)) {
+MotionInitialization::MotionInitialization(const Params& params, double min_range_m)
+    : params_(params), min_range_m_(min_range_m), first_(denseMap(params)) {
   params_.validate();
 }
 
 std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const {
-  constexpr double kOwnVehicle_m = 3.0;
   VoxelFilter filter;
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
   const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
   std::vector<Eigen::Vector3f> points_cog;
   for (const std::uint32_t i :
-       filter.select(sweep.points_lidar, params_.thinning_m, kOwnVehicle_m, params_.max_range_m)) {
+       filter.select(sweep.points_lidar, params_.thinning_m, min_range_m_, params_.max_range_m)) {
     points_cog.push_back(R * sweep.points_lidar[i] + t);
   }
   return points_cog;
@@ -94,12 +94,12 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
     }
   }
   if (best_votes <= 0.0) return std::nullopt;  // nothing stands, or nothing meets
-  // once more, four times finer, around the best
+  // once more, finer, around the best
   const Vector6d coarse = best;
   best_votes = 0.0;
   for (int i = -4; i <= 4; ++i) {
     for (int k = -4; k <= 4; ++k) {
-      consider(coarse[0] + 0.25 * i * params_.step_mps, coarse[5] + 0.25 * k * params_.step_yaw_rate_rps,
+      consider(coarse[0] + kFineStep * i * params_.step_mps, coarse[5] + kFineStep * k * params_.step_yaw_rate_rps,
                0.5 * params_.kernel_m);
     }
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 

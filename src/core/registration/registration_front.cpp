@@ -12,8 +12,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kFineStep = 0.25;          // of the search for the first motion, against the step that it begins with;
-constexpr double kSurePlaces = 10.0;        // its result is that good if so many places agree
+constexpr double kSurePlaces = 10.0;  // the search for the first motion is as good as its last step if so many agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
 constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
@@ -26,7 +25,7 @@ RegistrationFront::RegistrationFront(const RegistrationParameters& params)
     : builder_(params.cloud),
       reference_(params.reference),
       relocalization_(params.relocalization, params.point),
-      initialization_(params.initialization),
+      initialization_(params.initialization, params.cloud.min_range_m),
       relief_(params.relief),
       turn_search_(params.turn_search, params.plane),
       beam_ranges_(params.beam_ranges, params.plane),
@@ -188,7 +187,7 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   // from the first sweep on: the last estimate may be a prediction at standstill
   T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * since_first_s);
   const double step_m = initialization_.params().step_mps * since_first_s;
-  searched_sigma_m_ = (places_met >= kSurePlaces ? kFineStep : 1.0) * step_m;
+  searched_sigma_m_ = (places_met >= kSurePlaces ? MotionInitialization::kFineStep : 1.0) * step_m;
   start_covariance_.topRows<2>().setZero();
   start_covariance_.leftCols<2>().setZero();
   start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(step_m * step_m);

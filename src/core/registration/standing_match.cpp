@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"

@@ -197,7 +197,6 @@ bool DriveSimulation::next(SimulatedSweep& out, int vehicles_around) {
   out.T_world_base = sim.motion.at(0.5);
   out.T_world_lidar = out.T_world_base * sim.T_base_lidar;
   out.T_world_base_end = sim.motion.at(1.0);
-  out.speed_mps = sim.vehicle.state().forward_mps;
   ++sim.sweep_index;
   return true;
 }

@@ -96,7 +96,7 @@ std::vector<TrafficVehicle> Traffic::update(const Road& road, const Terrain& ter
 
   const double speed = (s_end_m - s_begin_m) / dt_s;
   const RoadCharacter& character = roadCharacter(road.kindAt(s_begin_m));
-  if (car_ahead_ && character.car_ahead && around < 3) {
+  if (character.car_ahead && around < 3) {
     const auto gap = [&](double t) {
       return kGap_m + kGap_s * character.speed_mps + kGapSwing_m * std::sin(2.0 * M_PI * t / kGapSwing_s);
     };

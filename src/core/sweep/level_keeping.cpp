@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 #include "point_block.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "fail_aware_lidar_odometry/core/sweep/rings_by_order.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -15,6 +16,7 @@ SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_ang
 SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
                                              CorrectedSweep& corrected) {
   SweepCorrectorReport report;
+  if (sweep.rings.empty()) sweep.rings = ringsByOrder(sweep.points_lidar);
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
   level_keeping_.apply(sweep.points_lidar);
   report.timing = timing_.assign(sweep, times_s_);

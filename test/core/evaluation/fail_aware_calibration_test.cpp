@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
 #include "made_up_episode.hpp"
 
 namespace fail_aware {
@@ -74,10 +79,22 @@ TEST(FailAwareCalibration, TheSmallestConfidenceThatIsSeldomLate) {
   };
   // late at most once: the prediction must be at most 2 s
   const double confidence = confidenceForLateShare(episodes_with, 0.1).value();
-  EXPECT_NEAR(confidence, 1.0 - 2.0 / 10.4, 0.0051);
+  EXPECT_NEAR(confidence, 1.0 - 2.0 / 10.4, 0.0035);
   EXPECT_LE(10.4 * (1.0 - confidence), 2.0);
   EXPECT_EQ(confidenceForLateShare(episodes_with, 1.0).value(), 0.5);
   EXPECT_FALSE(confidenceForLateShare(episodes_with, 0.1, 0.5, 0.6));
+}
+
+TEST(FailAwareCalibration, AConfidenceNearOneIsFoundAsWell) {
+  const auto episodes_with = [](double confidence) {  // right from 0.9999 on
+    FailAwareEpisode episode = madeUpEpisode(std::string(200, 'o'), 30);
+    episode.sweeps.resize(11);
+    episode.sweeps[10].output.time_to_failure_covariance =
+        TimeToFailure::fromSeconds(10.0 + 2.0 * std::log10(1.0 - confidence), 60.0);
+    return std::vector<FailAwareEpisode>{episode};
+  };
+  EXPECT_NEAR(1.0 - confidenceForLateShare(episodes_with, 0.0).value(), 1e-4, 2.1e-6);
+  EXPECT_LT(CovariancePredictor::Params().confidence, kLargestConfidence) << "what is shipped can be found";
 }
 
 }  // namespace

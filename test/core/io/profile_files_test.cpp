@@ -116,6 +116,21 @@ TEST_F(ProfileFilesTest, ThePaperProfileIsTheArticle) {
   EXPECT_EQ(paper.monitor.indicator.threshold, 0.001);
 }
 
+TEST_F(ProfileFilesTest, ThePaperProfileLeavesOutWhatIsNotInTheArticle) {
+  ProfileParameters paper;
+  loadYaml((kCfg / "profiles" / "paper.yaml").string(), paper);
+  const std::vector<std::string> on = {"sweep_correction.enabled",                     // the article's
+                                       "registration.relocalization.search.enabled"};  // of a part that is off
+  const std::string ending = ".enabled";
+  std::size_t switches = 0;
+  for (const auto& [key, value] : toList(paper)) {
+    if (key.size() < ending.size() || key.substr(key.size() - ending.size()) != ending) continue;
+    ++switches;
+    EXPECT_EQ(std::get<bool>(value), std::count(on.begin(), on.end(), key) == 1) << key;
+  }
+  EXPECT_GT(switches, on.size());
+}
+
 TEST_F(ProfileFilesTest, ThreeFilesMakeOneSetOfParameters) {
   replaceLine("profiles/default.yaml", "  gate_sigma:", "  gate_sigma: 2.5");
   replaceLine("vehicles/passat_b6.yaml", "  mass_kg:", "  mass_kg: 1800.0");

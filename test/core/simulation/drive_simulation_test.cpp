@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -175,6 +176,18 @@ TEST(DriveSimulation, denseTrafficIsSeen) {
   };
   EXPECT_GT(standing(with.sweep), 3000);
   EXPECT_LT(standing(without.sweep), 500);
+}
+
+TEST(DriveSimulation, theMountAndBaseLinkAreThoseOfTheShippedFiles) {
+  const PipelineParameters shipped = loadPipelineParameters({FAIL_AWARE_SOURCE_CFG, "default", "passat_b6", "hdl64e"});
+  const DriveSimulation::Params params;
+  EXPECT_EQ(params.lidar_in_base, shipped.sensor.lidar_in_base);
+  const auto& dynamics = shipped.vehicle.dynamics;
+  EXPECT_EQ(params.drive.vehicle.cog_to_front_axle_m, dynamics.cog_to_front_axle_m);
+  const Eigen::Vector3d half_way(0.5 * (dynamics.cog_to_rear_axle_m - dynamics.cog_to_front_axle_m), 0.0,
+                                 dynamics.cog_height_m);
+  EXPECT_TRUE(shipped.vehicle.T_base_cog().translation().isApprox(half_way, 1e-12))
+      << "where the simulator has base_link";
 }
 
 TEST(DriveSimulation, refusesBadParameters) {

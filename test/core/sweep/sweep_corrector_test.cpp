@@ -177,5 +177,26 @@ TEST(SweepCorrector, ParametersAreChecked) {
   EXPECT_THROW(SweepCorrector({}, timingParams(), correction, LevelKeepingParams()), ParameterError);
 }
 
+TEST(SweepCorrector, givesRingsWhereTheyAreMissingAndTheOrderTellsThem) {
+  Sweep sweep;
+  std::vector<std::uint16_t> rings;
+  for (std::uint16_t beam = 0; beam < 64; ++beam) {  // KITTI's order: from the highest, each counter-clockwise
+    for (int deg = 0; deg < 360; ++deg) {
+      const double azimuth = deg * kDegree, elevation = (2.0 - 0.4 * beam) * kDegree;
+      sweep.points_lidar.push_back(
+          Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), std::tan(elevation)).cast<float>() * 20.0f);
+      rings.push_back(static_cast<std::uint16_t>(63 - beam));
+    }
+  }
+  Sweep with_rings = sweep;
+  with_rings.rings.assign(sweep.size(), 7);
+  SweepCorrector corrector = makeCorrector();
+  CorrectedSweep corrected;
+  corrector.correct(sweep, SweepPrediction(), Pose::Identity(), corrected);
+  EXPECT_EQ(corrected.rings, rings);
+  corrector.correct(with_rings, SweepPrediction(), Pose::Identity(), corrected);
+  EXPECT_EQ(corrected.rings, std::vector<std::uint16_t>(sweep.size(), 7));
+}
+
 }  // namespace
 }  // namespace fail_aware

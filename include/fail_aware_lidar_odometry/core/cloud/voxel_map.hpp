@@ -21,7 +21,7 @@
 
 namespace fail_aware {
 
-/// A plane patch. `centre_odom` is the mean of the points it was fitted to.
+/// A plane patch; `mean` is that of the points it was fitted to.
 struct PlanePatch {
   Eigen::Vector3f mean = Eigen::Vector3f::Zero();    ///< m, relative to the voxel's centre
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, odom axes

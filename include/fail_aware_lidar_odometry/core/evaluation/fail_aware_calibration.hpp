@@ -24,10 +24,14 @@ std::optional<double> etaThreshold(const std::vector<FailAwareEpisode>& episodes
 /// Nothing without episodes that did not fail, or if eta did not grow in them.
 std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& episodes, double passed_by);
 
-/// `episodes_with(confidence)`: the episodes replayed with that confidence. Found by bisection between the limits, to
-/// 0.005; nothing if even the largest is late too often, or if no episode fails: then none can be late.
+constexpr double kLargestConfidence = 0.999999;  ///< that the predictor takes
+
+/// `episodes_with(confidence)`: the episodes replayed with that confidence. Found between the limits by bisection of
+/// ln(c / (1 - c)), to 0.02: near 1, to 2 % of what is missing to 1. Nothing if even the largest is late too often, or if no
+/// episode fails: then none can be late.
 std::optional<double> confidenceForLateShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
-                                             double late_share, double smallest = 0.5, double largest = 0.995);
+                                             double late_share, double smallest = 0.5,
+                                             double largest = kLargestConfidence);
 
 /// Likewise with the alarm confidence; nothing if even the smallest is up too long.
 std::optional<double> confidenceForAlarmShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,

@@ -5,7 +5,7 @@
 //   DIR/times.txt                                 stamp of each scan, s, one a line; kept to the microsecond;
 //                                                 as recorded: it may stand still or go back
 //   DIR/stamps/NNNNNN.f32                         float32 per point: s from the sweep's start
-//   DIR/rings/NNNNNN.u16                          uint16 per point: laser number
+//   DIR/rings/NNNNNN.u16                          uint16 per point: laser number, 0 = lowest beam
 //
 // One row per scan file, in the order of their numbers; row i of times.txt belongs to file i, even where numbers are
 // missing (dropped sweeps). Without times.txt the stamp is number * nominal period (row * period when a name is not a

@@ -18,8 +18,8 @@ enum class MeasurementStatus {
   kOk,            ///< pose and covariance may be used
   kNoReference,   ///< nothing to register against yet (first sweep, after a reset)
   kTooFewPoints,  ///< the sweep or its overlap with the reference is too small
-  kNotConverged,  ///< the iteration limit came before the step limit
-  kDegenerate,    ///< no direction was observable
+  kNotConverged,  ///< the iteration limit came before the step limit, or the way is lost after a gap
+  kDegenerate,    ///< no direction was observable; corners too close to each other; no finite prediction
   kTooFewCorners  ///< corner alignment only: fewer than the required associated corners
 };
 
@@ -34,9 +34,11 @@ struct Measurement {
   double inlier_share = 0.0;                   ///< of the points used
   std::size_t inliers = 0;
   int iterations = 0;
-  double seed_spread_m = 0.0;          ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
-  int weak_directions = 0;             ///< directions left at the prediction, of 6
-  double min_information_share = 0.0;  ///< of a well-conditioned sweep's, in the weakest horizontal direction; 0..1
+  double seed_spread_m = 0.0;  ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
+  int weak_directions = 0;     ///< directions left at the prediction, of 6
+  /// Of the information, in the weakest horizontal direction: ICPs: share of all the weight, 0.5 if both directions are
+  /// seen alike; corners: against `good_corners` of them. 0: not known.
+  double min_information_share = 0.0;
 
   bool ok() const { return status == MeasurementStatus::kOk; }
 };

@@ -65,7 +65,11 @@ class MotionInitialization {
     void validate() const;
   };
 
-  explicit MotionInitialization(const Params& params);
+  /// The last search's step, as a share of the first one's.
+  static constexpr double kFineStep = 0.25;
+
+  /// `min_range_m`: nearer points are the vehicle's own.
+  explicit MotionInitialization(const Params& params, double min_range_m = 3.0);
 
   /// The sweep that later ones are compared with. Points are taken as they are: pass uncorrected ones.
   void setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar);
@@ -84,6 +88,7 @@ class MotionInitialization {
   std::vector<Eigen::Vector3f> thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const;
 
   Params params_;
+  double min_range_m_;
   VoxelMap first_;
 };
 

@@ -104,8 +104,6 @@ class MultiplexIcp {
                     const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
                     std::vector<SeedTrack>* tracks = nullptr) const;
 
-  const Params& params() const { return params_; }
-
  private:
   NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride, const VoxelMap& map,
                             const Pose& T_odom_cog, double kernel_m) const;

@@ -1,8 +1,8 @@
 // Normal-filtered ICP, point to plane (paper, section "Normal Filtering ICP").
 //
 // Minimises sum w ((p - (R q + t)) . n)^2 over the pose of the centre of gravity, by Gauss-Newton with a robust kernel.
-// A correspondence is the plane patch of the voxel that a point falls into, so an iteration costs about one hash probe
-// a point. The article's filter keeps patches whose normal, seen from above, lies within a tolerance of the predicted
+// A correspondence is the plane patch of the voxel that a point falls into (VoxelMap::findPlane: or of a neighbour), so an
+// iteration costs about one hash probe a point. The article's filter keeps patches whose normal, seen from above, lies within a tolerance of the predicted
 // heading + k pi/2; the tolerance is the predicted heading's sigma, but at least `heading_tolerance_deg`. With vertical
 // patches only, z, roll and pitch are unobservable: `keep_ground` also keeps ground-like patches.
 //
@@ -36,7 +36,7 @@ class NormalFilteredIcp {
     double kernel_m = 0.1;                 ///< Geman-McClure scale at the end
     double initial_kernel_m = 0.4;         ///< and at the start; halved every iteration
     double point_sigma_m = 0.03;           ///< of one point along the normal, added to the patch's own scatter
-    double ground_weight = 0.1;            ///< of ground-like patches against the others, see below
+    double ground_weight = 0.1;            ///< of ground-like patches against the others, see above
     double range_weight_m = 20.0;          ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;
     double step_translation_m = 1e-3;  ///< converged below both steps; at the last iteration

@@ -2,7 +2,7 @@
 // gravity, from one pass over the sweep.
 //
 // `map` (finest) goes into the reference; `plane` is registered point to plane, `point` point to point, both are
-// subsets of `map`. Deterministic: the first point of each voxel in the sweep's order. Cost: about 10 ns a point.
+// subsets of `map`. Deterministic: of each voxel the point that cloud/voxel_filter takes. Cost: about 10 ns a point.
 #pragma once
 
 #include <Eigen/Core>

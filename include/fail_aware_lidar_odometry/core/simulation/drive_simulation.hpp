@@ -26,7 +26,6 @@ struct SimulatedSweep {
   Pose T_world_lidar = Pose::Identity();     ///< in the sweep's middle
   Pose T_world_base = Pose::Identity();      ///< likewise
   Pose T_world_base_end = Pose::Identity();  ///< at the sweep's end
-  double speed_mps = 0.0;
 
   double middle_s() const { return begin_s + 0.5 * period_s; }
 };

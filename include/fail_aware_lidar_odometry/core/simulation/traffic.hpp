@@ -24,7 +24,7 @@ struct TrafficVehicle {
 
 class Traffic {
  public:
-  Traffic(std::uint64_t seed, bool car_ahead = true) : random_(combineKeys(seed, 41)), car_ahead_(car_ahead) {}
+  explicit Traffic(std::uint64_t seed) : random_(combineKeys(seed, 41)) {}
 
   /// Where everyone is during [t, t + dt], in which the car goes from s_begin to s_end along the road.
   /// `around`: vehicles in the ring around the car, 0 for none.
@@ -41,7 +41,6 @@ class Traffic {
                               double s_end_m, double lateral_m, bool oncoming);
 
   RandomStream random_;
-  bool car_ahead_;
   std::vector<Stream> oncoming_, same_way_;
   double next_oncoming_m_ = 0.0, next_same_way_m_ = 0.0;
 };

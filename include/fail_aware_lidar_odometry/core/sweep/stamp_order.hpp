@@ -1,17 +1,27 @@
 // How a sweep's stamp stands to the newest one's: the one rule of the live graph and of the offline runner.
 //
 // A stamp that does not advance is refused; one that lies further back than what gets out of order on the way means
-// that the clock was set back, or that a recording begins again: there a drive begins. A difference that is no number
-// is refused.
+// that the clock was set back, or that a recording begins again: there a drive begins. One that is far ahead is refused,
+// as a single wrong one would end the drive; if the next one follows on it the clock was set, and a drive begins: nobody
+// knows where the vehicle is by then. A difference that is no number is refused.
 #pragma once
+
+#include <limits>
 
 namespace fail_aware {
 
 inline constexpr double kMaxReorder_s = 0.5;
+inline constexpr double kFarAhead_s = 60.0;
 
-enum class StampOrder { kAdvances, kSame, kReordered, kJumpedBack };
+enum class StampOrder { kAdvances, kSame, kReordered, kJumpedBack, kFarAhead, kJumpedAhead };
 
-inline StampOrder stampOrder(double since_newest_s, double max_reorder_s = kMaxReorder_s) {
+/// `since_far_ahead_s`: since the last stamp, if that was refused as far ahead; otherwise no number.
+inline StampOrder stampOrder(double since_newest_s, double max_reorder_s = kMaxReorder_s,
+                             double since_far_ahead_s = std::numeric_limits<double>::quiet_NaN()) {
+  if (since_newest_s > kFarAhead_s) {
+    const bool confirmed = since_far_ahead_s > 0.0 && since_far_ahead_s <= kFarAhead_s;
+    return confirmed ? StampOrder::kJumpedAhead : StampOrder::kFarAhead;
+  }
   if (since_newest_s > 0.0) return StampOrder::kAdvances;
   if (since_newest_s < -max_reorder_s) return StampOrder::kJumpedBack;
   return since_newest_s == 0.0 ? StampOrder::kSame : StampOrder::kReordered;

@@ -83,6 +83,11 @@ struct SweepTimingParams {
     v("min_field_spread_s", self.min_field_spread_s);
   }
   void validate() const;
+
+  /// KITTI's stamps mean facing forward, unless the parameters say something else.
+  void useKittiStamps() {
+    if (stamp_reference == "auto") stamp_reference = "mid";
+  }
 };
 
 /// Keeps the recent stamps, to measure the period: give it every sweep, in order.
