@@ -14,11 +14,11 @@ def end_of_script(why):
 
 
 def find_tool(name, failure=end_of_script):
-    """Its path: beside the scripts (installed), in the PATH, in a sourced workspace, in this tree's build. Otherwise raises
+    """Its path: beside the scripts (installed), in the PATH, in this tree's build, in a sourced workspace. Otherwise raises
     failure(why)."""
     scripts = pathlib.Path(__file__).resolve().parent.parent
     sourced = [pathlib.Path(prefix) for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":") if prefix]
-    built = [prefix / "lib" / PACKAGE / name for prefix in sourced + [scripts.parent / "build/workspace/devel"]]
+    built = [prefix / "lib" / PACKAGE / name for prefix in [scripts.parent / "build/workspace/devel"] + sourced]
     for candidate in [scripts / name, shutil.which(name)] + built:
         if candidate and os.access(candidate, os.X_OK):
             return str(candidate)

@@ -160,6 +160,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
 
 void OdometryPipeline::Stages::beginDrive(const Pose& T_odom_cog) {
   refused = 0;
+  far_ahead_stamp_s = kNoStamp;
   corrector.reset();
   filter.reset(T_odom_cog);
   front.reset();

@@ -124,6 +124,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) {
     const std_msgs::Header& header = cloud->header;
+    heard_at_ = ros::SteadyTime::now();
     switch (lidar_.find(header.frame_id)) {
       case LidarPlace::Answer::kKnown: break;
       case LidarPlace::Answer::kNoTransform: hold(header); return;
@@ -250,6 +251,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   }
 
   void publish(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
+    output_->record(state);  // before anybody hears of it, and asks for it
     state_publisher_.publish(
         messages::FilterStateConstPtr(boost::make_shared<messages::FilterState>(toMessage(state, account, header))));
     output_->publish(state, odometry_covariance_.covariance(), header);
@@ -303,6 +305,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     return true;
   }
 
+  static double secondsSince(const ros::SteadyTime& then) { return (ros::SteadyTime::now() - then).toSec(); }
+
+  std::string noUsableCloud() const { return "no cloud that can be used: " + intake_.lastRefused(); }
+
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using Level = diagnostic_msgs::DiagnosticStatus;
     const std::string absent = sources_->absent();
@@ -310,10 +316,11 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       status.summary(Level::ERROR,
                      "no transform " + params_.base_frame + " -> " + lidar_.lidarFrame() + ": " + lidar_.error());
     } else if (counts_.sweeps == 0) {
-      const std::string refused = intake_.mostRefused();
-      status.summary(Level::WARN, refused.empty() ? "no cloud yet" : "no cloud that can be used: " + refused);
-    } else if (const double silent_s = (ros::SteadyTime::now() - arrived_at_).toSec(); silent_s > kSilent_s) {
+      status.summary(Level::WARN, intake_.lastRefused().empty() ? "no cloud yet" : noUsableCloud());
+    } else if (const double silent_s = secondsSince(heard_at_); silent_s > kSilent_s) {
       status.summaryf(Level::WARN, "no cloud for %.0f s", silent_s);
+    } else if (!open_ && secondsSince(arrived_at_) > kSilent_s) {
+      status.summary(Level::WARN, noUsableCloud());
     } else if (!absent.empty()) {
       status.summary(Level::WARN, "no answer from" + absent);
     } else if (!last_corrected_ && counts_.sweeps > 1) {
@@ -362,7 +369,8 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   bool last_corrected_ = false;
   ros::Time last_stamp_;                    ///< closed
   bool searches_ = false;                   ///< the open sweep, for the first motion
-  ros::SteadyTime arrived_at_, opened_at_;  ///< its cloud, itself
+  ros::SteadyTime heard_at_;                ///< the last cloud, whatever became of it
+  ros::SteadyTime arrived_at_, opened_at_;  ///< the open sweep's cloud, itself
   double latency_s_ = 0.0;                  ///< of the last estimate
   RateMeter rate_;
   std::unique_ptr<OdometryOutput> output_;

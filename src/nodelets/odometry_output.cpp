@@ -33,6 +33,11 @@ OdometryOutput::~OdometryOutput() {
   saver_.stop();  // waits for a call that is under way
 }
 
+void OdometryOutput::record(const FilterState& state) {
+  const std::lock_guard<std::mutex> lock(trajectory_mutex_);
+  trajectory_.add(state.stamp_s, state.T_odom_cog * T_base_cog_.inverse());
+}
+
 void OdometryOutput::publish(const FilterState& state, const Matrix6d& covariance, const std_msgs::Header& header) {
   const auto odometry = boost::make_shared<nav_msgs::Odometry>(
       toOdometryMessage(state, covariance, T_base_cog_, header.frame_id, base_frame_));
@@ -45,10 +50,6 @@ void OdometryOutput::publish(const FilterState& state, const Matrix6d& covarianc
     transform.child_frame_id = base_frame_;
     transform.transform = toTransformMessage(T_odom_base);
     tf_broadcaster_->sendTransform(transform);
-  }
-  {
-    const std::lock_guard<std::mutex> lock(trajectory_mutex_);
-    trajectory_.add(state.stamp_s, T_odom_base);
   }
   if (path_.add(T_odom_base, header) && path_publisher_.getNumSubscribers() > 0) {
     path_publisher_.publish(path_.message());

@@ -23,6 +23,8 @@ class OdometryOutput {
                  const Pose& T_base_cog);
   ~OdometryOutput();
 
+  /// Into the trajectory.
+  void record(const FilterState& state);
   /// `covariance`: of the pose of the centre of gravity since the start (OdometryCovariance). `header`: the sweep's
   /// stamp, the odometry's frame.
   void publish(const FilterState& state, const Matrix6d& covariance, const std_msgs::Header& header);

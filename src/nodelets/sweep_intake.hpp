@@ -12,11 +12,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "stamps.hpp"
@@ -55,11 +53,11 @@ class SweepIntake {
       far_ahead_ = ros::Time();
       switch (stampOrder(secondsFrom(newest_, header.stamp), max_reorder_s_, since_far_ahead_s)) {
         case StampOrder::kAdvances: break;
-        case StampOrder::kSame: lose(counts_.duplicate); return Verdict::kRefused;
-        case StampOrder::kReordered: lose(counts_.reordered); return Verdict::kRefused;
+        case StampOrder::kSame: refuse(counts_.duplicate, "duplicate stamp"); return Verdict::kRefused;
+        case StampOrder::kReordered: refuse(counts_.reordered, "stamp out of order"); return Verdict::kRefused;
         case StampOrder::kFarAhead:
           far_ahead_ = header.stamp;
-          lose(counts_.far_ahead);
+          refuse(counts_.far_ahead, "stamp far ahead");
           return Verdict::kRefused;
         case StampOrder::kJumpedBack:
         case StampOrder::kJumpedAhead: return Verdict::kNewDrive;
@@ -75,8 +73,8 @@ class SweepIntake {
     return Verdict::kQueued;
   }
 
-  void refuseStamp() { lose(counts_.unusable_stamp); }
-  void refuseFrame() { lose(counts_.wrong_frame); }
+  void refuseStamp() { refuse(counts_.unusable_stamp, "stamp not usable"); }
+  void refuseFrame() { refuse(counts_.wrong_frame, "another frame"); }
 
   double since_newest_s(const ros::Time& stamp) const { return secondsFrom(newest_, stamp); }
 
@@ -109,17 +107,8 @@ class SweepIntake {
 
   const Counts& counts() const { return counts_; }
 
-  /// The cause for which most clouds were refused; empty if none was.
-  std::string mostRefused() const {
-    const std::pair<std::size_t, const char*> causes[] = {{counts_.unusable_stamp, "stamp not usable"},
-                                                          {counts_.wrong_frame, "another frame"},
-                                                          {counts_.duplicate, "duplicate stamp"},
-                                                          {counts_.reordered, "stamp out of order"},
-                                                          {counts_.far_ahead, "stamp far ahead"}};
-    const auto most = *std::max_element(std::begin(causes), std::end(causes),
-                                        [](const auto& a, const auto& b) { return a.first < b.first; });
-    return most.first == 0 ? "" : most.second;
-  }
+  /// Why the last cloud that was refused was; empty if none was.
+  const std::string& lastRefused() const { return last_refused_; }
 
  private:
   /// Not at the end of time: others add to stamps (tf2: 10 s), which throws there.
@@ -128,6 +117,10 @@ class SweepIntake {
     return !stamp.isZero() && stamp.nsec < 1000000000u && stamp.sec < ros::TIME_MAX.sec - kHour_s;
   }
 
+  void refuse(std::size_t& cause, const char* why) {
+    last_refused_ = why;
+    lose(cause);
+  }
   void lose(std::size_t& cause) {
     ++cause;
     ++dropped_;
@@ -140,6 +133,7 @@ class SweepIntake {
   ros::Time newest_;     ///< accepted
   ros::Time far_ahead_;  ///< the last stamp, if it was refused as that; otherwise zero
   int dropped_ = 0;
+  std::string last_refused_;
   Counts counts_;
 };
 

@@ -11,6 +11,7 @@
 #include "../package/source_tree.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 
 namespace fail_aware {
 namespace {
@@ -52,6 +53,32 @@ TEST(Readme, SilenceIsToldBeforeThePlannersPatienceEnds) {
   EXPECT_EQ(numberIn(contract, R"(heard > ([0-9.]+)\n)"), patience_s) << "the Python example";
   const FailAwareMonitorNodeletParams monitor;
   EXPECT_LT(monitor.silence.stale_sweeps * monitor.silence.max_period_s, patience_s);
+}
+
+TEST(Readme, ReasonsAndConfidencesHaveTheShippedNumbers) {
+  const PipelineParameters shipped = loadPipelineParameters({FAIL_AWARE_SOURCE_CFG, "default", "passat_b6", "hdl64e"});
+  const MonitorParameters& monitor = shipped.profile.monitor;
+  const SweepCheckParams& check = shipped.sensor.check;
+  const std::string reasons = section("### Reasons");
+  EXPECT_EQ(numberIn(reasons, R"(no `filter_state` for ([0-9.]+) sweep periods)"),
+            FailAwareMonitorNodeletParams().silence.stale_sweeps);
+  EXPECT_EQ(numberIn(reasons, R"(`frozen_sweeps` \(([0-9]+)\))"), check.frozen_sweeps);
+  EXPECT_EQ(numberIn(reasons, R"(`disagreement_m` \(([0-9.]+) m\))"), monitor.disagreement_m);
+  EXPECT_NEAR(numberIn(reasons, R"(fewer than ([0-9.]+) % of the azimuth)"), 100.0 * check.min_azimuth_coverage, 1e-9);
+  EXPECT_NEAR(numberIn(reasons, R"(fewer than ([0-9.]+) % of the points)"), 100.0 * check.min_far_share, 1e-9);
+  EXPECT_EQ(numberIn(reasons, R"(of the points beyond ([0-9.]+) m)"), check.visible_range_m);
+  EXPECT_EQ(numberIn(reasons, R"(stamps more than ([0-9.]+) s apart)"), check.max_gap_s);
+  EXPECT_EQ(numberIn(reasons, R"(a stamp more than ([0-9.]+) s ahead)"), kFarAhead_s);
+  EXPECT_EQ(numberIn(reasons, R"(`gap_ratio` \(([0-9.]+)\))"), monitor.gap_ratio);
+  EXPECT_EQ(numberIn(reasons, R"(v_k / ([0-9.]+) m/s)"), monitor.indicator.reference_speed_mps);
+  EXPECT_EQ(numberIn(reasons, R"(T = ([0-9.]+) s)"), monitor.indicator.reference_period_s);
+  EXPECT_EQ(numberIn(reasons, R"(only after ([0-9]+) better sweeps)"), monitor.sweeps_to_recover);
+  const std::string trust = section("## How far the time to failure can be trusted");
+  EXPECT_NEAR(numberIn(trust, R"(`confidence` \(([0-9.]+) %\))"), 100.0 * (1.0 - monitor.predictor.confidence), 1e-9);
+  EXPECT_NEAR(numberIn(trust, R"(`alarm_confidence` \(([0-9.]+) %\))"),
+              100.0 * (1.0 - monitor.predictor.alarm_confidence), 1e-9);
+  EXPECT_NEAR(numberIn(section("### The planner's contract"), R"(probability of ([0-9.]+) % \(`confidence`\))"),
+              100.0 * (1.0 - monitor.predictor.confidence), 1e-9);
 }
 
 std::string asText(const ParameterValue& value) {

@@ -84,21 +84,22 @@ TEST(SweepIntake, AStampOfTheEndOfTimeIsRefused) {
   not_normal.stamp.nsec = 0xffffffff;  // as it may come off the wire
   EXPECT_EQ(intake.offer(not_normal), Verdict::kRefused);
   EXPECT_EQ(intake.counts().unusable_stamp, 3u);
+  EXPECT_EQ(intake.lastRefused(), "stamp not usable");
 }
 
 TEST(SweepIntake, OneStampFarAheadIsRefusedASecondOneBeginsADrive) {
   SweepIntake intake;
   intake.setLimits(3, 0.5);
   intake.offer(at(10.0));
-  EXPECT_EQ(intake.offer(at(3610.0)), Verdict::kRefused);
+  EXPECT_EQ(intake.offer(at(7210.0)), Verdict::kRefused);
   EXPECT_EQ(intake.offer(at(10.2)), Verdict::kQueued) << "the drive goes on";
-  EXPECT_EQ(intake.offer(at(3610.1)), Verdict::kRefused) << "what came in between spoke against it";
+  EXPECT_EQ(intake.offer(at(7210.1)), Verdict::kRefused) << "what came in between spoke against it";
   EXPECT_EQ(intake.counts().far_ahead, 2u);
   EXPECT_EQ(intake.takeDropped(), 2);
-  EXPECT_EQ(intake.offer(at(3610.2)), Verdict::kNewDrive);
-  EXPECT_NEAR(intake.since_newest_s(ros::Time(3610.2)), 3600.0, 1e-6);
+  EXPECT_EQ(intake.offer(at(7210.2)), Verdict::kNewDrive);
+  EXPECT_NEAR(intake.since_newest_s(ros::Time(7210.2)), 7200.0, 1e-6);
   intake.clear();
-  EXPECT_EQ(intake.offer(at(3610.2)), Verdict::kQueued);
+  EXPECT_EQ(intake.offer(at(7210.2)), Verdict::kQueued);
 }
 
 TEST(SweepIntake, AJumpBackIsToldAndTheCloudIsTakenOnceCleared) {

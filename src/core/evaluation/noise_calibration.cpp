@@ -10,13 +10,13 @@
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
 namespace {
 
 constexpr double kSmallestFactor = 1e-3;  // on a parameter's start: its effect is gone
-constexpr double kStampTolerance_s = 1e-6;
 constexpr std::size_t kFewest = 10;
 constexpr double kFirstShare = 0.01;
 

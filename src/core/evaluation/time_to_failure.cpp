@@ -7,12 +7,11 @@
 #include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
 namespace {
-
-constexpr double kStampTolerance_s = 1e-6;
 
 void requireStamps(const std::vector<double>& stamps_s, std::size_t poses) {
   if (stamps_s.size() != poses) {

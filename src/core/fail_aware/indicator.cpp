@@ -11,7 +11,6 @@ namespace fail_aware {
 namespace {
 constexpr double kLargestSigma = 1e6;  // rad
 constexpr double kLargestSpeed = 1e6;  // m/s
-constexpr double kStampTolerance_s = 1e-6;
 }  // namespace
 
 void FailAwareIndicator::Params::validate() const {

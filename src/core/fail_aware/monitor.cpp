@@ -11,6 +11,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kBeyondAll_m = 1e6;  // the largest radius that the predictor takes
+
 // Before the members are made of them, whose messages name other fields.
 const MonitorParameters& validated(const MonitorParameters& params) {
   params.validate();
@@ -181,7 +183,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
       time_to_alarm = prediction.time_to_alarm;
       if (prediction.radius_m < 0.0) {  // a covariance that nothing can be told of bounds no error
         output.time_to_failure_covariance = time_to_alarm = TimeToFailure::reached();
-        output.reasons |= kReasonCovarianceLimit;
+        output.protection_level_m = kBeyondAll_m;
       }
     }
   }

@@ -19,11 +19,11 @@ TEST(StampOrder, TellsALateSweepFromAClockThatWasSetBack) {
 TEST(StampOrder, AStampFarAheadCountsOnceTheNextOneFollowsOnIt) {
   EXPECT_EQ(stampOrder(kFarAhead_s), StampOrder::kAdvances);
   EXPECT_EQ(stampOrder(kFarAhead_s + 1e-6), StampOrder::kFarAhead);
-  EXPECT_EQ(stampOrder(3600.1, kMaxReorder_s, 0.1), StampOrder::kJumpedAhead);
-  EXPECT_EQ(stampOrder(3600.0, kMaxReorder_s, 0.0), StampOrder::kFarAhead) << "the same one again";
-  EXPECT_EQ(stampOrder(3600.0, kMaxReorder_s, -0.1), StampOrder::kFarAhead);
+  EXPECT_EQ(stampOrder(7200.1, kMaxReorder_s, 0.1), StampOrder::kJumpedAhead);
+  EXPECT_EQ(stampOrder(7200.0, kMaxReorder_s, 0.0), StampOrder::kFarAhead) << "the same one again";
+  EXPECT_EQ(stampOrder(7200.0, kMaxReorder_s, -0.1), StampOrder::kFarAhead);
   EXPECT_EQ(stampOrder(1e9, kMaxReorder_s, 1e6), StampOrder::kFarAhead) << "another one";
-  EXPECT_EQ(stampOrder(0.2, kMaxReorder_s, -3600.0), StampOrder::kAdvances) << "it was wrong";
+  EXPECT_EQ(stampOrder(0.2, kMaxReorder_s, -7200.0), StampOrder::kAdvances) << "it was wrong";
 }
 
 TEST(StampOrder, WhatIsNoNumberNeitherAdvancesNorBeginsADrive) {

@@ -4,7 +4,7 @@
 // order of time; times from the sweep's start. Without rolling shutter all points belong to the sweep's middle and have
 // no times. The stamp is the sweep's middle (KITTI's convention), s from the drive's start.
 // Same parameters: same bits, for any number of threads. Failure: ParameterError for bad parameters; std::runtime_error
-// if Embree cannot be set up. Cost: about 60 ms a sweep of one core (README has the measurement); memory does not grow.
+// if Embree cannot be set up. Cost: 20 to 60 ms a sweep of one core; memory does not grow.
 #pragma once
 
 #include <cstdint>

@@ -10,6 +10,9 @@
 
 namespace fail_aware {
 
+/// Stamps are of whole microseconds, sums of differences not quite.
+inline constexpr double kStampTolerance_s = 1e-6;
+
 /// Longer than this between two sweeps: some are missing, and a search by the prediction alone may fail.
 inline constexpr double kLongInterval_s = 0.25;
 

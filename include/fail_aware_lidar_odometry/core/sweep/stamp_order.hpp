@@ -2,8 +2,8 @@
 //
 // A stamp that does not advance is refused; one that lies further back than what gets out of order on the way means
 // that the clock was set back, or that a recording begins again: there a drive begins. One that is far ahead is refused,
-// as a single wrong one would end the drive; if the next one follows on it the clock was set, and a drive begins: nobody
-// knows where the vehicle is by then. A difference that is no number is refused.
+// as a single wrong one would end the drive; if the next one follows on it the clock was set, and a drive begins. Far is
+// an hour: what is missing for less is bridged by the model, whose covariance says what that is worth. A difference that is no number is refused.
 #pragma once
 
 #include <limits>
@@ -11,7 +11,7 @@
 namespace fail_aware {
 
 inline constexpr double kMaxReorder_s = 0.5;
-inline constexpr double kFarAhead_s = 60.0;
+inline constexpr double kFarAhead_s = 3600.0;
 
 enum class StampOrder { kAdvances, kSame, kReordered, kJumpedBack, kFarAhead, kJumpedAhead };
 
