@@ -1,14 +1,12 @@
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 
-#include <tbb/parallel_invoke.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <chrono>
 #include <limits>
 #include <utility>
 
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
+#include "fail_aware_lidar_odometry/core/parallel.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
@@ -130,13 +128,13 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
     if (use.use_corners) result.corners = exchanged(corner_measurement.measure(corrected, prediction, T_cog_lidar));
     result.times.corners_ms = watch.lapMs();
   };
-  arena.execute([&] {
-    tbb::parallel_invoke(
+  inArena(arena, [&] {
+    inParallel(
         [&] {
           Stopwatch thinning;
           front.prepare(corrected, prediction, T_cog_lidar);
           result.times.correction_ms += thinning.lapMs();
-          tbb::parallel_invoke(point, plane);
+          inParallel(point, plane);
         },
         corners);
   });

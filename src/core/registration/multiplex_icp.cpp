@@ -1,14 +1,11 @@
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/parallel.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 
@@ -162,15 +159,12 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
     if (forEachInformedDirection(map.surface(match.voxel), inform)) equations.information_weight += w;
   };
   // the blocks do not depend on the number of threads, nor does the order in which they are added up
-  using Block = tbb::blocked_range<std::size_t>;
   const std::size_t used = (points_cog.size() + stride - 1) / stride;
-  const PairSums sums = tbb::parallel_deterministic_reduce(
-      Block(0, used, kBlock), PairSums(),
-      [&](const Block& block, PairSums of_block) {
-        for (std::size_t k = block.begin(); k != block.end(); ++k) add(k * stride, of_block);
-        return of_block;
-      },
-      [](const PairSums& a, const PairSums& b) { return a + b; });
+  const auto sums = sumByHalves<PairSums>(0, used, kBlock, [&](std::size_t begin, std::size_t end) {
+    PairSums of_block;
+    for (std::size_t k = begin; k != end; ++k) add(k * stride, of_block);
+    return of_block;
+  });
 
   NormalEquations equations = sums.equations;
   equations.has_information = equations.slides = params_.surface_information;
@@ -249,7 +243,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     const std::size_t stride = thinningStride(points_cog);
     double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
     for (int iteration = 0; iteration < params_.max_joint_iterations; ++iteration) {
-      tbb::parallel_for(std::size_t{0}, descents.size(), [&](std::size_t i) {
+      inParallelFor(descents.size(), [&](std::size_t i) {
         Descent& descent = descents[i];
         if (descent.settled) return;
         NormalEquations equations = linearize(points_cog, stride, map, descent.T, kernel_m);

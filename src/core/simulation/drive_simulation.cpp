@@ -1,14 +1,11 @@
 #include "fail_aware_lidar_odometry/core/simulation/drive_simulation.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
+#include "fail_aware_lidar_odometry/core/parallel.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/scene.hpp"
@@ -137,13 +134,11 @@ struct DriveSimulation::Impl {
   void scan(Sweep& sweep) {
     const int columns = params.lidar.columns;
     std::vector<Block> blocks(static_cast<std::size_t>((columns + kColumnsPerBlock - 1) / kColumnsPerBlock));
-    arena.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1), [&](const auto& range) {
-        for (std::size_t b = range.begin(); b != range.end(); ++b) {
-          const int first = static_cast<int>(b) * kColumnsPerBlock;
-          for (int column = first; column < std::min(columns, first + kColumnsPerBlock); ++column) {
-            scanColumn(column, blocks[b]);
-          }
+    inArena(arena, [&] {
+      inParallelFor(blocks.size(), [&](std::size_t b) {
+        const int first = static_cast<int>(b) * kColumnsPerBlock;
+        for (int column = first; column < std::min(columns, first + kColumnsPerBlock); ++column) {
+          scanColumn(column, blocks[b]);
         }
       });
     });
