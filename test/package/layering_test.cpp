@@ -36,10 +36,10 @@ std::vector<std::string> includesOf(const std::string& text) {
 /// A header of the language or of a library that the core may use. The list is short on purpose: ROS is not on it.
 bool coreMayInclude(const std::string& header) {
   static const std::regex kAllowed(
-      "[a-z_]+"                                 // the standard library
-      "|fail_aware_lidar_odometry/core/.+"      // the core itself
-      "|[a-z_]+\\.hpp"                          // private, beside its source
-      "|(Eigen|tbb|tsl|yaml-cpp|embree3)/.+");  // libraries
+      "[a-z_]+"                                           // the standard library
+      "|fail_aware_lidar_odometry/core/.+"                // the core itself
+      "|[a-z_]+\\.hpp"                                    // private, beside its source
+      "|(Eigen|tbb|tsl|yaml-cpp|embree3|sanitizer)/.+");  // libraries
   return std::regex_match(header, kAllowed);
 }
 
