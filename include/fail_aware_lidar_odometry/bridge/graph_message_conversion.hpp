@@ -1,7 +1,7 @@
 // The package's own messages <-> the core's structs, so that each stage can live in a nodelet of its own.
-// What the stages need of each other is kept but for a pose's last bits (rotation matrix <-> quaternion); a number that is
-// not finite becomes 0. Stamps: messages get theirs from the sweep's
-// header, exactly; the core's stamp_s is their toSec(), as everywhere.
+// What the stages need of each other is kept but for a pose's last bits (rotation matrix <-> quaternion); a number that
+// is not finite becomes 0. Stamps: messages get theirs from the sweep's header, exactly; the core's stamp_s is their
+// toSec(), as everywhere.
 #pragma once
 
 #include <fail_aware_lidar_odometry/FilterState.h>

@@ -6,8 +6,9 @@
 //   /tf                        world -> base_link, the same; only if asked for: odometry publishes odom -> base_link,
 //                              and a frame has one parent
 //
-// Beyond kitti2bag: the cloud has the field `ring` (UINT16) where the sweep has rings, it can have the field `time` (FLOAT32, s
-// from the sweep's start), and the transform comes half a second before the first cloud, so that a listener has it in time.
+// Beyond kitti2bag: the cloud has the field `ring` (UINT16) where the sweep has rings, it can have the field `time`
+// (FLOAT32, s from the sweep's start), and the transform comes half a second before the first cloud, so that a listener
+// has it in time.
 // Failure: the constructor throws InputError if the file cannot be opened, add() and close() std::runtime_error if it
 // cannot be written. Memory: one sweep and the bag's index.
 #pragma once
@@ -39,7 +40,8 @@ struct KittiBagOptions {
   bool with_transforms = false;  ///< /tf, world -> base_link
 };
 
-/// x y z i, with `with_times` also time, ring where the sweep has them; header left to the caller. A sweep without points gives a cloud of width 0.
+/// x y z i, with `with_times` also time, ring where the sweep has them; header left to the caller. A sweep without
+/// points gives a cloud of width 0.
 void writeKittiCloud(const Sweep& sweep, bool with_times, sensor_msgs::PointCloud2& cloud);
 
 class KittiBagWriter {
