@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
@@ -107,8 +108,9 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
-  double far_ahead_stamp_s = kNoStamp;  ///< the last sweep's, if it was refused as that
-  int refused = 0;                      ///< sweeps since the last one that was taken
+  double far_ahead_stamp_s = kNoStamp;       ///< the last sweep's, if it was refused as that
+  int refused = 0;                           ///< sweeps since the last one that was taken
+  std::optional<double> start_from_stamp_s;  ///< t1 has been asked for, and has not come
 };
 
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
@@ -204,6 +206,10 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   corner_measurement.place(result.state);
   result.times.reference_ms = stage.lapMs();
   result.condition = condition(findings, result);
+  if (start_from_stamp_s && result.state.stamp_s >= *start_from_stamp_s) {
+    monitor.start();
+    start_from_stamp_s.reset();
+  }
   result.monitor = monitor.update(result.state, result.condition);
   result.times.total_ms = total.lapMs();
   return result;
@@ -218,7 +224,7 @@ OdometryPipeline::~OdometryPipeline() = default;
 
 SweepResult OdometryPipeline::step(Sweep& sweep) { return stages_->step(sweep); }
 
-void OdometryPipeline::startRedundant() { stages_->monitor.start(); }
+void OdometryPipeline::startRedundant(double from_stamp_s) { stages_->start_from_stamp_s = from_stamp_s; }
 
 void OdometryPipeline::reset() {
   stages_->check.reset();

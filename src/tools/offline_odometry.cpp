@@ -17,7 +17,6 @@
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
 #include "sweep_log.hpp"
@@ -174,28 +173,21 @@ int run(const Options& options) {
   std::size_t side_file_problems = 0, points_dropped = 0;
   Pose T_odom_lidar_first = Pose::Identity();
   std::optional<double> t1_stamp_s;
-  double first_stamp_s = 0.0, taken_stamp_s = 0.0;
   Sweep sweep;
   drive->skip(static_cast<std::size_t>(options.first));
   {
     ProgressBar progress(static_cast<std::size_t>(last - options.first));
     for (long i = options.first; i < last; ++i) {
       const ReadResult read = drive->next(sweep);
-      if (i == options.first) first_stamp_s = taken_stamp_s = sweep.stamp_s;
+      if (i == options.first) pipeline.startRedundant(sweep.stamp_s + options.redundant_at_s - kStartTolerance_s);
       if (!read.hasPoints()) bad_scans.push_back({drive->name(), read.message});
       if (read.status == ReadStatus::kSideFileUnusable && side_file_problems++ == 0) {
         std::cerr << kName << ": warning: " << read.message << " (said once)" << std::endl;
       }
       points_dropped += sweep.points_dropped;
-      const double since_first_s = sweep.stamp_s - first_stamp_s;
-      const bool will_be_taken = sweep.stamp_s - taken_stamp_s <= kFarAhead_s;
-      if (!t1_stamp_s && will_be_taken && since_first_s >= options.redundant_at_s - kStartTolerance_s) {
-        pipeline.startRedundant();
-        t1_stamp_s = sweep.stamp_s;
-      }
       const double stamp_s = sweep.stamp_s;
       const SweepResult result = pipeline.step(sweep);
-      if (result.status != SweepStatus::kStampNotAdvancing) taken_stamp_s = stamp_s;
+      if (!t1_stamp_s && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s = result.monitor.t1_stamp_s;
       const Pose T_odom_lidar = result.T_odom_base * T_base_lidar;
       if (i == options.first) T_odom_lidar_first = T_odom_lidar;
       lidar_trajectory.push_back(orthonormalized(T_odom_lidar_first.inverse() * T_odom_lidar));

@@ -280,6 +280,20 @@ TEST(OdometryPipeline, TimesToFailureAreKnownFromStartRedundantOn) {
   }
 }
 
+TEST(OdometryPipeline, TheSweepThatServesFirstIsOneThatIsTakenAndNotBeforeItsStamp) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
+  const double from_stamp_s = sweeps[4].stamp_s - 0.02;
+  sweeps[2].stamp_s += 1e6;  // past t1, refused: far ahead
+  sweeps[4].stamp_s = sweeps[3].stamp_s;
+  pipeline.startRedundant(from_stamp_s);
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_EQ(results[2].status, SweepStatus::kStampNotAdvancing);
+  EXPECT_EQ(results[3].monitor.t1_stamp_s, -1.0);
+  EXPECT_EQ(results[4].status, SweepStatus::kStampNotAdvancing);
+  for (std::size_t i = 5; i < sweeps.size(); ++i) EXPECT_EQ(results[i].monitor.t1_stamp_s, sweeps[5].stamp_s) << i;
+}
+
 TEST(OdometryPipeline, AStandingVehicleStands) {
   synthetic::Drive parked;
   parked.speed_mps = 0.0;

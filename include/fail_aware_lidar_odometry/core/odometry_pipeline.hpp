@@ -8,6 +8,7 @@
 // stamp advances has a pose.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,8 +64,9 @@ class OdometryPipeline {
   /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model carries the pose. It is used up.
   SweepResult step(Sweep& sweep);
 
-  /// t1: from the next step on the odometry serves as the localisation.
-  void startRedundant();
+  /// t1: the next sweep that is taken and not before `from_stamp_s`; from it on the odometry serves as the localisation.
+  /// MonitorOutput says which it was.
+  void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
 
   /// Everything anew; the next sweep is the first.
   void reset();

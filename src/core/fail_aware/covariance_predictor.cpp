@@ -11,7 +11,8 @@ namespace fail_aware {
 namespace {
 
 constexpr double kMaxSteps = 100000.0;
-constexpr double kLargestEntry = 1e12;
+constexpr double kLargestRadius_m = 1e6;
+constexpr double kLargestEntry = kLargestRadius_m * kLargestRadius_m;
 constexpr double kSmallestVariance = 1e-18;
 constexpr int kBisections = 40;
 
@@ -161,7 +162,7 @@ CovariancePredictor::CovariancePredictor(const Params& params)
 
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
-  if (!isUsable(growth)) return prediction;
+  if (!isUsable(growth)) return {TimeToFailure::reached(), TimeToFailure::reached(), kLargestRadius_m, 1.0};
   Matrix6 S;
   S << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
   S = (0.5 * (S + S.transpose())).eval();
@@ -172,7 +173,7 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   const auto failed = [&](const Matrix6& covariance) {
     return exceedance(horizontal(covariance), params_.alert_limit_m, params_.degrees_of_freedom);
   };
-  prediction.radius_m = radius_(horizontal(S));
+  prediction.radius_m = std::min(radius_(horizontal(S)), kLargestRadius_m);
   prediction.failed_probability = failed(S);
   struct Sought {
     TimeToFailure& time;

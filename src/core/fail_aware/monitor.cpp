@@ -11,8 +11,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kBeyondAll_m = 1e6;  // the largest radius that the predictor takes
-
 // Before the members are made of them, whose messages name other fields.
 const MonitorParameters& validated(const MonitorParameters& params) {
   params.validate();
@@ -181,10 +179,6 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
       output.time_to_failure_covariance = prediction.time_to_failure;
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
-      if (prediction.radius_m < 0.0) {  // a covariance that nothing can be told of bounds no error
-        output.time_to_failure_covariance = time_to_alarm = TimeToFailure::reached();
-        output.protection_level_m = kBeyondAll_m;
-      }
     }
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);

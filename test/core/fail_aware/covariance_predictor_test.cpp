@@ -189,7 +189,7 @@ TEST(CovariancePredictor, MoreConfidenceOrMoreNoiseNeverGivesMoreTime) {
             predictorWith(0.95).predict(growth).time_to_failure.seconds);
 }
 
-TEST(CovariancePredictor, UnusableInputIsUnknown) {
+TEST(CovariancePredictor, UnusableInputBoundsNoError) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CovarianceGrowth good;
   good.rate.diagonal() << 1e-3, 1e-3, 1e-6;
@@ -204,9 +204,10 @@ TEST(CovariancePredictor, UnusableInputIsUnknown) {
   bad[7].pace = 0.9;
   for (const CovarianceGrowth& growth : bad) {
     const CovariancePrediction p = predictorWith(0.95).predict(growth);
-    EXPECT_EQ(p.time_to_failure.status, Status::kUnknown);
-    EXPECT_EQ(p.time_to_failure.seconds, -1.0);
-    EXPECT_EQ(p.radius_m, -1.0);
+    EXPECT_EQ(p.time_to_failure.status, Status::kReached);
+    EXPECT_EQ(p.time_to_alarm.status, Status::kReached);
+    EXPECT_EQ(p.radius_m, 1e6);
+    EXPECT_EQ(p.failed_probability, 1.0);
   }
 }
 
@@ -226,7 +227,7 @@ TEST(CovariancePredictor, NeverNan) {
     return kind(random) == 0 ? strange[kind(random) % 7] : normal(random) * std::pow(10.0, exponent(random));
   };
   const CovariancePredictor predictor = predictorWith(0.95);
-  int known = 0;
+  int usable = 0;
   for (int trial = 0; trial < 1500; ++trial) {
     CovarianceGrowth growth;
     const Eigen::Matrix3d A = Eigen::Matrix3d::NullaryExpr([&]() { return 1e-2 * normal(random); });
@@ -240,11 +241,12 @@ TEST(CovariancePredictor, NeverNan) {
     if (kind(random) < 2) growth.pace = number();
     const CovariancePrediction p = predictor.predict(growth);
     const double seconds = p.time_to_failure.seconds;
-    ASSERT_TRUE(p.time_to_failure.isKnown() ? seconds >= 0.0 && seconds <= 60.0 : seconds == -1.0);
-    ASSERT_TRUE(p.radius_m == -1.0 || (p.radius_m >= 0.0 && std::isfinite(p.radius_m)));
-    known += p.time_to_failure.isKnown();
+    ASSERT_TRUE(p.time_to_failure.isKnown());
+    ASSERT_TRUE(seconds >= 0.0 && seconds <= 60.0) << seconds;
+    ASSERT_TRUE(p.radius_m >= 0.0 && p.radius_m <= 1e6) << p.radius_m;
+    usable += p.radius_m < 1e6;
   }
-  EXPECT_GT(known, 300);
+  EXPECT_GT(usable, 300);
 }
 
 TEST(IncrementRate, AveragesOverItsWindowPerSecond) {

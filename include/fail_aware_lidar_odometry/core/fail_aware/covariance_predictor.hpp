@@ -19,7 +19,8 @@
 // p + (1 - confidence)(1 - p); or the time to the alarm if that is sooner. The second says how soon, the first whether
 // the pose can be used at all.
 //
-// Inputs: m, rad, s. Failure: input not finite or not a covariance -> unknown. Cost: horizon_s / step_s 6x6 products.
+// Inputs: m, rad, s. Failure: input that is not finite, not a covariance or above 1e12 bounds no error: failed already,
+// radius 1e6 m, the largest there is. Cost: horizon_s / step_s 6x6 products.
 #pragma once
 
 #include <Eigen/Core>
@@ -74,9 +75,9 @@ struct CovarianceGrowth {
 
 struct CovariancePrediction {
   TimeToFailure time_to_failure;
-  TimeToFailure time_to_alarm;       ///< later, or the same
-  double radius_m = -1.0;            ///< the radius now with `confidence`; -1: unknown
-  double failed_probability = -1.0;  ///< that the error is past the limit now; -1: unknown
+  TimeToFailure time_to_alarm;      ///< later, or the same
+  double radius_m = 0.0;            ///< the radius now with `confidence`
+  double failed_probability = 0.0;  ///< that the error is past the limit now
 };
 
 /// The circle that holds a horizontal error with a given probability.
