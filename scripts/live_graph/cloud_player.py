@@ -11,7 +11,7 @@ from . import Failure
 
 NAMESPACE = "/" + PACKAGE
 RESET = NAMESPACE + "/fusion_ukf/reset"
-UNSEEN = ("/local_map", "/path")  # large; their content is that of sweep/points, placed, and of odometry
+PATH, PATH_EVERY = NAMESPACE + "/path", 10  # each message holds the poses of those before it: every tenth is looked at
 
 
 def finite(value):
@@ -28,8 +28,26 @@ def finite(value):
 def finite_points(cloud):
     import numpy
     words = numpy.frombuffer(cloud.data, numpy.uint8).reshape(-1, cloud.point_step)
-    return all(numpy.isfinite(numpy.ascontiguousarray(words[:, field.offset:field.offset + 4]).view(numpy.float32)).all()
-               for field in cloud.fields if field.datatype == field.FLOAT32)
+    types = {7: numpy.float32, 8: numpy.float64}  # PointField's FLOAT32, FLOAT64
+    for field in cloud.fields:
+        if field.datatype in types:
+            kind = numpy.dtype(types[field.datatype]).newbyteorder(">" if cloud.is_bigendian else "<")
+            bytes_of = words[:, field.offset:field.offset + kind.itemsize * max(1, field.count)]
+            if not numpy.isfinite(numpy.ascontiguousarray(bytes_of).view(kind)).all():
+                return False
+    return True
+
+
+def by_drive(messages):
+    """{(number of the drive, stamp): message}, of messages in order of arrival: where stamps go back a new drive begins,
+    which may use a stamp again."""
+    answers, drive, last = {}, 0, 0
+    for message in messages:
+        stamp = message.header.stamp.to_nsec()
+        drive += stamp < last
+        last = stamp
+        answers[drive, stamp] = message
+    return answers
 
 
 class CloudPlayer:
@@ -51,11 +69,14 @@ class CloudPlayer:
         self._clouds = rospy.Publisher("/velodyne_points", PointCloud2, queue_size=100)
         self._places = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
         self._lock = threading.Lock()
+        self._paths = 0
         self._forget()
         for topic, type_name in rospy.get_published_topics(NAMESPACE) + [["/tf", "tf2_msgs/TFMessage"],
                                                                          ["/diagnostics", "diagnostic_msgs/DiagnosticArray"]]:
             message_class = get_message_class(type_name)  # none for the manager's own bonds
-            if message_class is not None and not topic.endswith(UNSEEN):
+            if topic == PATH:
+                rospy.Subscriber(topic, rospy.AnyMsg, self._on_path, message_class, queue_size=200)
+            elif message_class is not None:
                 rospy.Subscriber(topic, message_class, self._on_message, topic, queue_size=200)
 
     def _forget(self):
@@ -69,6 +90,11 @@ class CloudPlayer:
                 self._not_finite[topic] = self._not_finite.get(topic, 0) + 1
             if topic.startswith(NAMESPACE) and hasattr(message, "header") and not hasattr(message, "data"):
                 self._heard.setdefault(topic[len(NAMESPACE) + 1:], []).append(message)
+
+    def _on_path(self, raw, message_class):
+        self._paths += 1
+        if self._paths % PATH_EVERY == 1:
+            self._on_message(message_class().deserialize(raw._buff), PATH)
 
     def _listeners(self):
         until = time.monotonic() + 30.0
@@ -126,12 +152,8 @@ class CloudPlayer:
     def rows_of(self, clouds, heard):
         """Of what play() gave: state, reasons and status for each cloud, as per_sweep.csv has them; the poses; what is
         wrong."""
-        odometry = {m.header.stamp.to_nsec(): m for m in heard.get("odometry", ())}
-        filtered = {m.header.stamp.to_nsec(): m for m in heard.get("filter_state", ())}
-        told = {}  # a drive whose stamps jump back may use one twice: then the last message stands for both
-        for m in heard.get("time_to_failure", ()):
-            if "STALE" not in m.reasons_text.split("|"):
-                told[m.header.stamp.to_nsec()] = m
+        odometry, filtered = by_drive(heard.get("odometry", ())), by_drive(heard.get("filter_state", ()))
+        told = by_drive(m for m in heard.get("time_to_failure", ()) if "STALE" not in m.reasons_text.split("|"))
         rows, poses_of, newest, lost, refused, resets = [], [], None, 0, 0, 0
         for stamp, _, _ in clouds:
             if newest is not None and 0 <= newest - stamp <= self._max_reorder_s * 1e9:
@@ -141,10 +163,11 @@ class CloudPlayer:
                 continue
             resets += newest is not None and stamp < newest
             newest = stamp
-            if stamp in odometry and stamp in filtered and stamp in told:
-                rows.append({"state": STATES[min(told[stamp].state, 4)], "reasons": told[stamp].reasons_text,
-                             "status": "corrected" if filtered[stamp].corrected else "predicted"})
-                poses_of.append(pose_row(odometry[stamp].pose.pose))
+            pose, state, warning = (answers.get((resets, stamp)) for answers in (odometry, filtered, told))
+            if pose and state and warning:
+                rows.append({"state": STATES[min(warning.state, 4)], "reasons": warning.reasons_text,
+                             "status": "first" if state.dt <= 0.0 else "corrected" if state.corrected else "predicted"})
+                poses_of.append(pose_row(pose.pose.pose))
             else:
                 lost += 1
                 rows.append(dict(rows[-1], status="lost") if rows else {"state": "UNKNOWN", "reasons": "", "status": "lost"})
