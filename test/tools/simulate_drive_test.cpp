@@ -147,6 +147,45 @@ TEST_F(SimulateDrive, faultMatrixJudgesEverySeverity) {
   EXPECT_EQ(matrix("--faults fog").exit_code, 2);
 }
 
+TEST_F(SimulateDrive, faultMatrixsTableIsTheReadmesAndHasEveryFault) {
+  const ToolRun run = runProgram(FAULT_MATRIX, "--table", folder_);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string readme = contentOf(fs::path(FAULT_MATRIX).parent_path().parent_path() / "README.md");
+  EXPECT_NE(readme.find("\n" + run.out), std::string::npos) << "README, Reliability: put there\n" << run.out;
+  for (const FaultTraits& traits : faultTraits()) {
+    EXPECT_EQ(countOf(run.out, std::string("| `") + traits.name + "` |"), 1u) << traits.name;
+  }
+}
+
+/// In place of offline_odometry: spoils what it writes, each time in another way.
+TEST_F(SimulateDrive, faultMatrixFailsWhatIsWrong) {
+  const fs::path liar = folder_ / "bin/offline_odometry";
+  fs::create_directories(liar.parent_path());
+  std::ofstream(liar) << "#!/bin/sh\n'" FAIL_AWARE_OFFLINE_ODOMETRY "' \"$@\" || exit\n"
+                      << R"(while [ "$1" != --output ]; do shift; done
+cd "$2"
+case "$2" in
+  *_0.2_run) echo 1,0,nan >> measurements.csv ;;
+  *_1_run) sed -i 's/,FAIL[A-Z]*,/,OK,/' per_sweep.csv
+    awk 'NR > 150 { $4 += 2 } { print }' trajectory_kitti.txt > moved && mv moved trajectory_kitti.txt ;;
+  *_2_run) sed -i 's/SWEEP_EMPTY/TIME_JUMP/' per_sweep.csv ;;
+esac
+)";
+  fs::permissions(liar, fs::perms::owner_all);
+  setenv("PATH",
+         (liar.parent_path().string() + ":" + fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH"))
+             .c_str(),
+         1);
+  const ToolRun run =
+      runProgram(FAULT_MATRIX, "-j 1 --scenes town --faults empty_cloud --output '" + path("matrix") + "'", folder_);
+  EXPECT_EQ(run.exit_code, 1) << run.out << run.err;
+  EXPECT_NE(run.out.find("0 passed, 3 failed"), std::string::npos) << run.out;
+  for (const char* told : {"| not finite: measurements.csv |", "worst state not in FAILED to FAILED",
+                           "sweeps OK and off by ", "m at the end", "| not told: SWEEP_EMPTY |"}) {
+    EXPECT_NE(run.out.find(told), std::string::npos) << told << " is not in\n" << run.out;
+  }
+}
+
 TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {
   ASSERT_EQ(simulate("drive", "--duration 0.2 --no-rolling-shutter").exit_code, 0);
   EXPECT_FALSE(KittiDirectory::open(path("drive")).hasPointTimes());
