@@ -1,28 +1,27 @@
 // A folder in KITTI's layout of any bytes -> sweeps.
-#include <fuzzer/FuzzedDataProvider.h>
-
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "fuzz_input.hpp"
 #include "fuzz_support.hpp"
 
 using namespace fail_aware;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  FuzzedDataProvider input(data, size);
+  FuzzInput input(data, size);
   const std::string folder = freshFolder();
   std::filesystem::create_directories(folder + "/velodyne");
-  if (input.ConsumeBool()) writeFile(folder + "/times.txt", input.ConsumeRandomLengthString(200));
-  if (input.ConsumeBool()) {
+  if (input.flag()) writeFile(folder + "/times.txt", input.text(200));
+  if (input.flag()) {
     std::filesystem::create_directories(folder + "/stamps");
-    writeFile(folder + "/stamps/000000.f32", input.ConsumeRandomLengthString(200));
+    writeFile(folder + "/stamps/000000.f32", input.text(200));
   }
-  if (input.ConsumeBool()) {
+  if (input.flag()) {
     std::filesystem::create_directories(folder + "/rings");
-    writeFile(folder + "/rings/000000.u16", input.ConsumeRandomLengthString(200));
+    writeFile(folder + "/rings/000000.u16", input.text(200));
   }
-  writeFile(folder + "/velodyne/000000.bin", input.ConsumeRemainingBytesAsString());
+  writeFile(folder + "/velodyne/000000.bin", input.rest());
   try {
     const KittiDirectory directory = KittiDirectory::open(folder);
     for (std::size_t i = 0; i < directory.size(); ++i) {

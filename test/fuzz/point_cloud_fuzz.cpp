@@ -1,40 +1,38 @@
 // PointCloud2 of any layout -> Sweep, CorrectedSweep.
-#include <fuzzer/FuzzedDataProvider.h>
 #include <sensor_msgs/PointCloud2.h>
 
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "fuzz_input.hpp"
 #include "fuzz_support.hpp"
 
 using namespace fail_aware;
 
 namespace {
 
-sensor_msgs::PointCloud2 cloudOf(FuzzedDataProvider& input) {
+sensor_msgs::PointCloud2 cloudOf(FuzzInput& input) {
   const char* const names[] = {"x", "y", "z", "intensity", "i", "ring", "time", "t", "timestamp", ""};
   sensor_msgs::PointCloud2 cloud;
-  cloud.header.stamp =
-      ros::Time(input.ConsumeIntegral<std::uint32_t>(), input.ConsumeIntegral<std::uint32_t>() % 1000000000u);
-  cloud.is_bigendian = input.ConsumeProbability<float>() > 0.95f;
+  cloud.header.stamp.sec = input.any<std::uint32_t>();
+  cloud.header.stamp.nsec = input.below(1000000000);
+  cloud.is_bigendian = input.oneIn(20);
   // Mostly small numbers, so that many layouts fit; now and then any.
-  const auto number = [&] {
-    return input.ConsumeProbability<float>() > 0.9f ? input.ConsumeIntegral<std::uint32_t>()
-                                                    : input.ConsumeIntegralInRange<std::uint32_t>(0, 40);
-  };
+  const auto number = [&] { return input.oneIn(10) ? input.any<std::uint32_t>() : input.below(41); };
   cloud.height = number();
   cloud.width = number();
   cloud.point_step = number();
-  cloud.row_step = input.ConsumeBool() ? cloud.width * cloud.point_step : number();
-  for (int i = input.ConsumeIntegralInRange<int>(0, 12); i > 0; --i) {
+  cloud.row_step = input.flag() ? cloud.width * cloud.point_step : number();
+  for (std::uint32_t i = input.below(13); i > 0; --i) {
     sensor_msgs::PointField field;
-    field.name = input.PickValueInArray(names);
+    field.name = input.pick(names);
     field.offset = number();
-    field.datatype = input.ConsumeIntegralInRange<std::uint8_t>(0, 9);
+    field.datatype = static_cast<std::uint8_t>(input.below(10));
     field.count = number();
     cloud.fields.push_back(field);
   }
-  cloud.data = input.ConsumeRemainingBytes<std::uint8_t>();
+  const std::string bytes = input.rest();
+  cloud.data.assign(bytes.begin(), bytes.end());
   return cloud;
 }
 
@@ -46,7 +44,7 @@ bool onePerPointOrNone(const Numbers& numbers, std::size_t points) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  FuzzedDataProvider input(data, size);
+  FuzzInput input(data, size);
   const sensor_msgs::PointCloud2 cloud = cloudOf(input);
   Sweep sweep;
   const CloudReadResult result = readCloud(cloud, sweep);

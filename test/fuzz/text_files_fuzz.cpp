@@ -1,4 +1,4 @@
-// Trajectories, times, calibration and the monitor's log, of any bytes.
+// Trajectories, times, calibration and the two logs, of any bytes; the logs with any rows below their header, too.
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
@@ -12,9 +12,11 @@ using namespace fail_aware;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size < 1) return 0;
   const std::string path = freshFolder() + "/file.txt";
-  writeFile(path, std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
+  const int kind = data[0] % 8;
+  const std::string header = kind == 6 ? measurementLogHeader() + '\n' : kind == 7 ? monitorLogHeader() + '\n' : "";
+  writeFile(path, header + std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   try {
-    switch (data[0] % 6) {
+    switch (kind) {
       case 0:
         for (const Pose& T : readKittiTrajectory(path)) promise(T.matrix().allFinite(), "poses are finite");
         break;
@@ -27,7 +29,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (const double stamp_s : readTimes(path)) promise(std::isfinite(stamp_s), "stamps are finite");
         break;
       case 3: promise(readLidarToCamera(path).matrix().allFinite(), "the calibration is finite"); break;
-      case 4: readMeasurementLog(path); break;
+      case 4:
+      case 6: readMeasurementLog(path); break;
       default: readMonitorLog(path);
     }
   } catch (const InputError&) {
