@@ -19,6 +19,7 @@
 #include "fail_aware_monitor_params.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"
+#include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
 #include "stamps.hpp"
@@ -41,15 +42,17 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   void load() {
     ros::NodeHandle& node = getNodeHandle();
     ros::NodeHandle& private_node = getPrivateNodeHandle();
-    readParameters(private_node, "", params_, MissingKeys::kKeep, foreignKeys(FailAwareMonitorTuning(), params_));
+    readPrivateParameters(private_node, params_, FailAwareMonitorTuning());
     params_.validate();
     pipeline_ = readPipelineParameters(node);
     monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
     if (params_.start_redundant) monitor_->start();
+    const FailAwareMonitorTuning tuning{pipeline_.profile.monitor};
+    warnOfOtherValues(private_node, params_, tuning);
     reconfiguration_ = std::make_unique<Reconfiguration<Config, FailAwareMonitorTuning>>(
-        private_node, FailAwareMonitorTuning{pipeline_.profile.monitor}, [this](const FailAwareMonitorTuning& tuning) {
-          pipeline_.profile.monitor = tuning.monitor;
-          monitor_->setLimits(tuning.monitor);
+        private_node, tuning, [this](const FailAwareMonitorTuning& changed) {
+          pipeline_.profile.monitor = changed.monitor;
+          monitor_->setLimits(changed.monitor);
         });
     publisher_ = node.advertise<messages::TimeToFailure>(topics::kTimeToFailure, topics::kQueue);
     marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1);

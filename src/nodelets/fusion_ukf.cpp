@@ -33,6 +33,7 @@
 #include "measurement_sources.hpp"
 #include "odometry_output.hpp"
 #include "pose_setting.hpp"
+#include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
 #include "stamps.hpp"
@@ -68,9 +69,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void load() {
     ros::NodeHandle& node = getNodeHandle();
     ros::NodeHandle& private_node = getPrivateNodeHandle();
-    std::vector<std::string> others = foreignKeys(FusionUkfTuning(), params_);
-    others.push_back("extra_sources.");
-    readParameters(private_node, "", params_, MissingKeys::kKeep, others);
+    readPrivateParameters(private_node, params_, FusionUkfTuning(), {"extra_sources."});
     params_.validate();
     const PipelineParameters pipeline = readPipelineParameters(node);
     const ProfileParameters& profile = pipeline.profile;
@@ -84,6 +83,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     sources_ = std::make_unique<MeasurementSources>(node, readExtraSources(private_node), params_.odom_frame,
                                                     [this] { onAnswer(); });
     const FusionUkfTuning tuning{params_, profile.registration, profile.fusion};
+    warnOfOtherValues(private_node, params_, tuning);
     tune(tuning);
     output_ = std::make_unique<OdometryOutput>(node, private_node, params_, T_base_cog_);
     reset();

@@ -44,6 +44,7 @@ struct FusionUkfNodeletParams {
   }
   void validate() const {
     if (odom_frame.empty() || base_frame.empty()) throw ParameterError("odom_frame, base_frame: must not be empty");
+    if (odom_frame == base_frame) throw ParameterError("odom_frame = " + odom_frame + ": must not be base_frame, too");
     if (lidar_in_base_source != "tf" && lidar_in_base_source != "parameter") {
       throw ParameterError("lidar_in_base_source: must be tf or parameter, not " + lidar_in_base_source);
     }

@@ -23,6 +23,7 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"
+#include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
 #include "stamps.hpp"
@@ -40,7 +41,10 @@ class MeasurementNodelet : public nodelet::Nodelet {
 
   void load() {
     ros::NodeHandle& node = getNodeHandle();
+    NoOwnParams none;
+    readPrivateParameters(getPrivateNodeHandle(), none, typename Algorithm::Tuning());
     algorithm_ = std::make_unique<Algorithm>(node, readPipelineParameters(node));
+    warnOfOtherValues(getPrivateNodeHandle(), none, algorithm_->tuning());
     publisher_ = node.advertise<messages::PoseMeasurement>(topics::ofMeasurement(Algorithm::name()), topics::kQueue);
     reconfiguration_ = std::make_unique<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>>(
         getPrivateNodeHandle(), algorithm_->tuning(),

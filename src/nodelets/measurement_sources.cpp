@@ -168,7 +168,13 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
     return;
   }
   source.record.inTime();
-  source.measurement = fromMessage(message);
+  const std::string frame = withoutSlash(message.header.frame_id);
+  if (source.built_in || frame == odom_frame_) {
+    source.measurement = fromMessage(message);
+  } else {
+    refuse(source, "its frame is " + frame + ", must be " + odom_frame_);
+    source.measurement = Measurement();  // an answer all the same: nobody waits for another
+  }
   source.last_status = toString(source.measurement->status);
   source.last_duration_s = message.duration;
   ++source.answers;
@@ -191,6 +197,10 @@ void MeasurementSources::onPose(Source& source, const geometry_msgs::PoseWithCov
       return;
     }
   }
+  refuse(source, reason);
+}
+
+void MeasurementSources::refuse(Source& source, const std::string& reason) {
   if (source.refused++ == 0 || reason != source.refused_because) {
     ROS_WARN("extra source %s refused: %s", source.name.c_str(), reason.c_str());
   }
@@ -268,7 +278,8 @@ void MeasurementSources::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
     if (source.exact) {
       status.add(source.name + ": late", source.late);
       status.addf(source.name + ": ms", "%.1f", 1e3 * source.last_duration_s);
-    } else {
+    }
+    if (!source.built_in) {
       status.add(source.name + ": refused", source.refused);
       if (source.refused > 0) status.add(source.name + ": refused because", source.refused_because);
     }

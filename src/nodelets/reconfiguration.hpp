@@ -1,7 +1,6 @@
 // dynamic_reconfigure of a nodelet: a Tuning struct (tuning.hpp) behind a generated Config of the same names.
 //
-// At start-up the Config takes the values that the nodelet runs with, whatever the .cfg's defaults or an earlier run
-// left on the parameter server. A request that would give an invalid set changes nothing: it is refused in the log, in
+// At start-up the Config takes the values that the nodelet runs with, whatever the .cfg's defaults are. A request that would give an invalid set changes nothing: it is refused in the log, in
 // the diagnostics, and in the reply, which holds the old values. A value that came from yaml and lies beyond the .cfg's
 // bounds stays until somebody changes it.
 #pragma once
@@ -13,7 +12,6 @@
 #include <functional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
 
@@ -60,18 +58,6 @@ Tuning tunedBy(const Config& request, const Tuning& current) {
   fromMap(tuning, wanted);
   tuning.validate();
   return tuning;
-}
-
-/// Names of a Tuning's parameters that are no own parameters of the nodelet: what dynamic_reconfigure writes beside
-/// them.
-template <class Tuning, class Own>
-std::vector<std::string> foreignKeys(const Tuning& tuning, const Own& own) {
-  const ParameterMap owned = toMap(own);
-  std::vector<std::string> keys;
-  for (const auto& [name, value] : toMap(tuning)) {
-    if (owned.count(name) == 0) keys.push_back(name);
-  }
-  return keys;
 }
 
 template <class Config, class Tuning>

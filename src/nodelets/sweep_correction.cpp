@@ -17,6 +17,7 @@
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"
+#include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "stamps.hpp"
 #include "topics.hpp"
@@ -31,6 +32,8 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
 
   void load() {
     ros::NodeHandle& node = getNodeHandle();
+    NoOwnParams none;
+    readPrivateParameters(getPrivateNodeHandle(), none, NoTuning());
     const PipelineParameters params = readPipelineParameters(node);
     corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.timing,
                                                   params.profile.sweep_correction, params.profile.level_keeping);

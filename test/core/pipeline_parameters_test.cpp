@@ -90,8 +90,11 @@ TEST(PipelineParameters, EveryFieldRefusesWhatCannotBe) {
     using Field = std::decay_t<decltype(field)>;
     const Field valid = field;
     std::vector<Field> bad;
-    if constexpr (std::is_same_v<Field, double>) bad = {kNan, -1e30};
-    if constexpr (std::is_same_v<Field, int>) bad = {std::numeric_limits<int>::min()};
+    if constexpr (std::is_same_v<Field, double>) bad = {kNan, -1e30, 1e30, std::numeric_limits<double>::infinity()};
+    if constexpr (std::is_same_v<Field, int>) {
+      bad = {std::numeric_limits<int>::min()};
+      if (key.rfind(".seed") != key.size() - 5) bad.push_back(std::numeric_limits<int>::max());
+    }
     if constexpr (std::is_same_v<Field, std::string>) bad = {"", "nonsense"};
     if constexpr (std::is_same_v<Field, std::vector<double>>) {
       bad = {{}, {1.0, 2.0}, std::vector<double>(valid.size(), kNan), std::vector<double>(valid.size() + 1, 0.0)};

@@ -244,7 +244,10 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
   refused("fusion_ukf/nonsense", 1, "fusion_ukf", ": unknown");
   refused("fusion_ukf/deadline_s", "soon", "fusion_ukf", ": must be a number");
   refused("fusion_ukf/queue_size", 0, "fusion_ukf", " = 0: must be in [1, 6]");
-  refused("fail_aware_monitor/stale_sweeps", -1.0, "fail_aware_monitor", " = -1: must be finite and > 0");
+  refused("fail_aware_monitor/stale_sweeps", -1.0, "fail_aware_monitor", " = -1: must be in [1, 20]");
+  refused("fusion_ukf/odom_frame", "base_link", "fusion_ukf", " = base_link: must not be base_frame");
+  refused("icp_point_to_point/nonsense", 1, "icp_point_to_point", ": unknown");
+  refused("sweep_correction/nonsense", 1, "sweep_correction", ": unknown");
   refused("profile/nonsense", 1.0, "icp_point_to_plane", ": unknown");
   refused("sensor/nonsense", 1.0, "sweep_correction", ": unknown");
   XmlRpc::XmlRpcValue vehicle;
@@ -254,6 +257,24 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
   graph_.node().setParam("vehicle", vehicle);
   setDeadline(600.0);
   load("fusion_ukf");
+}
+
+TEST_F(Faults, ANodeletTakesRossOwnParametersAndSaysWhichOfItsValuesDoNotCount) {
+  std::string log;
+  ros::Subscriber listener = graph_.node().subscribe<rosgraph_msgs::Log>(
+      "/rosout", 100, [&](const rosgraph_msgs::LogConstPtr& line) { log += line->msg + '\n'; });
+  for (const char* name : {"corner_svd", "fail_aware_monitor", "fusion_ukf", "sweep_correction"}) {
+    graph_.node().setParam(std::string(name) + "/diagnostic_period", 0.5);
+    graph_.node().setParam(std::string(name) + "/num_worker_threads", 2);
+    load(name);
+    unload(name);
+  }
+  EXPECT_TRUE(waitFor([&] {
+    graph_.node().setParam("corner_svd/min_corners", 9);
+    load("corner_svd");
+    unload("corner_svd");
+    return log.find("corner_svd/min_corners: the profile's value counts") != std::string::npos;
+  })) << log;
 }
 
 /// The corners' answer to the sweep at `stamp`: none to measure.

@@ -31,7 +31,9 @@ class Interfaces : public testing::Test {
           messages::PoseMeasurement measurement;
           if (visual_pose_) measurement = visual_pose_(*prediction);
           if (!visual_pose_) measurement.status = messages::PoseMeasurement::NOT_CONVERGED;
+          const std::string frame = measurement.header.frame_id;
           measurement.header = prediction->header;
+          if (!frame.empty()) measurement.header.frame_id = frame;
           measurement.source = "visual";
           measurement.sweep_points = -1;
           visual_->publish(measurement);
@@ -377,6 +379,22 @@ TEST_F(Interfaces, APoseMeasurementOfOnesOwnIsWaitedForByItsExactStamp) {
     EXPECT_EQ(stateAt(i).deadline_missed, 0) << i;
   }
   expectNear(poseAt(4), truthAt(4), 0.06, "with it");
+  // in a frame that it must not have
+  visual_pose_ = [](const messages::SweepPrediction&) {
+    messages::PoseMeasurement measurement;
+    measurement.status = messages::PoseMeasurement::OK;
+    measurement.header.frame_id = "map";
+    measurement.pose = toPoseMessage(Pose(Eigen::Translation3d(0.0, 0.2, 0.0)));
+    measurement.covariance = toCovarianceMessage(1e-6 * Matrix6d::Identity());
+    return measurement;
+  };
+  drive(5, 6);
+  for (int i = 5; i <= 6; ++i) {
+    const auto at = static_cast<std::size_t>(sourceOf(stateAt(i), "visual"));
+    EXPECT_EQ(stateAt(i).measurement_status[at], messages::PoseMeasurement::NO_REFERENCE) << i;
+    EXPECT_EQ(stateAt(i).deadline_missed, 0) << "it has answered";
+  }
+  expectNear(poseAt(6), truthAt(6), 0.06, "without it");
   visual_pose_ = nullptr;
 }
 

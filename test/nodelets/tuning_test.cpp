@@ -164,11 +164,5 @@ TEST(Tuning, AValueOfTheYamlBeyondTheBoundsStaysUntilItIsChanged) {
   EXPECT_EQ(tuned.fusion.gate_sigma, 4.0);
 }
 
-TEST(Tuning, WhatDynamicReconfigureWritesBesideOwnParametersIsKnown) {
-  const std::vector<std::string> foreign = foreignKeys(FusionUkfTuning(), FusionUkfNodeletParams());
-  EXPECT_NE(std::find(foreign.begin(), foreign.end(), "gate_sigma"), foreign.end());
-  EXPECT_EQ(std::find(foreign.begin(), foreign.end(), "deadline_s"), foreign.end());
-}
-
 }  // namespace
 }  // namespace fail_aware

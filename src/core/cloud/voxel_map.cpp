@@ -19,7 +19,7 @@ bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e
 }  // namespace
 
 void VoxelMap::Params::validate() const {
-  requirePositive("voxel_size_m", voxel_size_m);
+  requireWithin("voxel_size_m", voxel_size_m, 0.01, 100.0);
   requireWithin("max_points", max_points, 1, kMaxPoints);
   requireNotNegative("min_point_spacing_m", min_point_spacing_m);
   requireWithin("min_plane_samples", min_plane_samples, 3, 1e6);

@@ -6,10 +6,17 @@
 
 namespace fail_aware {
 
+namespace {
+
+constexpr double kLongestPeriod_s = 1.0;  // a lidar that turns slower is none that this package is for
+
+}  // namespace
+
 void SilenceParams::validate() const {
-  requirePositive("stale_sweeps", stale_sweeps);
-  requirePositive("min_period_s", min_period_s);
+  requireWithin("stale_sweeps", stale_sweeps, 1.0, 20.0);
+  requireWithin("min_period_s", min_period_s, 0.001, kLongestPeriod_s);
   requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
+  requireWithin("max_period_s", max_period_s, min_period_s, kLongestPeriod_s);
 }
 
 double staleAfter_s(const SilenceParams& params, double period_s) {

@@ -180,7 +180,7 @@ std::vector<Eigen::Vector2d> standingPoints(const std::vector<Eigen::Vector3f>& 
 }  // namespace
 
 void CorrelativeSearch::Params::validate() const {
-  requirePositive("range_m", range_m);
+  requireWithin("range_m", range_m, 1.0, 200.0);
   requireWithin("max_shift_m", max_shift_m, 0.5, 100.0);
   requireWithin("max_turn_deg", max_turn_deg, 0.5, 180.0);
   requireWithin("min_share", min_share, 0.0, 1.0);

@@ -9,7 +9,7 @@
 namespace fail_aware {
 
 void InformationSupport::Params::validate() const {
-  requirePositive("cell_m", cell_m);
+  requireWithin("cell_m", cell_m, 0.05, 1000.0);
   requireWithin("max_place_share", max_place_share, 0.01, 1.0);
   requireWithin("below_share", below_share, 0.0, 1.0);
 }

@@ -11,6 +11,7 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kMostTried = 10000.0;
 constexpr double kRounding = 1e-9;  // 0.7 / 0.1 is less than 7
 
 VoxelMap::Params denseMap(const MotionInitialization::Params& params) {
@@ -29,12 +30,14 @@ void MotionInitialization::Params::validate() const {
   requireWithin("step_mps", step_mps, 0.1, 100.0);
   requireWithin("max_yaw_rate_rps", max_yaw_rate_rps, 0.0, 10.0);
   requireWithin("step_yaw_rate_rps", step_yaw_rate_rps, 0.01, 10.0);
+  const double tried = ((max_speed_mps - min_speed_mps) / step_mps + 1.0) * (2.0 * max_yaw_rate_rps / step_yaw_rate_rps + 1.0);
+  requireParameter(tried <= kMostTried, "step_mps", step_mps, "so large that at most 10000 motions are tried");
   requirePositive("max_lateral_acceleration_mps2", max_lateral_acceleration_mps2);
-  requirePositive("max_range_m", max_range_m);
-  requirePositive("thinning_m", thinning_m);
-  requirePositive("kernel_m", kernel_m);
-  requirePositive("cell_m", cell_m);
-  requirePositive("column_m", column_m);
+  requireWithin("max_range_m", max_range_m, 0.1, 1000.0);
+  requireWithin("thinning_m", thinning_m, 0.01, 10.0);
+  requireWithin("kernel_m", kernel_m, 0.01, 100.0);
+  requireWithin("cell_m", cell_m, 0.05, 1000.0);
+  requireWithin("column_m", column_m, 0.05, 100.0);
   requireNotNegative("min_height_m", min_height_m);
   requireNotNegative("standstill_m", standstill_m);
   requireWithin("standstill_share", standstill_share, 0.0, 1.0);

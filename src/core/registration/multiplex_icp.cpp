@@ -77,7 +77,9 @@ void MultiplexIcp::Params::validate() const {
   requireNotNegative("min_spread_m", min_spread_m);
   requireNotNegative("min_spread_deg", min_spread_deg);
   requireParameter(max_spread_m >= min_spread_m, "max_spread_m", max_spread_m, ">= min_spread_m");
+  requireWithin("max_spread_m", max_spread_m, min_spread_m, kLargestSpread_m);
   requireParameter(max_spread_deg >= min_spread_deg, "max_spread_deg", max_spread_deg, ">= min_spread_deg");
+  requireWithin("max_spread_deg", max_spread_deg, min_spread_deg, 180.0);
   requireWithin("thinned_points", thinned_points, 10, 1e9);
   requirePositive("max_distance_m", max_distance_m);
   requirePositive("kernel_m", kernel_m);
@@ -86,7 +88,7 @@ void MultiplexIcp::Params::validate() const {
   requireNotNegative("merge_rotation_deg", merge_rotation_deg);
   requireWithin("max_joint_iterations", max_joint_iterations, 1, 1000);
   requireWithin("max_refined_seeds", max_refined_seeds, 1, 8);
-  requireWithin("max_iterations", max_iterations, 1, 1000);
+  requireWithin("max_iterations", max_iterations, 1, kMostIterations);
   requirePositive("step_translation_m", step_translation_m);
   requirePositive("step_rotation_deg", step_rotation_deg);
   requireWithin("usable_steps", usable_steps, 1.0, 1e6);

@@ -86,13 +86,13 @@ double fitPlane(const std::vector<Eigen::Vector3f>& points, const std::vector<in
 }  // namespace
 
 void RansacPlane::Params::validate() const {
-  requireParameter(iterations >= 1, "iterations", iterations, ">= 1");
+  requireWithin("iterations", iterations, 1, 100000);
   requireWithin("confidence", confidence, 0.0, 1.0 - 1e-12);
   requirePositive("inlier_distance_m", inlier_distance_m);
   requirePositive("sample_share", sample_share);
   requireWithin("sample_share", sample_share, 0.0, 1.0);
-  requireParameter(max_sample_points >= 10, "max_sample_points", max_sample_points, ">= 10");
-  requireParameter(min_inliers >= 3, "min_inliers", min_inliers, ">= 3");
+  requireWithin("max_sample_points", max_sample_points, 10, 1000000);
+  requireWithin("min_inliers", min_inliers, 3, 1000000);
   requireWithin("max_tilt_deg", max_tilt_deg, 0.0, 90.0);
 }
 

@@ -6,7 +6,7 @@ namespace fail_aware {
 
 void ReferenceMap::Params::validate() const {
   requireWithin("sweeps", sweeps, 0, 1000);
-  requirePositive("range_m", range_m);
+  requireWithin("range_m", range_m, 0.1, 2000.0);
   voxels.validate();
 }
 

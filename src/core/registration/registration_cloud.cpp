@@ -57,9 +57,11 @@ void RegistrationCloudBuilder::Params::validate() const {
   requireNotNegative("min_range_m", min_range_m);
   requireParameter(max_range_m > min_range_m && max_range_m <= 1000.0, "max_range_m", max_range_m,
                    "> min_range_m and <= 1000");
-  requirePositive("map_voxel_m", map_voxel_m);
+  requireWithin("map_voxel_m", map_voxel_m, 0.01, 100.0);
   requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m");
+  requireWithin("plane_voxel_m", plane_voxel_m, map_voxel_m, 100.0);
   requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m");
+  requireWithin("point_voxel_m", point_voxel_m, map_voxel_m, 100.0);
   requireWithin("min_points", min_points, 1, 1e9);
 }
 

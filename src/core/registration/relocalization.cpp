@@ -30,7 +30,7 @@ MultiplexIcp::Params widened(const Relocalization::Params& params, const Multipl
 MultiplexIcp::Params narrowing(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
   MultiplexIcp::Params one = widened(params, usual);
   one.seeds = 1;
-  one.max_iterations = kNarrowingSteps * usual.max_iterations;
+  one.max_iterations = std::min(kNarrowingSteps * usual.max_iterations, MultiplexIcp::kMostIterations);
   return one;
 }
 
@@ -70,7 +70,7 @@ std::optional<Pose> confirmedBy(const MultiplexIcp& icp, const RegistrationCloud
 
 void Relocalization::Params::validate() const {
   requirePositive("min_sigma_m", min_sigma_m);
-  requirePositive("max_spread_m", max_spread_m);
+  requireWithin("max_spread_m", max_spread_m, kSmallestParameter, MultiplexIcp::kLargestSpread_m);
   requirePositive("max_distance_m", max_distance_m);
   requireWithin("min_inlier_share", min_inlier_share, 0.0, 1.0);
   requirePositive("narrow_m", narrow_m);

@@ -47,19 +47,20 @@ void StandingMatch::Params::validate() const {
   requireWithin("max_standing_share", max_standing_share, 0.0, 1.0);
   requirePositive("surface_sigma_m", surface_sigma_m);
   requirePositive("surface_sigma_deg", surface_sigma_deg);
-  requirePositive("cell_m", cell_m);
-  requirePositive("column_m", column_m);
+  requireWithin("cell_m", cell_m, 0.05, 1000.0);
+  requireWithin("column_m", column_m, 0.05, 100.0);
   requireNotNegative("min_height_m", min_height_m);
   requireWithin("step_m", step_m, 0.01, 10.0);
   requireWithin("window_m", window_m, step_m, 100.0);
-  requirePositive("kernel_m", kernel_m);
+  requireWithin("kernel_m", kernel_m, 0.01, 100.0);
   requireWithin("contrast_m", contrast_m, step_m, 100.0);
   requireWithin("min_contrast", min_contrast, 0.0, 1.0);
   requirePositive("sigma_m", sigma_m);
   requirePositive("min_places", min_places);
-  requirePositive("max_way_m", max_way_m);
+  requireWithin("max_way_m", max_way_m, 0.01, 1000.0);
   requireParameter(max_range_m > max_way_m + window_m + contrast_m, "max_range_m", max_range_m,
                    "> max_way_m + window_m + contrast_m");
+  requireWithin("max_range_m", max_range_m, 0.1, 2000.0);
   requirePositive("max_age_s", max_age_s);
 }
 

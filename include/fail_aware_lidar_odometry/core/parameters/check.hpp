@@ -22,19 +22,24 @@ void requireParameter(bool holds, const char* name, const T& value, const char* 
   throw ParameterError(text.str());
 }
 
-inline void requirePositive(const char* name, double value) {
-  requireParameter(std::isfinite(value) && value > 0.0, name, value, "finite and > 0");
-}
-
-inline void requireNotNegative(const char* name, double value) {
-  requireParameter(std::isfinite(value) && value >= 0.0, name, value, "finite and >= 0");
-}
-
 inline void requireWithin(const char* name, double value, double low, double high) {
   if (std::isfinite(value) && value >= low && value <= high) return;
   std::ostringstream rule;
   rule << "in [" << low << ", " << high << "]";
   requireParameter(false, name, value, rule.str().c_str());
+}
+
+// Whatever a number means: its square and its inverse are numbers, too.
+constexpr double kSmallestParameter = 1e-12, kLargestParameter = 1e9;
+
+inline void requirePositive(const char* name, double value) {
+  requireParameter(std::isfinite(value) && value > 0.0, name, value, "finite and > 0");
+  requireWithin(name, value, kSmallestParameter, kLargestParameter);
+}
+
+inline void requireNotNegative(const char* name, double value) {
+  requireParameter(std::isfinite(value) && value >= 0.0, name, value, "finite and >= 0");
+  requireWithin(name, value, 0.0, kLargestParameter);
 }
 
 }  // namespace fail_aware

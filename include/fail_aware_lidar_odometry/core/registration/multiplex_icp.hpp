@@ -37,6 +37,9 @@ struct SeedTrack {
 
 class MultiplexIcp {
  public:
+  static constexpr double kLargestSpread_m = 1000.0;  ///< limits of parameters
+  static constexpr int kMostIterations = 1000;
+
   struct Params {
     int seeds = 8;               ///< 8: +- over x, y, z, yaw; 1: the prediction alone
     double spread = 1.0;         ///< seeds lie that many sigma from the prediction

@@ -1,0 +1,99 @@
+// The smallest and the largest value of every number that validate() takes, one at a time, over a short drive with an
+// empty sweep and a gap in a street: it ends, and what comes out is finite.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "../support/street_parameters.hpp"
+#include "../support/synthetic_street.hpp"
+#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+
+namespace fail_aware {
+namespace {
+
+std::vector<Sweep> shortDrive() {
+  const synthetic::Street street;
+  const synthetic::Drive drive;
+  synthetic::Lidar lidar;
+  lidar.beams = 48;
+  lidar.columns = 120;
+  std::vector<Sweep> sweeps;
+  for (const int i : {0, 1, 2, 3, 4, 5, 12, 13}) {
+    sweeps.push_back(street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i,
+                                 static_cast<std::uint32_t>(i), lidar));
+  }
+  sweeps[4] = Sweep();
+  sweeps[4].stamp_s = 0.4;
+  return sweeps;
+}
+
+bool isValid(const PipelineParameters& params) {
+  try {
+    params.validate();
+    return true;
+  } catch (const ParameterError&) {
+    return false;
+  }
+}
+
+void expectFiniteDrive(const PipelineParameters& params, const std::string& what) {
+  static const std::vector<Sweep> sweeps = shortDrive();
+  OdometryPipeline pipeline(params, 1);
+  pipeline.startRedundant();
+  for (Sweep sweep : sweeps) {
+    const SweepResult r = pipeline.step(sweep);
+    EXPECT_TRUE(r.T_odom_base.matrix().allFinite() && r.state.covariance.allFinite() &&
+                r.state.increment_covariance.allFinite() && std::isfinite(r.monitor.eta) &&
+                std::isfinite(r.monitor.protection_level_m) && std::isfinite(r.monitor.time_to_failure.seconds))
+        << what;
+  }
+}
+
+TEST(ExtremeParameters, TheDriveMeasuresBeforeAndAfterItsGap) {
+  OdometryPipeline pipeline(synthetic::streetParameters(), 1);
+  std::vector<SweepStatus> statuses;
+  for (Sweep sweep : shortDrive()) statuses.push_back(pipeline.step(sweep).status);
+  using S = SweepStatus;
+  EXPECT_EQ(statuses, (std::vector<S>{S::kFirst, S::kCorrected, S::kCorrected, S::kCorrected, S::kPredicted, S::kCorrected,
+                                      S::kCorrected, S::kCorrected}));
+}
+
+TEST(ExtremeParameters, EveryDriveEndsAndIsFinite) {
+  PipelineParameters params = synthetic::streetParameters();
+  detail::visitLeaves(params, "", [&](const std::string& key, auto& field) {
+    using Field = std::decay_t<decltype(field)>;
+    if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, int>) {
+      const Field valid = field;
+      std::vector<Field> taken;
+      const auto offer = [&](double value) {
+        field = static_cast<Field>(value);
+        if (isValid(params)) taken.push_back(field);
+      };
+      for (int exponent = -12; exponent <= 9; ++exponent) {
+        for (const double sign : {-1.0, 1.0}) offer(sign * std::pow(10.0, exponent));
+      }
+      offer(0.0);
+      if (!taken.empty()) {
+        const auto [low, high] = std::minmax_element(taken.begin(), taken.end());
+        for (const Field extreme : {*low, *high}) {
+          field = extreme;
+          try {
+            expectFiniteDrive(params, key + " = " + std::to_string(extreme));
+          } catch (const std::exception& error) {
+            ADD_FAILURE() << key << " = " << extreme << ": " << error.what();
+          }
+        }
+      }
+      field = valid;
+    }
+  });
+}
+
+}  // namespace
+}  // namespace fail_aware
