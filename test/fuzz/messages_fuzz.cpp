@@ -110,9 +110,6 @@ class FieldSource {
 
 bool finite(const Pose& T) { return T.matrix().allFinite(); }
 
-/// From a way whose square is not finite on the level keeping's bend is none: kept to what the fusion takes as a place.
-bool isOnEarth(const Pose& T) { return T.translation().cwiseAbs().maxCoeff() < 1e9; }
-
 template <class Message>
 void promiseFinite(const Message& message) {
   const std::string which = numbersNotFinite(message);
@@ -179,7 +176,6 @@ void predictions(FieldSource& source) {
     const std::optional<SweepTask> task = fromMessage(source.message<messages::SweepPrediction>());
     if (!task) continue;
     promise(finite(task->prediction.T_odom_cog) && finite(task->T_cog_lidar), "a prediction's poses are finite");
-    if (!isOnEarth(task->prediction.T_odom_cog) || !isOnEarth(task->T_cog_lidar)) continue;
     Sweep sweep;
     sweep.stamp_s = task->prediction.stamp_s;
     for (std::uint32_t points = source.input().below(40); points > 0; --points) {
@@ -266,7 +262,7 @@ void promiseState(const FilterState& state) {
   promiseCovariance(state.unobserved_covariance, "what is unobserved is a covariance");
   promiseCovariance(state.fusion.R, "what is fused has a covariance");
   for (const double weight : state.fusion.weights) promise(weight >= 0.0 && weight <= 1.0, "weights are in 0..1");
-  promise(state.speed_error.variance_m2_s2 >= -1e-9, "a variance is not negative but for rounding");
+  promise(state.speed_error.variance_m2_s2 >= 0.0, "a variance is not negative");
 }
 
 void drive(FieldSource& source) {

@@ -95,7 +95,7 @@ class Coasting {
   Eigen::Matrix4d drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const;
 
   /// Of the sweep closed last, along the vehicle. Zero unless active.
-  SpeedError speedError() const { return active_ ? SpeedError{S_(0, 0), kept_} : SpeedError(); }
+  SpeedError speedError() const { return active_ ? SpeedError{std::max(0.0, S_(0, 0)), kept_} : SpeedError(); }
 
   Eigen::Matrix3d velocityCovariance() const { return S_.topLeftCorner<3, 3>(); }
 
