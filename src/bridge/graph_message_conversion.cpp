@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
 
 namespace fail_aware {
 
@@ -45,6 +46,8 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   const std::optional<Pose> previous = fromMessage(message.previous_pose), pose = fromMessage(message.pose),
                             lidar = fromMessage(message.lidar_in_cog);
   if (!previous || !pose || !lidar) return std::nullopt;
+  const auto is_near = [](const Pose& T) { return T.translation().cwiseAbs().maxCoeff() <= kFarthestPose_m; };
+  if (!is_near(*previous) || !is_near(*pose) || !is_near(*lidar)) return std::nullopt;
   SweepTask task;
   task.prediction.stamp_s = message.header.stamp.toSec();
   task.prediction.dt_s = message.dt;

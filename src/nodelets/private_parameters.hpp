@@ -43,8 +43,8 @@ void warnOfOtherValues(const ros::NodeHandle& private_node, const Own& own, cons
   for (const auto& [name, value] : toMap(tuning)) {
     const auto other = here.find(name);
     if (owned.count(name) != 0 || other == here.end() || other->second == value) continue;
-    ROS_WARN("%s/%s: the profile's value counts, not what stands here, which is another", private_node.getNamespace().c_str(),
-             name.c_str());
+    ROS_WARN("%s/%s: the profile's value counts, not what stands here, which is another",
+             private_node.getNamespace().c_str(), name.c_str());
   }
 }
 

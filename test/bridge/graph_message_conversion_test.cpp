@@ -77,6 +77,15 @@ TEST(GraphMessages, predictionThereAndBack) {
   EXPECT_TRUE(toMessage(task, someHeader(), previous).previous_stamp.isZero());
 }
 
+TEST(GraphMessages, predictionBeyondAllPlacesIsNone) {
+  SweepTask task;
+  task.T_cog_lidar = somePose(-0.5);
+  messages::SweepPrediction message = toMessage(task, someHeader(), ros::Time());
+  EXPECT_TRUE(fromMessage(message));
+  message.lidar_in_cog.position.x = -1e300;  // the square of a way to there is not finite
+  EXPECT_FALSE(fromMessage(message));
+}
+
 TEST(GraphMessages, measurementThereAndBack) {
   Measurement measurement;
   measurement.status = MeasurementStatus::kTooFewCorners;

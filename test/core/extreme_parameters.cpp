@@ -25,8 +25,8 @@ std::vector<Sweep> shortDrive() {
   lidar.columns = 120;
   std::vector<Sweep> sweeps;
   for (const int i : {0, 1, 2, 3, 4, 5, 12, 13}) {
-    sweeps.push_back(street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i,
-                                 static_cast<std::uint32_t>(i), lidar));
+    sweeps.push_back(
+        street.scan([&](double t) { return drive.T_street_base(t); }, 0.1 * i, static_cast<std::uint32_t>(i), lidar));
   }
   sweeps[4] = Sweep();
   sweeps[4].stamp_s = 0.4;
@@ -60,8 +60,8 @@ TEST(ExtremeParameters, TheDriveMeasuresBeforeAndAfterItsGap) {
   std::vector<SweepStatus> statuses;
   for (Sweep sweep : shortDrive()) statuses.push_back(pipeline.step(sweep).status);
   using S = SweepStatus;
-  EXPECT_EQ(statuses, (std::vector<S>{S::kFirst, S::kCorrected, S::kCorrected, S::kCorrected, S::kPredicted, S::kCorrected,
-                                      S::kCorrected, S::kCorrected}));
+  EXPECT_EQ(statuses, (std::vector<S>{S::kFirst, S::kCorrected, S::kCorrected, S::kCorrected, S::kPredicted,
+                                      S::kCorrected, S::kCorrected, S::kCorrected}));
 }
 
 TEST(ExtremeParameters, EveryDriveEndsAndIsFinite) {

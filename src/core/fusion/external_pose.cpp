@@ -9,7 +9,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kUnmeasuredVariance_rad2 = 1e4;
-constexpr double kFarthest_m = 1e9, kLargestVariance = 1e12;  // what is computed with them stays finite
+constexpr double kLargestVariance = 1e12;  // what is computed with it stays finite
 
 bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRightCorner<3, 3>().isZero(0.0); }
 
@@ -17,7 +17,7 @@ bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRig
 
 std::string unusableReason(const ExternalPose& pose) {
   if (!std::isfinite(pose.stamp_s) || !isFinite(pose.T_odom_base)) return "the pose is not finite";
-  if (pose.T_odom_base.translation().cwiseAbs().maxCoeff() > kFarthest_m) return "the position is beyond 1e9 m";
+  if (pose.T_odom_base.translation().cwiseAbs().maxCoeff() > kFarthestPose_m) return "the position is beyond 1e9 m";
   const Matrix6d& C = pose.covariance;
   if (!C.allFinite()) return "the covariance is not finite";
   const double scale = C.cwiseAbs().maxCoeff();

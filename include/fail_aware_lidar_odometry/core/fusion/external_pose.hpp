@@ -18,6 +18,8 @@
 
 namespace fail_aware {
 
+constexpr double kFarthestPose_m = 1e9;  ///< farther out no pose is taken: what is computed with it stays finite
+
 struct ExternalPose {
   double stamp_s = 0.0;
   Pose T_odom_base = Pose::Identity();
