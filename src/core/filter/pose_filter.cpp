@@ -212,6 +212,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.reference_epoch = state_.reference_epoch;
   const Matrix6d predicted_P = ukf_.covariance();
   next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), measurements);
+  if (next.fusion.prediction_overruled) doubtPrediction(next.fusion.z);
   if (next.fusion.has_measurement) {
     next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
     next.filter_nis = ukf_.nis();
@@ -237,7 +238,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     next.placed = true;
     ++next.reference_epoch;
   }
-  if (begins) history_.clear();
+  if (begins || next.fusion.prediction_overruled) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
   last_measured_ = measured;
@@ -246,6 +247,12 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   updateMotion();
   if (measured) road_.update(next.stamp_s, ukf_.state(), motion_);
   return state_;
+}
+
+// Measurements that agree with each other lie where the prediction is not: it is as wrong as that.
+void PoseFilter::doubtPrediction(const Vector6d& z) {
+  const Vector6d error = stateDifference(z, ukf_.state());
+  ukf_.reset(ukf_.state(), ukf_.covariance() + error * error.transpose());
 }
 
 // The pose in the sweep's middle, by the motion that the sweep was corrected for.
@@ -305,7 +312,9 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
 
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
-  if (state_.corrected) {
+  // a way that nobody expected - a jolt, a wrong interval, the end of a blind drive - is no motion that goes on
+  const bool told = state_.corrected && !state_.fusion.prediction_overruled;
+  if (told) {
     motion_ = historyDerivatives();
   } else {
     motion_.rpy_accelerations_rad_s2.setZero();
@@ -315,7 +324,7 @@ void PoseFilter::updateMotion() {
   if (state_.dt_s > 0.0) {
     if (!state_.corrected) {
       coast(last, nullptr);
-    } else {
+    } else if (told) {
       const Coasting::Measured measured = measuredMotion();
       if (coasting_.settles(measured)) {
         coasting_.observed(measured, state_.dt_s);

@@ -127,6 +127,7 @@ class PoseFilter {
   bool started() const { return started_; }
 
  private:
+  void doubtPrediction(const Vector6d& z);
   void remember(double middle_s);
   MotionDerivatives historyDerivatives() const;
   void updateMotion();
