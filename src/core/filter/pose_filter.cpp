@@ -108,7 +108,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   started_ = false;
   undecided_m_.clear();
   last_measured_ = previous_measured_ = false;
-  unplaced_sweeps_ = 0;
+  unplaced_sweeps_ = overruled_in_a_row_ = 0;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
@@ -212,7 +212,9 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.reference_epoch = state_.reference_epoch;
   const Matrix6d predicted_P = ukf_.covariance();
   next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), measurements);
-  if (next.fusion.prediction_overruled) doubtPrediction(next.fusion.z);
+  overruled_in_a_row_ = next.fusion.prediction_overruled ? overruled_in_a_row_ + 1 : 0;
+  const bool unexpected = overruled_in_a_row_ == 1;  // after that it is the motion that is not as thought
+  if (unexpected) doubtPrediction(next.fusion.z);
   if (next.fusion.has_measurement) {
     next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
     next.filter_nis = ukf_.nis();
@@ -238,7 +240,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     next.placed = true;
     ++next.reference_epoch;
   }
-  if (begins || next.fusion.prediction_overruled) history_.clear();
+  if (begins || unexpected) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
   last_measured_ = measured;
@@ -313,7 +315,7 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
   // a way that nobody expected - a jolt, a wrong interval, the end of a blind drive - is no motion that goes on
-  const bool told = state_.corrected && !state_.fusion.prediction_overruled;
+  const bool told = state_.corrected && overruled_in_a_row_ != 1;
   if (told) {
     motion_ = historyDerivatives();
   } else {

@@ -141,6 +141,21 @@ TEST(PoseFilter, WhatOverrulesThePredictionIsTakenAsThePoseAndNotAsAMotion) {
   }
 }
 
+TEST(PoseFilter, AMotionThatOverrulesThePredictionTwiceIsLearnt) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  driveMeasured(filter, drive, 8);
+  Pose T_odom_cog = drive.at(8);
+  Step last;
+  for (int i = 9; i < 16; ++i) {
+    T_odom_cog.translation().x() += 3.5;
+    last = step(filter, drive.stamp(i), {measured(T_odom_cog), measured(T_odom_cog)});
+    EXPECT_LT(distance(last.state.T_odom_cog, T_odom_cog), 0.2) << i;
+  }
+  EXPECT_FALSE(last.state.fusion.prediction_overruled);
+  EXPECT_LT(distance(last.prediction.T_odom_cog, T_odom_cog), 0.1);
+}
+
 TEST(PoseFilter, AStampThatDoesNotAdvanceIsRefusedAndChangesNothing) {
   PoseFilter filter = makeFilter(), undisturbed = makeFilter();
   const Drive drive;
