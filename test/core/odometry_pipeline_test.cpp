@@ -255,24 +255,6 @@ TEST(OdometryPipeline, OneStampFarAheadIsRefusedTwoBeginADriveAtTheLastPose) {
   EXPECT_LT(poseError(since, kDrive.T_odom_base(1.3, 0.9)).horizontal_m, 0.05);
 }
 
-TEST(OdometryPipeline, AClockThatIsSetForAWhileDoesNotMoveTheCar) {
-  OdometryPipeline pipeline(streetParameters(), 1);
-  pipeline.startRedundant();
-  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 30);
-  for (std::size_t i = 10; i < 20; ++i) sweeps[i].stamp_s += 0.4;
-  const std::vector<SweepResult> results = run(pipeline, sweeps);
-  for (std::size_t i = 1; i < sweeps.size(); ++i) {
-    const bool refused = i >= 20 && i < 24;  // the stamps are set back
-    EXPECT_EQ(results[i].status, refused ? SweepStatus::kStampNotAdvancing : SweepStatus::kCorrected) << i;
-    if (!refused)
-      expectNear(results[i], kDrive.T_odom_base(kPeriod_s * static_cast<double>(i)), 0.06, std::to_string(i));
-  }
-  for (const std::size_t i : {10, 24}) {  // set, and set back
-    EXPECT_TRUE(results[i].monitor.reasons & kReasonPredictionOverruled) << i;
-    EXPECT_NE(results[i].monitor.state, FailAwareState::kOk) << i;
-  }
-}
-
 TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();

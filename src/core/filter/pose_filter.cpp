@@ -108,7 +108,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   started_ = false;
   undecided_m_.clear();
   last_measured_ = previous_measured_ = false;
-  unplaced_sweeps_ = overruled_in_a_row_ = 0;
+  unplaced_sweeps_ = 0;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
@@ -212,9 +212,6 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.reference_epoch = state_.reference_epoch;
   const Matrix6d predicted_P = ukf_.covariance();
   next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), measurements);
-  overruled_in_a_row_ = next.fusion.prediction_overruled ? overruled_in_a_row_ + 1 : 0;
-  const bool unexpected = overruled_in_a_row_ == 1;  // after that it is the motion that is not as thought
-  if (unexpected) doubtPrediction(next.fusion.z);
   if (next.fusion.has_measurement) {
     next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
     next.filter_nis = ukf_.nis();
@@ -240,7 +237,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     next.placed = true;
     ++next.reference_epoch;
   }
-  if (begins || unexpected) history_.clear();
+  if (begins) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
   last_measured_ = measured;
@@ -249,12 +246,6 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   updateMotion();
   if (measured) road_.update(next.stamp_s, ukf_.state(), motion_);
   return state_;
-}
-
-// Measurements that agree with each other lie where the prediction is not: it is as wrong as that.
-void PoseFilter::doubtPrediction(const Vector6d& z) {
-  const Vector6d error = stateDifference(z, ukf_.state());
-  ukf_.reset(ukf_.state(), ukf_.covariance() + error * error.transpose());
 }
 
 // The pose in the sweep's middle, by the motion that the sweep was corrected for.
@@ -314,9 +305,7 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
 
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
-  // a way that nobody expected - a jolt, a wrong interval, the end of a blind drive - is no motion that goes on
-  const bool told = state_.corrected && overruled_in_a_row_ != 1;
-  if (told) {
+  if (state_.corrected) {
     motion_ = historyDerivatives();
   } else {
     motion_.rpy_accelerations_rad_s2.setZero();
@@ -326,7 +315,7 @@ void PoseFilter::updateMotion() {
   if (state_.dt_s > 0.0) {
     if (!state_.corrected) {
       coast(last, nullptr);
-    } else if (told) {
+    } else {
       const Coasting::Measured measured = measuredMotion();
       if (coasting_.settles(measured)) {
         coasting_.observed(measured, state_.dt_s);

@@ -15,9 +15,6 @@ namespace {
 constexpr double kSurePlaces = 10.0;  // the search for the first motion is as good as its last step if so many agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
-constexpr double kLongInUsual = 1.5;        // intervals of so many usual ones may be wrong
-constexpr double kLeadKept_s = 60.0;        // after which a clock that was set is not awaited to be set back
-constexpr double kClearlyMore = 0.1;        // of the sweep fits at another place
 constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
 constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
 constexpr double kClearlyOpen = 0.5;  // less than that of the limit
@@ -57,7 +54,6 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   if (!prepared_) return false;
   if (prediction.motion_known) {
     relocalize();
-    doubtInterval();
     if (!lost_) {
       findTurn(prediction.sigma_yaw_rad);
       matchStanding(prediction.sigma_yaw_rad);
@@ -181,39 +177,6 @@ void RegistrationFront::relocalize() {
   lost_ = !T_odom_cog;
 }
 
-// A clock that is set in a drive makes one interval look long, and another one short when it is set back. The clouds know:
-// the way of the other interval is tried, too, and taken where clearly more of the sweep fits.
-void RegistrationFront::doubtInterval() {
-  const bool is_long = usual_dt_s_ > 0.0 && dt_s_ > kLongInUsual * usual_dt_s_;
-  if (lead_s_ > 0.0 && secondsBetween(lead_stamp_s_, cloud_.stamp_s) > kLeadKept_s) lead_s_ = 0.0;
-  struct Other {
-    double interval_s, lead_s;
-  };
-  std::vector<Other> others;
-  if (last_measured_ && !map().empty() && dt_s_ > 0.0) {
-    if (is_long) others.push_back({usual_dt_s_, lead_s_ + dt_s_ - usual_dt_s_});
-    if (lead_s_ > 0.0) others.push_back({dt_s_ + lead_s_, 0.0});
-  }
-  if (!is_long && dt_s_ > 0.0) usual_dt_s_ = dt_s_;
-  if (others.empty()) return;
-  const auto shareAt = [&](const Pose& T_odom_cog, Pose& found) {
-    const Measurement m = relocalization_.fit(cloud_, map(), T_odom_cog, start_covariance_);
-    found = m.T_odom_cog;
-    return m.ok() ? m.inlier_share : 0.0;
-  };
-  Pose found;
-  double to_beat = kClearlyMore + (lost_ ? 0.0 : shareAt(T_odom_cog_start_, found));
-  for (const Other& other : others) {
-    const double share = shareAt(T_odom_cog_previous_ * expSe3(corrected_twist_cog_ * other.interval_s), found);
-    if (share <= to_beat) continue;
-    to_beat = share;
-    T_odom_cog_start_ = found;
-    lost_ = false;
-    lead_s_ = other.lead_s;
-    lead_stamp_s_ = cloud_.stamp_s;
-  }
-}
-
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                          const Pose& T_cog_lidar) {
   const double since_first_s = secondsBetween(first_cloud_.stamp_s, prediction.stamp_s);
@@ -311,9 +274,8 @@ void RegistrationFront::place(const FilterState& state) {
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
   if (!prepared_) return;
   prepared_ = false;
-  // an increment from a prediction to a measured pose holds the prediction's error, one against the prediction a jolt or a
-  // wrong interval: no motion to correct for
-  if (refine_correction_ && between_measured && !state.fusion.prediction_overruled && state.dt_s > 0.0) {
+  // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
+  if (refine_correction_ && between_measured && state.dt_s > 0.0) {
     Vector6d twist_cog = logSe3(state.T_previous_now) / state.dt_s;
     // for another turn than the one it was measured with, map and measurement would lead each other astray
     if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();
@@ -362,7 +324,6 @@ void RegistrationFront::reset() {
   relief_speed_.reset();
   speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;
-  usual_dt_s_ = lead_s_ = 0.0;
   prepared_ = false;
   last_measured_ = false;
   lost_ = false;

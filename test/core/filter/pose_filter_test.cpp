@@ -125,37 +125,6 @@ TEST(PoseFilter, TheFirstSweepDefinesThePose) {
   EXPECT_NEAR(first.state.sigma_yaw_rad, PoseFilter::Params().initial_sigma_deg * kDegree, 1e-9);
 }
 
-TEST(PoseFilter, WhatOverrulesThePredictionIsTakenAsThePoseAndNotAsAMotion) {
-  PoseFilter filter = makeFilter();
-  const Drive drive;
-  driveMeasured(filter, drive, 8);
-  Pose T_odom_cog = drive.at(9);
-  T_odom_cog.translation().x() += 5.0;
-  const Step aside = step(filter, drive.stamp(9), {measured(T_odom_cog), measured(T_odom_cog)});
-  EXPECT_TRUE(aside.state.fusion.prediction_overruled);
-  EXPECT_LT(distance(aside.state.T_odom_cog, T_odom_cog), 0.005);
-  for (int i = 10; i < 14; ++i) {
-    T_odom_cog.translation().x() += 1.4;
-    const Step next = step(filter, drive.stamp(i), {measured(T_odom_cog)});
-    EXPECT_LT(distance(next.prediction.T_odom_cog, T_odom_cog), 0.05) << i;
-  }
-}
-
-TEST(PoseFilter, AMotionThatOverrulesThePredictionTwiceIsLearnt) {
-  PoseFilter filter = makeFilter();
-  const Drive drive;
-  driveMeasured(filter, drive, 8);
-  Pose T_odom_cog = drive.at(8);
-  Step last;
-  for (int i = 9; i < 16; ++i) {
-    T_odom_cog.translation().x() += 3.5;
-    last = step(filter, drive.stamp(i), {measured(T_odom_cog), measured(T_odom_cog)});
-    EXPECT_LT(distance(last.state.T_odom_cog, T_odom_cog), 0.2) << i;
-  }
-  EXPECT_FALSE(last.state.fusion.prediction_overruled);
-  EXPECT_LT(distance(last.prediction.T_odom_cog, T_odom_cog), 0.1);
-}
-
 TEST(PoseFilter, AStampThatDoesNotAdvanceIsRefusedAndChangesNothing) {
   PoseFilter filter = makeFilter(), undisturbed = makeFilter();
   const Drive drive;

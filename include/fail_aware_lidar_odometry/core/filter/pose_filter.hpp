@@ -127,7 +127,6 @@ class PoseFilter {
   bool started() const { return started_; }
 
  private:
-  void doubtPrediction(const Vector6d& z);
   void remember(double middle_s);
   MotionDerivatives historyDerivatives() const;
   void updateMotion();
@@ -148,7 +147,6 @@ class PoseFilter {
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
-  int overruled_in_a_row_ = 0;                              ///< sweeps whose prediction was
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   std::deque<double> undecided_m_;                          ///< of the last sweeps
   int corrected_sweeps_ = 0;

@@ -57,7 +57,6 @@ class RegistrationFront {
   void enterOdom(int epoch);
   void enterReference(int epoch);
   void relocalize();
-  void doubtInterval();
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void doubtStandstill(Measurement& measurement) const;
   void addReliefSpeed(Measurement& measurement) const;
@@ -98,11 +97,8 @@ class RegistrationFront {
   bool last_measured_ = false;    ///< the last estimate is no mere prediction
   double placed_stamp_s_ = 0.0;   ///< of the newest sweep in the map, with its position
   Eigen::Vector3d placed_odom_ = Eigen::Vector3d::Zero();
-  double usual_dt_s_ = 0.0;    ///< the last interval that was no long one
-  double lead_s_ = 0.0;        ///< by which the stamps run ahead of the clouds, as far as the clouds have told
-  double lead_stamp_s_ = 0.0;  ///< since when
-  int odom_epoch_ = 0;         ///< of the reference
-  int reference_epoch_ = 0;    ///< likewise
+  int odom_epoch_ = 0;       ///< of the reference
+  int reference_epoch_ = 0;  ///< likewise
 };
 
 }  // namespace fail_aware

@@ -55,12 +55,6 @@ class Relocalization {
   std::optional<Pose> find(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog_predicted,
                            const Matrix6d& covariance, const Gap& gap) const;
 
-  /// From one pose, as the measurements will: how much of the sweep fits there tells one place from another.
-  Measurement fit(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog,
-                  const Matrix6d& covariance) const {
-    return strict_.align(cloud.point_points_cog, map, T_odom_cog, covariance);
-  }
-
  private:
   Params params_;
   CorrelativeSearch search_;
