@@ -11,6 +11,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kFarthest_m = 1e3 * kFarthestPose_m;  // no drive from a pose that is taken comes there
+
 /// What somebody else's message says and this package's pass on.
 double finiteOr0(double value) { return std::isfinite(value) ? value : 0.0; }
 
@@ -46,7 +48,7 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   const std::optional<Pose> previous = fromMessage(message.previous_pose), pose = fromMessage(message.pose),
                             lidar = fromMessage(message.lidar_in_cog);
   if (!previous || !pose || !lidar) return std::nullopt;
-  const auto is_near = [](const Pose& T) { return T.translation().cwiseAbs().maxCoeff() <= kFarthestPose_m; };
+  const auto is_near = [](const Pose& T) { return T.translation().cwiseAbs().maxCoeff() <= kFarthest_m; };
   if (!is_near(*previous) || !is_near(*pose) || !is_near(*lidar)) return std::nullopt;
   SweepTask task;
   task.prediction.stamp_s = message.header.stamp.toSec();
