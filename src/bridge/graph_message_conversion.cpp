@@ -6,6 +6,7 @@
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 
 namespace fail_aware {
 
@@ -40,6 +41,7 @@ messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Heade
   message.motion_known = task.prediction.motion_known;
   message.lidar_in_cog = toPoseMessage(task.T_cog_lidar);
   message.odom_epoch = task.prediction.odom_epoch;
+  message.set_back = task.prediction.set_back_s;
   message.lidar_frame = task.lidar_frame;
   return message;
 }
@@ -60,6 +62,7 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   task.prediction.motion_known = message.motion_known != 0;
   task.T_cog_lidar = *lidar;
   task.prediction.odom_epoch = message.odom_epoch;
+  task.prediction.set_back_s = std::clamp(finiteOr0(message.set_back), 0.0, kFarAhead_s);
   task.lidar_frame = message.lidar_frame;
   return task;
 }
@@ -79,6 +82,7 @@ messages::PoseMeasurement toMessage(const Measurement& measurement, const std::s
   message.seed_spread = measurement.seed_spread_m;
   message.weak_directions = static_cast<std::uint8_t>(std::clamp(measurement.weak_directions, 0, 6));
   message.min_information_share = measurement.min_information_share;
+  message.interval_doubted = measurement.interval_doubted;
   message.sweep_points = -1;
   return message;
 }
@@ -99,6 +103,7 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
   measurement.seed_spread_m = finiteOr0(message.seed_spread);
   measurement.weak_directions = message.weak_directions;
   measurement.min_information_share = finiteOr0(message.min_information_share);
+  measurement.interval_doubted = message.interval_doubted != 0;
   return measurement;
 }
 

@@ -108,7 +108,8 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
-  double far_ahead_stamp_s = kNoStamp;       ///< the last sweep's, if it was refused as that
+  double far_ahead_stamp_s = kNoStamp;  ///< the last sweep's, if it was refused as that
+  SetBack set_back;
   int refused = 0;                           ///< sweeps since the last one that was taken
   std::optional<double> start_from_stamp_s;  ///< t1 has been asked for, and has not come
 };
@@ -161,6 +162,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
 void OdometryPipeline::Stages::beginDrive(const Pose& T_odom_cog) {
   refused = 0;
   far_ahead_stamp_s = kNoStamp;
+  set_back = SetBack();
   corrector.reset();
   filter.reset(T_odom_cog);
   front.reset();
@@ -176,6 +178,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   StampOrder order = StampOrder::kAdvances;
   if (filter.started()) {
     order = stampOrder(sweep.stamp_s - last.stamp_s, kMaxReorder_s, sweep.stamp_s - far_ahead_stamp_s);
+    set_back.refused(order, sweep.stamp_s - last.stamp_s);
     far_ahead_stamp_s = order == StampOrder::kFarAhead ? sweep.stamp_s : kNoStamp;
   }
   if (order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead) beginDrive(Pose(last.T_odom_cog));
@@ -186,6 +189,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
     result.T_odom_base = last.T_odom_cog * T_base_cog.inverse();
     return result;
   }
+  prediction.set_back_s = set_back.take_s();
   prediction = exchanged(prediction);
   const SweepFindings findings = check.check(sweep);
   const double middle_s = corrector.correct(sweep, prediction, T_cog_lidar, corrected).middle_s;

@@ -178,6 +178,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
         intake_.refuseStamp();
         continue;
       }
+      task.prediction.set_back_s = next->set_back_s;
       task.T_cog_lidar = T_base_cog_.inverse() * lidar_.T_base_lidar();
       task.lidar_frame = header.frame_id;
       header.frame_id = params_.odom_frame;

@@ -171,6 +171,7 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
   const std::string frame = withoutSlash(message.header.frame_id);
   if (source.built_in || frame == odom_frame_) {
     source.measurement = fromMessage(message);
+    if (!source.built_in) source.measurement->interval_doubted = false;  // what is not made here cannot say that
   } else {
     refuse(source, "its frame is " + frame + ", must be " + odom_frame_);
     source.measurement = Measurement();  // an answer all the same: nobody waits for another

@@ -31,6 +31,7 @@ class SweepIntake {
   struct Waiting {
     std_msgs::Header header;
     ros::SteadyTime arrived;
+    double set_back_s = 0.0;  ///< as SweepPrediction's
   };
   struct Counts {
     std::size_t overload = 0, duplicate = 0, reordered = 0, far_ahead = 0, unusable_stamp = 0, wrong_frame = 0,
@@ -51,7 +52,10 @@ class SweepIntake {
       const double since_far_ahead_s =
           far_ahead_.isZero() ? std::numeric_limits<double>::quiet_NaN() : secondsFrom(far_ahead_, header.stamp);
       far_ahead_ = ros::Time();
-      switch (stampOrder(secondsFrom(newest_, header.stamp), max_reorder_s_, since_far_ahead_s)) {
+      const double since_newest_s = secondsFrom(newest_, header.stamp);
+      const StampOrder order = stampOrder(since_newest_s, max_reorder_s_, since_far_ahead_s);
+      set_back_.refused(order, since_newest_s);
+      switch (order) {
         case StampOrder::kAdvances: break;
         case StampOrder::kSame: refuse(counts_.duplicate, "duplicate stamp"); return Verdict::kRefused;
         case StampOrder::kReordered: refuse(counts_.reordered, "stamp out of order"); return Verdict::kRefused;
@@ -64,10 +68,12 @@ class SweepIntake {
       }
     }
     newest_ = header.stamp;
-    waiting_.push_back({header, arrived});
+    waiting_.push_back({header, arrived, set_back_.take_s()});
     if (waiting_.size() > may_wait_) may_wait_ = std::max<std::size_t>(1, may_wait_ - 1);
     while (waiting_.size() > may_wait_) {
+      const double set_back_s = waiting_.front().set_back_s;
       waiting_.pop_front();
+      waiting_.front().set_back_s = std::max(waiting_.front().set_back_s, set_back_s);
       lose(counts_.overload);
     }
     return Verdict::kQueued;
@@ -102,6 +108,7 @@ class SweepIntake {
     waiting_.clear();
     may_wait_ = queue_size_;
     newest_ = far_ahead_ = ros::Time();
+    set_back_ = SetBack();
     dropped_ = 0;
   }
 
@@ -132,6 +139,7 @@ class SweepIntake {
   std::deque<Waiting> waiting_;
   ros::Time newest_;     ///< accepted
   ros::Time far_ahead_;  ///< the last stamp, if it was refused as that; otherwise zero
+  SetBack set_back_;
   int dropped_ = 0;
   std::string last_refused_;
   Counts counts_;

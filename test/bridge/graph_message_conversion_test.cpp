@@ -59,6 +59,7 @@ TEST(GraphMessages, predictionThereAndBack) {
   task.prediction.covariance = someCovariance();
   task.prediction.sigma_yaw_rad = 0.01;
   task.prediction.motion_known = true;
+  task.prediction.set_back_s = 0.3;
   task.T_cog_lidar = somePose(-0.5);
   const ros::Time previous(1317384506, 330000000);
   const messages::SweepPrediction message = toMessage(task, someHeader(), previous);
@@ -73,6 +74,7 @@ TEST(GraphMessages, predictionThereAndBack) {
   EXPECT_TRUE(back->T_cog_lidar.isApprox(somePose(-0.5), 1e-14));
   EXPECT_EQ(back->prediction.covariance, someCovariance());
   EXPECT_TRUE(back->prediction.motion_known);
+  EXPECT_EQ(back->prediction.set_back_s, 0.3);
   task.prediction.dt_s = 0.0;
   EXPECT_TRUE(toMessage(task, someHeader(), previous).previous_stamp.isZero());
 }
@@ -98,8 +100,10 @@ TEST(GraphMessages, measurementThereAndBack) {
   measurement.seed_spread_m = 0.02;
   measurement.weak_directions = 2;
   measurement.min_information_share = 0.3;
+  measurement.interval_doubted = true;
   const Measurement back = fromMessage(toMessage(measurement, "x", someHeader()));
   EXPECT_EQ(back.status, measurement.status);
+  EXPECT_TRUE(back.interval_doubted);
   EXPECT_TRUE(back.T_odom_cog.isApprox(measurement.T_odom_cog, 1e-14));
   EXPECT_EQ(back.covariance, measurement.covariance);
   EXPECT_EQ(back.rms_residual_m, 0.04);

@@ -11,8 +11,8 @@
 #include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "parameters/error_of.hpp"
 
 namespace fail_aware {
 namespace {
@@ -31,15 +31,6 @@ std::vector<Sweep> shortDrive() {
   sweeps[4] = Sweep();
   sweeps[4].stamp_s = 0.4;
   return sweeps;
-}
-
-bool isValid(const PipelineParameters& params) {
-  try {
-    params.validate();
-    return true;
-  } catch (const ParameterError&) {
-    return false;
-  }
 }
 
 void expectFiniteDrive(const PipelineParameters& params, const std::string& what) {
@@ -73,7 +64,7 @@ TEST(ExtremeParameters, EveryDriveEndsAndIsFinite) {
       std::vector<Field> taken;
       const auto offer = [&](double value) {
         field = static_cast<Field>(value);
-        if (isValid(params)) taken.push_back(field);
+        if (errorOf([&] { params.validate(); }) == kNoError) taken.push_back(field);
       };
       for (int exponent = -12; exponent <= 9; ++exponent) {
         for (const double sign : {-1.0, 1.0}) offer(sign * std::pow(10.0, exponent));

@@ -255,6 +255,30 @@ TEST(OdometryPipeline, OneStampFarAheadIsRefusedTwoBeginADriveAtTheLastPose) {
   EXPECT_LT(poseError(since, kDrive.T_odom_base(1.3, 0.9)).horizontal_m, 0.05);
 }
 
+class OdometryPipelineClock : public testing::TestWithParam<double> {};  // s, by which it is set for a second
+
+TEST_P(OdometryPipelineClock, ThatIsSetForAWhileDoesNotMoveTheCar) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 30);
+  for (std::size_t i = 10; i < 20; ++i) sweeps[i].stamp_s += GetParam();
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  const std::size_t set_back = GetParam() > 0.0 ? 20 : 10, set_ahead = GetParam() > 0.0 ? 10 : 20;
+  const std::size_t taken_again = set_back + static_cast<std::size_t>(std::lround(std::abs(GetParam()) / kPeriod_s));
+  for (std::size_t i = 1; i < sweeps.size(); ++i) {
+    const bool refused = i >= set_back && i < taken_again;
+    EXPECT_EQ(results[i].status, refused ? SweepStatus::kStampNotAdvancing : SweepStatus::kCorrected) << i;
+    if (!refused)
+      expectNear(results[i], kDrive.T_odom_base(kPeriod_s * static_cast<double>(i)), 0.06, std::to_string(i));
+  }
+  for (const std::size_t i : {set_ahead, taken_again}) {
+    EXPECT_TRUE(results[i].monitor.reasons & kReasonPredictionOverruled) << i;
+    EXPECT_NE(results[i].monitor.state, FailAwareState::kOk) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Set, OdometryPipelineClock, testing::Values(0.4, -0.4));
+
 TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();

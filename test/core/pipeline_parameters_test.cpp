@@ -11,6 +11,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "parameters/error_of.hpp"
 
 namespace fail_aware {
 namespace {
@@ -18,12 +19,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string refusal(const PipelineParameters& params) {
-  try {
-    params.validate();
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "";
+  return errorOf([&] { params.validate(); });
 }
 
 /// What is said of one assignment "key=value".
@@ -36,7 +32,7 @@ std::string refusalOf(const std::string& assignment) {
 bool startsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
 
 TEST(PipelineParameters, TheDefaultsAreValid) {
-  EXPECT_EQ(refusal(PipelineParameters()), "");
+  EXPECT_EQ(refusal(PipelineParameters()), kNoError);
   EXPECT_NO_THROW(ProfileParameters().validate());
   EXPECT_NO_THROW(RegistrationParameters().validate());
 }
@@ -106,13 +102,13 @@ TEST(PipelineParameters, EveryFieldRefusesWhatCannotBe) {
     }
     field = valid;
   });
-  EXPECT_EQ(refusal(params), "");
+  EXPECT_EQ(refusal(params), kNoError);
 }
 
 TEST(PipelineParameters, OneOfTheIcpsMustBeUsed) {
   PipelineParameters params;
   params.profile.registration.use_corners = params.profile.registration.use_plane = false;
-  EXPECT_EQ(refusal(params), "");
+  EXPECT_EQ(refusal(params), kNoError);
   params.profile.registration.use_corners = true;
   params.profile.registration.use_point = false;
   EXPECT_TRUE(startsWith(refusal(params), "registration.use_point = false")) << refusal(params);

@@ -73,6 +73,22 @@ TEST(SweepIntake, StampsThatDoNotAdvanceAreRefusedByTheirCause) {
   EXPECT_EQ(intake.takeDropped(), 4);
 }
 
+TEST(SweepIntake, TheNextSweepTellsHowFarStampsWereSetBackBeforeIt) {
+  SweepIntake intake;
+  for (const double stamp_s : {10.0, 9.75, 9.85, 9.95, 10.125, 10.25}) intake.offer(at(stamp_s));
+  EXPECT_EQ(intake.next()->set_back_s, 0.0);
+  EXPECT_EQ(intake.next()->set_back_s, 0.25);
+  EXPECT_EQ(intake.next()->set_back_s, 0.0);
+  intake.offer(at(10.0));
+  intake.clear();
+  intake.offer(at(20.0));
+  EXPECT_EQ(intake.next()->set_back_s, 0.0) << "a new drive";
+  intake.setLimits(1, 0.5);
+  for (const double stamp_s : {19.75, 20.125, 20.25}) intake.offer(at(stamp_s));
+  EXPECT_EQ(intake.counts().overload, 1u);
+  EXPECT_EQ(intake.next()->set_back_s, 0.25) << "told by the next one, if that one is dropped";
+}
+
 TEST(SweepIntake, AStampOfTheEndOfTimeIsRefused) {
   SweepIntake intake;
   std_msgs::Header end;

@@ -105,7 +105,7 @@ void CovariancePredictor::Params::validate() const {
   requirePositive("horizon_s", horizon_s);
   requireParameter(std::isfinite(step_s) && step_s > 0.0 && horizon_s / step_s <= kMaxSteps, "step_s", step_s,
                    "> 0 and at least horizon_s / 100000");
-  requireWithin("step_s", step_s, 0.0, 10.0);
+  requireAtMost("step_s", step_s, 10.0);
   requireWithin("rate_scale", rate_scale, 0.0, 1e6);
 }
 

@@ -54,7 +54,7 @@ void FailureThresholds::validate() const {
   requireNotNegative("failing_s", failing_s);
   requireParameter(std::isfinite(degraded_s) && degraded_s >= failing_s, "degraded_s", degraded_s,
                    "finite and >= failing_s");
-  requireWithin("degraded_s", degraded_s, failing_s, kLargestParameter);
+  requireAtMost("degraded_s", degraded_s, kLargestParameter);
 }
 
 FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,

@@ -21,7 +21,7 @@ void FailAwareIndicator::Params::validate() const {
   requireWithin("min_interval_s", min_interval_s, 1e-6, 1e3);
   requireParameter(std::isfinite(max_gap_s) && max_gap_s > min_interval_s, "max_gap_s", max_gap_s,
                    "finite and > min_interval_s");
-  requireWithin("max_gap_s", max_gap_s, min_interval_s, kLargestParameter);
+  requireAtMost("max_gap_s", max_gap_s, kLargestParameter);
   requireWithin("average_s", average_s, 0.0, 1e3);
   requireWithin("reference_speed_mps", reference_speed_mps, 0.0, 1e3);
 }

@@ -3,20 +3,15 @@
 #include <algorithm>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
 namespace fail_aware {
-
-namespace {
-
-constexpr double kLongestPeriod_s = 1.0;  // a lidar that turns slower is none that this package is for
-
-}  // namespace
 
 void SilenceParams::validate() const {
   requireWithin("stale_sweeps", stale_sweeps, 1.0, 20.0);
   requireWithin("min_period_s", min_period_s, 0.001, kLongestPeriod_s);
   requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
-  requireWithin("max_period_s", max_period_s, min_period_s, kLongestPeriod_s);
+  requireAtMost("max_period_s", max_period_s, kLongestPeriod_s);
 }
 
 double staleAfter_s(const SilenceParams& params, double period_s) {

@@ -15,9 +15,10 @@ namespace {
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
-constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
-constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
-constexpr double kOpenVariance = 4.0;   // of the prediction's: a measurement that says less leaves it open
+constexpr int kRotationSweeps = 2;        // in which what one leaves open is measured again
+constexpr int kMaxUnplacedSweeps = 10;    // in a row that nothing could place; then the reference is out of sight
+constexpr double kFarthestDoubt_m = 1e5;  // a car is no farther off after an hour
+constexpr double kOpenVariance = 4.0;     // of the prediction's: a measurement that says less leaves it open
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -109,6 +110,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   undecided_m_.clear();
   last_measured_ = previous_measured_ = false;
   unplaced_sweeps_ = 0;
+  interval_wrong_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
@@ -211,11 +213,15 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.odom_epoch = state_.odom_epoch;
   next.reference_epoch = state_.reference_epoch;
   const Matrix6d predicted_P = ukf_.covariance();
-  next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), measurements);
+  std::vector<FusionInput> inputs = measurements;
+  const bool doubted = doubtPrediction(inputs);
+  next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), inputs);
   if (next.fusion.has_measurement) {
     next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
     next.filter_nis = ukf_.nis();
   }
+  interval_wrong_ = doubted && next.corrected;
+  next.fusion.prediction_overruled = next.fusion.prediction_overruled || interval_wrong_;
   next.T_odom_cog = poseFromVector(ukf_.state());
   next.covariance = ukf_.covariance();
   next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
@@ -237,7 +243,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     next.placed = true;
     ++next.reference_epoch;
   }
-  if (begins) history_.clear();
+  if (begins || interval_wrong_) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
   last_measured_ = measured;
@@ -246,6 +252,24 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   updateMotion();
   if (measured) road_.update(next.stamp_s, ukf_.state(), motion_);
   return state_;
+}
+
+// The prediction went by another interval: it is as wrong as that, and so is what began at it and was found nowhere
+// else.
+bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
+  const auto doubts = [](const FusionInput& input) {
+    return input.measurement != nullptr && input.measurement->ok() && input.measurement->interval_doubted &&
+           !input.external;
+  };
+  const auto doubting = std::find_if(inputs.begin(), inputs.end(), doubts);
+  if (doubting == inputs.end()) return false;
+  const Vector6d error = stateDifference(vectorFromPose(doubting->measurement->T_odom_cog), ukf_.state());
+  if (error.head<3>().norm() > kFarthestDoubt_m) return false;
+  ukf_.reset(ukf_.state(), ukf_.covariance() + error * error.transpose());
+  for (FusionInput& input : inputs) {
+    if (!input.external && !doubts(input)) input.measurement = nullptr;
+  }
+  return true;
 }
 
 // The pose in the sweep's middle, by the motion that the sweep was corrected for.
@@ -305,7 +329,8 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
 
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
-  if (state_.corrected) {
+  const bool told = state_.corrected && !interval_wrong_;
+  if (told) {
     motion_ = historyDerivatives();
   } else {
     motion_.rpy_accelerations_rad_s2.setZero();
@@ -315,7 +340,7 @@ void PoseFilter::updateMotion() {
   if (state_.dt_s > 0.0) {
     if (!state_.corrected) {
       coast(last, nullptr);
-    } else {
+    } else if (told) {
       const Coasting::Measured measured = measuredMotion();
       if (coasting_.settles(measured)) {
         coasting_.observed(measured, state_.dt_s);
@@ -349,7 +374,11 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
   // directions that R does not observe all of Q, and the measurement's part K R K^T.
   const Matrix6d& Q = process_noise_;
   Matrix6d from_prediction = Q, lasting = Q, from_measurement = Matrix6d::Zero();
-  if (!isAsPredicted(state)) {
+  if (interval_wrong_) {  // the prediction tells nothing of it
+    from_prediction.setZero();
+    lasting.setZero();
+    from_measurement = state.fusion.R;
+  } else if (!isAsPredicted(state)) {
     const Matrix6d sum = Q + state.fusion.R;
     const Matrix6d K = sum.ldlt().solve(Q).transpose();
     const Matrix6d left = Matrix6d::Identity() - K;

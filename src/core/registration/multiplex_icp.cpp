@@ -77,9 +77,9 @@ void MultiplexIcp::Params::validate() const {
   requireNotNegative("min_spread_m", min_spread_m);
   requireNotNegative("min_spread_deg", min_spread_deg);
   requireParameter(max_spread_m >= min_spread_m, "max_spread_m", max_spread_m, ">= min_spread_m");
-  requireWithin("max_spread_m", max_spread_m, min_spread_m, kLargestSpread_m);
+  requireAtMost("max_spread_m", max_spread_m, kLargestSpread_m);
   requireParameter(max_spread_deg >= min_spread_deg, "max_spread_deg", max_spread_deg, ">= min_spread_deg");
-  requireWithin("max_spread_deg", max_spread_deg, min_spread_deg, 180.0);
+  requireAtMost("max_spread_deg", max_spread_deg, 180.0);
   requireWithin("thinned_points", thinned_points, 10, 1e9);
   requirePositive("max_distance_m", max_distance_m);
   requirePositive("kernel_m", kernel_m);

@@ -59,9 +59,9 @@ void RegistrationCloudBuilder::Params::validate() const {
                    "> min_range_m and <= 1000");
   requireWithin("map_voxel_m", map_voxel_m, 0.01, 100.0);
   requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m");
-  requireWithin("plane_voxel_m", plane_voxel_m, map_voxel_m, 100.0);
+  requireAtMost("plane_voxel_m", plane_voxel_m, 100.0);
   requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m");
-  requireWithin("point_voxel_m", point_voxel_m, map_voxel_m, 100.0);
+  requireAtMost("point_voxel_m", point_voxel_m, 100.0);
   requireWithin("min_points", min_points, 1, 1e9);
 }
 

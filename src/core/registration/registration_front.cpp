@@ -47,6 +47,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   T_odom_cog_previous_ = prediction.T_odom_cog_previous;
   dt_s_ = prediction.dt_s;
   searched_sigma_m_ = 0.0;
+  interval_doubted_ = false;
   standing_pose_.reset();
   open_country_ = false;
   turn_found_ = false;
@@ -54,6 +55,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   if (!prepared_) return false;
   if (prediction.motion_known) {
     relocalize();
+    checkInterval(prediction);
     if (!lost_) {
       findTurn(prediction.sigma_yaw_rad);
       matchStanding(prediction.sigma_yaw_rad);
@@ -100,6 +102,7 @@ Measurement RegistrationFront::align(const MultiplexIcp& icp, std::vector<SeedTr
   if (!prepared_) return withoutPose(MeasurementStatus::kTooFewPoints);
   if (lost_) return withoutPose(MeasurementStatus::kNotConverged);
   Measurement measurement = icp.align(cloud_.point_points_cog, map(), T_odom_cog_start_, start_covariance_, tracks);
+  measurement.interval_doubted = interval_doubted_;
   addSearchedMotion(measurement);
   doubtStandstill(measurement);
   addStanding(measurement);
@@ -110,6 +113,7 @@ Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_
   if (!prepared_) return withoutPose(MeasurementStatus::kTooFewPoints);
   if (lost_) return withoutPose(MeasurementStatus::kNotConverged);
   Measurement measurement = icp.align(cloud_.plane_points_cog, map(), T_odom_cog_start_, sigma_yaw_rad);
+  measurement.interval_doubted = interval_doubted_;
   addSearchedMotion(measurement);
   doubtStandstill(measurement);
   addReliefSpeed(measurement);
@@ -175,6 +179,25 @@ void RegistrationFront::relocalize() {
   const std::optional<Pose> T_odom_cog = relocalization_.find(cloud_, map(), T_odom_cog_start_, start_covariance_, gap);
   if (T_odom_cog) T_odom_cog_start_ = *T_odom_cog;
   lost_ = !T_odom_cog;
+}
+
+void RegistrationFront::checkInterval(const SweepPrediction& prediction) {
+  if (!last_measured_ || map().empty()) return;
+  IntervalCheck::Interval interval;
+  interval.dt_s = dt_s_;
+  interval.set_back_s = prediction.set_back_s;
+  interval.T_odom_cog_previous = T_odom_cog_previous_;
+  interval.twist_cog = measured_twist_cog_.value_or(corrected_twist_cog_);
+  interval.T_odom_cog_predicted = prediction.T_odom_cog;
+  if (!lost_) interval.T_odom_cog_by_the_stamps = T_odom_cog_start_;
+  const std::optional<Pose> T_odom_cog = interval_check_.findOther(
+      interval, [this](const Pose& T) { return relocalization_.fit(cloud_, map(), T, start_covariance_); });
+  if (!T_odom_cog) return;
+  T_odom_cog_start_ = *T_odom_cog;
+  lost_ = false;
+  interval_doubted_ = true;
+  relief_.clear();  // it goes by the stamps
+  relief_speed_.reset();
 }
 
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
@@ -272,11 +295,17 @@ void RegistrationFront::place(const FilterState& state) {
   speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
   speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
+  const bool tells_speed = between_measured && !interval_doubted_ && state.dt_s > 0.0;
+  if (tells_speed) {
+    measured_twist_cog_ = logSe3(state.T_previous_now) / state.dt_s;
+  } else if (!interval_doubted_) {
+    measured_twist_cog_.reset();
+  }
   if (!prepared_) return;
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
-  if (refine_correction_ && between_measured && state.dt_s > 0.0) {
-    Vector6d twist_cog = logSe3(state.T_previous_now) / state.dt_s;
+  if (refine_correction_ && tells_speed) {
+    Vector6d twist_cog = *measured_twist_cog_;
     // for another turn than the one it was measured with, map and measurement would lead each other astray
     if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();
     recorrectFor(twist_cog, cloud_.middle_s);
@@ -324,6 +353,9 @@ void RegistrationFront::reset() {
   relief_speed_.reset();
   speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;
+  interval_check_.reset();
+  measured_twist_cog_.reset();
+  interval_doubted_ = false;
   prepared_ = false;
   last_measured_ = false;
   lost_ = false;

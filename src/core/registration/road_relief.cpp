@@ -109,7 +109,7 @@ void RoadRelief::Params::validate() const {
   requirePositive("max_height_m", max_height_m);
   requireWithin("cell_m", cell_m, 0.05, 5.0);
   requireParameter(smoothing_m >= cell_m, "smoothing_m", smoothing_m, ">= cell_m");
-  requireWithin("smoothing_m", smoothing_m, cell_m, 100.0);
+  requireAtMost("smoothing_m", smoothing_m, 100.0);
   requirePositive("relief_sigma_m", relief_sigma_m);
   requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
   requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);

@@ -49,7 +49,7 @@ void LevelKeepingParams::validate() const {
                    "> min_range_m and <= 100 column_m");
   requireWithin("min_height_m", min_height_m, -100.0, 100.0);
   requireParameter(max_height_m > min_height_m, "max_height_m", max_height_m, "> min_height_m");
-  requireWithin("max_height_m", max_height_m, min_height_m, 100.0);
+  requireAtMost("max_height_m", max_height_m, 100.0);
   requireWithin("min_points", min_points, 4, 1e6);
   requirePositive("min_extent_m", min_extent_m);
   requireWithin("beam_step_deg", beam_step_deg, 0.01, 10.0);

@@ -13,8 +13,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kNominalPeriod_s = 0.1;
-constexpr double kShortestPeriod_s = 0.02;  // 50 Hz and 1 Hz: no head that turns faster or slower is known
-constexpr double kLongestPeriod_s = 1.0;
+constexpr double kShortestPeriod_s = 0.02;   // 50 Hz: no head that turns faster is known
 constexpr double kLongestMeasured_s = 0.22;  // 5 Hz, the slowest that these heads turn: what takes longer holds a gap
 constexpr double kMultipleTolerance = 0.15;  // periods, by which a gap may differ from a whole number of them
 constexpr std::size_t kPeriodWindow = 11;

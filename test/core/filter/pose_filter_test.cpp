@@ -125,6 +125,44 @@ TEST(PoseFilter, TheFirstSweepDefinesThePose) {
   EXPECT_NEAR(first.state.sigma_yaw_rad, PoseFilter::Params().initial_sigma_deg * kDegree, 1e-9);
 }
 
+TEST(PoseFilter, AWayInAnotherIntervalThanTheStampsIsTakenAsThePoseAndNotAsAMotion) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  const Step usual = driveMeasured(filter, drive, 8);
+  Pose T_odom_cog = drive.at(9);
+  T_odom_cog.translation().x() += 5.0;
+  Measurement doubted = measured(T_odom_cog);
+  doubted.interval_doubted = true;
+  // what began at the stamps' place and was not found elsewhere is not heard, and one that was is enough
+  const Measurement by_the_stamps = measured(drive.at(9));
+  const Step aside = step(filter, drive.stamp(9), {doubted, by_the_stamps, by_the_stamps});
+  EXPECT_TRUE(aside.state.fusion.prediction_overruled);
+  EXPECT_EQ(aside.state.fusion.weights[1], 0.0);
+  EXPECT_TRUE(aside.state.placed);
+  EXPECT_LT(distance(aside.state.T_odom_cog, T_odom_cog), 0.005);
+  EXPECT_GT(aside.state.increment_covariance(0, 0), usual.state.increment_covariance(0, 0))
+      << "the prediction adds nothing to what is known";
+  for (int i = 10; i < 14; ++i) {
+    T_odom_cog.translation().x() += 1.4;
+    const Step next = step(filter, drive.stamp(i), {measured(T_odom_cog)});
+    EXPECT_LT(distance(next.prediction.T_odom_cog, T_odom_cog), 0.05) << i;
+  }
+}
+
+TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  driveMeasured(filter, drive, 8);
+  Measurement elsewhere = measured(drive.at(9));
+  elsewhere.interval_doubted = true;
+  SweepPrediction prediction;
+  ASSERT_TRUE(filter.predict(drive.stamp(9), prediction));
+  const Measurement usual = measured(drive.at(9));
+  const FilterState& state = filter.correct({{"m", &usual}, {"elsewhere", &elsewhere, true}});
+  EXPECT_FALSE(state.fusion.prediction_overruled);
+  EXPECT_GT(state.fusion.weights[0], 0.0);
+}
+
 TEST(PoseFilter, AStampThatDoesNotAdvanceIsRefusedAndChangesNothing) {
   PoseFilter filter = makeFilter(), undisturbed = makeFilter();
   const Drive drive;

@@ -7,7 +7,9 @@
 
 namespace fail_aware {
 
-/// The ParameterError's text, or "no error".
+inline const std::string kNoError = "no error";
+
+/// The ParameterError's text, or kNoError.
 template <class Action>
 std::string errorOf(Action&& action) {
   try {
@@ -15,7 +17,7 @@ std::string errorOf(Action&& action) {
   } catch (const ParameterError& error) {
     return error.what();
   }
-  return "no error";
+  return kNoError;
 }
 
 }  // namespace fail_aware

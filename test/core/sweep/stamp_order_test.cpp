@@ -30,5 +30,17 @@ TEST(StampOrder, WhatIsNoNumberNeitherAdvancesNorBeginsADrive) {
   EXPECT_EQ(stampOrder(std::numeric_limits<double>::quiet_NaN()), StampOrder::kReordered);
 }
 
+TEST(SetBack, IsTheMostOfTheStampsThatWereOutOfOrderAndToldOnce) {
+  SetBack set_back;
+  EXPECT_EQ(set_back.take_s(), 0.0);
+  set_back.refused(StampOrder::kReordered, -0.3);
+  set_back.refused(StampOrder::kReordered, -0.2);
+  set_back.refused(StampOrder::kReordered, std::numeric_limits<double>::quiet_NaN());
+  set_back.refused(StampOrder::kFarAhead, 7200.0);
+  set_back.refused(StampOrder::kJumpedBack, -7200.0);
+  EXPECT_EQ(set_back.take_s(), 0.3);
+  EXPECT_EQ(set_back.take_s(), 0.0);
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -40,6 +40,7 @@ struct SweepPrediction {
   double sigma_yaw_rad = 0.0;
   bool motion_known = false;  ///< false: the vehicle's speed is not known yet
   int odom_epoch = 0;         ///< as FilterState's
+  double set_back_s = 0.0;    ///< a stamp was refused since the last estimate that was so much older; 0: none was
 };
 
 struct FilterState {
@@ -127,6 +128,7 @@ class PoseFilter {
   bool started() const { return started_; }
 
  private:
+  bool doubtPrediction(std::vector<FusionInput>& inputs);
   void remember(double middle_s);
   MotionDerivatives historyDerivatives() const;
   void updateMotion();
@@ -147,6 +149,7 @@ class PoseFilter {
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
+  bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   std::deque<double> undecided_m_;                          ///< of the last sweeps
   int corrected_sweeps_ = 0;

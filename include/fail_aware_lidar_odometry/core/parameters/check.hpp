@@ -29,6 +29,15 @@ inline void requireWithin(const char* name, double value, double low, double hig
   requireParameter(false, name, value, rule.str().c_str());
 }
 
+/// Where the lower limit is another parameter, and was looked at under its name.
+inline void requireAtMost(const char* name, double value, double high) {
+  requireParameter(std::isfinite(value), name, value, "finite");
+  if (value <= high) return;
+  std::ostringstream rule;
+  rule << "<= " << high;
+  requireParameter(false, name, value, rule.str().c_str());
+}
+
 // Whatever a number means: its square and its inverse are numbers, too.
 constexpr double kSmallestParameter = 1e-12, kLargestParameter = 1e9;
 

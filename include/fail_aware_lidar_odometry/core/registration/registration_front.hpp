@@ -5,7 +5,8 @@
 // When odom was moved under the vehicle (FilterState::odom_epoch) the reference starts anew from the next placed sweep.
 // Where the filter coasts (filter/coasting.hpp), the front looks for the speed in the road's relief (road_relief.hpp)
 // and adds what it finds to the point-to-plane measurement.
-// After a gap the start pose is searched for in the map (relocalization.hpp); what could not be registered does not
+// After a gap the start pose is searched for in the map (relocalization.hpp), and where the clouds tell that the
+// stamps are wrong it is that of another interval (interval_check.hpp); what could not be registered does not
 // join it (FilterState::placed). When nothing has fitted for a while the filter begins another reference
 // (FilterState::reference_epoch), from one sweep at a prediction.
 // Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
@@ -20,6 +21,7 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
 
@@ -57,6 +59,7 @@ class RegistrationFront {
   void enterOdom(int epoch);
   void enterReference(int epoch);
   void relocalize();
+  void checkInterval(const SweepPrediction& prediction);
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void doubtStandstill(Measurement& measurement) const;
   void addReliefSpeed(Measurement& measurement) const;
@@ -67,6 +70,7 @@ class RegistrationFront {
   Relocalization relocalization_;
   MotionInitialization initialization_;
   RoadRelief relief_;
+  IntervalCheck interval_check_;
   TurnSearch turn_search_;
   BeamRanges beam_ranges_;
   StandingMatch standing_;
@@ -97,8 +101,10 @@ class RegistrationFront {
   bool last_measured_ = false;    ///< the last estimate is no mere prediction
   double placed_stamp_s_ = 0.0;   ///< of the newest sweep in the map, with its position
   Eigen::Vector3d placed_odom_ = Eigen::Vector3d::Zero();
-  int odom_epoch_ = 0;       ///< of the reference
-  int reference_epoch_ = 0;  ///< likewise
+  std::optional<Vector6d> measured_twist_cog_;  ///< of the last interval, where it tells it, m/s and rad/s
+  bool interval_doubted_ = false;  ///< the prepared sweep's start pose is that of another interval than the stamps'
+  int odom_epoch_ = 0;             ///< of the reference
+  int reference_epoch_ = 0;        ///< likewise
 };
 
 }  // namespace fail_aware

@@ -55,6 +55,12 @@ class Relocalization {
   std::optional<Pose> find(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog_predicted,
                            const Matrix6d& covariance, const Gap& gap) const;
 
+  /// From one pose: how much of the sweep fits there tells one place from another. Not ok() below `min_inlier_share`.
+  Measurement fit(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog,
+                  const Matrix6d& covariance) const {
+    return strict_.align(cloud.point_points_cog, map, T_odom_cog, covariance);
+  }
+
  private:
   Params params_;
   CorrelativeSearch search_;

@@ -6,6 +6,7 @@
 // an hour: what is missing for less is bridged by the model, whose covariance says what that is worth. A difference that is no number is refused.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 namespace fail_aware {
@@ -26,5 +27,22 @@ inline StampOrder stampOrder(double since_newest_s, double max_reorder_s = kMaxR
   if (since_newest_s < -max_reorder_s) return StampOrder::kJumpedBack;
   return since_newest_s == 0.0 ? StampOrder::kSame : StampOrder::kReordered;
 }
+
+/// By how much the stamps were refused that came before a sweep: it tells a clock that was set back a little.
+class SetBack {
+ public:
+  void refused(StampOrder order, double since_newest_s) {
+    if (order == StampOrder::kReordered && since_newest_s < 0.0) most_s_ = std::max(most_s_, -since_newest_s);
+  }
+  /// Of the sweep that is taken now; 0: none was refused.
+  double take_s() {
+    const double most_s = most_s_;
+    most_s_ = 0.0;
+    return most_s;
+  }
+
+ private:
+  double most_s_ = 0.0;
+};
 
 }  // namespace fail_aware

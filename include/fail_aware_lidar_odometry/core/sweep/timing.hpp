@@ -29,6 +29,8 @@
 
 namespace fail_aware {
 
+inline constexpr double kLongestPeriod_s = 1.0;  ///< of a sweep: no head that turns slower is known
+
 enum class TimingSource { kNone, kField, kAzimuth };
 enum class StampReference { kStart, kMid, kEnd };
 

@@ -1,0 +1,61 @@
+// Whether the time between two stamps is the time that the car drove (not in the paper).
+//
+// A clock that is set in a drive makes one interval too long or too short; the prediction goes by the stamps, and
+// registration that starts there may end metres beside the car. But the clouds know: where an interval is unusual, or
+// stamps did not advance before it, the way of the other interval, at the speed so far, is tried, too. At a wrong
+// place the road and other planes along the way fit as well as ever; what tells where along it the car is does not.
+// So a place is judged by how much of the sweep fits and informs on the weakest horizontal direction, against the
+// place that the stamps ask for and against what is usual. Where both ways lead to the same place, the shorter one is
+// right.
+//
+// Where the places cannot be told from each other (tunnels, open country) the stamps are believed. A clock that is set
+// by less than half an interval is not looked for: registration bears that.
+// Cost: a registration from one seed every tenth sweep, and two or three after an unusual interval.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <optional>
+
+#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+
+namespace fail_aware {
+
+class IntervalCheck {
+ public:
+  struct Interval {
+    double dt_s = 0.0;        ///< by the stamps
+    double set_back_s = 0.0;  ///< a stamp was refused in it that was so much older than the last one; 0: none was
+    Pose T_odom_cog_previous = Pose::Identity();
+    Vector6d twist_cog = Vector6d::Zero();  ///< m/s and rad/s
+    Pose T_odom_cog_predicted = Pose::Identity();
+    std::optional<Pose> T_odom_cog_by_the_stamps{};  ///< what was found from there; none: nothing was
+  };
+
+  /// The sweep, registered from a pose on.
+  using Fit = std::function<Measurement(const Pose& T_odom_cog)>;
+
+  /// Each interval in turn. Where the sweep is, if it is by another interval than the stamps'.
+  std::optional<Pose> findOther(const Interval& interval, const Fit& fit);
+
+  void reset() { *this = IntervalCheck(); }
+
+ private:
+  struct Place {
+    double share = 0.0;        ///< of the sweep's points that fit; 0: none found
+    double information = 0.0;  ///< likewise, of those that inform on the weakest horizontal direction
+    bool observed = false;     ///< in all directions
+    double moved_m = 0.0;      ///< by registration
+    Pose T_odom_cog = Pose::Identity();
+  };
+  static Place placeFrom(const Pose& T_odom_cog, const Fit& fit);
+  bool isRight(const Place& place, double dt_s, const Place& by_the_stamps, const Pose& T_odom_cog_predicted) const;
+  void keep(double dt_s);
+
+  std::deque<double> intervals_s_;  ///< the last ones that were not doubted
+  double usual_dt_s_ = 0.0;         ///< their median
+  Place usual_;                     ///< looked at every some sweeps
+  int sweeps_to_usual_ = 0;
+};
+
+}  // namespace fail_aware

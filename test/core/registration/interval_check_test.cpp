@@ -1,0 +1,220 @@
+#include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace fail_aware {
+namespace {
+
+constexpr double kSpeed_mps = 10.0, kPeriod_s = 0.1;
+
+Pose at(double x_m) {
+  Pose T = Pose::Identity();
+  T.translation().x() = x_m;
+  return T;
+}
+
+// A world in which everything stands at its place once: within 0.2 m of the car's place a sweep fits there, and
+// elsewhere its road does.
+struct World {
+  double share_elsewhere = 0.75, share_here = 0.95;
+  double information_elsewhere = 0.015, information_here = 0.1;
+  int weak_directions = 0;
+  int fits = 0;
+
+  IntervalCheck::Fit at(double car_x_m) {
+    return [this, car_x_m](const Pose& T) {
+      ++fits;
+      Measurement found;
+      found.status = MeasurementStatus::kOk;
+      const bool here = std::abs(T.translation().x() - car_x_m) < 0.2;
+      found.T_odom_cog = here ? ::fail_aware::at(car_x_m) : T;
+      found.inlier_share = here ? share_here : share_elsewhere;
+      found.min_information_share = here ? information_here : information_elsewhere;
+      found.weak_directions = weak_directions;
+      return found;
+    };
+  }
+};
+
+struct Car {
+  IntervalCheck check;
+  World world;
+  double x_m = 0.0;
+
+  /// Drives on for driven_s while the stamps say dt_s.
+  std::optional<Pose> drive(double driven_s, double dt_s, double set_back_s = 0.0, bool found_there = true) {
+    IntervalCheck::Interval interval;
+    interval.dt_s = dt_s;
+    interval.set_back_s = set_back_s;
+    interval.T_odom_cog_previous = at(x_m);
+    interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
+    interval.T_odom_cog_predicted = at(x_m + kSpeed_mps * dt_s);
+    if (found_there) interval.T_odom_cog_by_the_stamps = at(x_m + kSpeed_mps * dt_s);
+    x_m += kSpeed_mps * driven_s;
+    return check.findOther(interval, world.at(x_m));
+  }
+  Car() {
+    for (int i = 0; i < 10; ++i) EXPECT_FALSE(drive(kPeriod_s, kPeriod_s));
+  }
+  void expectHere(const std::optional<Pose>& T) const {
+    ASSERT_TRUE(T);
+    EXPECT_NEAR(T->translation().x(), x_m, 1e-9);
+  }
+};
+
+TEST(IntervalCheck, AClockThatIsSetAheadAndBackDoesNotMoveTheCar) {
+  Car car;
+  car.expectHere(car.drive(kPeriod_s, 0.5));
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(car.drive(kPeriod_s, kPeriod_s));
+  // back by 0.4 s: the stamps 0.3, 0.2, 0.1 and 0 s before the last one are refused
+  car.expectHere(car.drive(0.5, kPeriod_s, 0.3));
+  EXPECT_FALSE(car.drive(kPeriod_s, kPeriod_s));
+}
+
+TEST(IntervalCheck, AClockThatIsSetBackByLessThanAnInterval) {
+  Car car;
+  car.expectHere(car.drive(kPeriod_s, 0.03));
+}
+
+TEST(IntervalCheck, SweepsThatAreLostAreLost) {
+  Car car;
+  for (const double lost_s : {0.2, 0.5, 2.0}) EXPECT_FALSE(car.drive(lost_s, lost_s));
+  EXPECT_FALSE(car.drive(2.0, 2.0, 0.0, false)) << "nor where no place was found";
+  EXPECT_FALSE(car.drive(2.0 * kPeriod_s, 2.0 * kPeriod_s, kPeriod_s)) << "nor if one came late";
+}
+
+TEST(IntervalCheck, WhereNoPlaceIsKnownTheOtherOneMustBeAsGoodAsUsual) {
+  Car car;
+  car.expectHere(car.drive(kPeriod_s, 0.5, 0.0, false));
+  car.world.share_here = 0.8;
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "too little fits";
+  car.world.share_here = 0.95;
+  car.world.information_here = 0.06;
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "what fits is the road";
+}
+
+TEST(IntervalCheck, WhereTheCarIsAlongTheWayCannotBeToldTheStampsAreBelieved) {
+  Car alike;
+  World& world = alike.world;
+  world.information_elsewhere = world.information_here * world.share_here / (1.4 * world.share_elsewhere);
+  EXPECT_FALSE(alike.drive(kPeriod_s, 0.5));
+  Car weak;
+  weak.world.weak_directions = 1;
+  EXPECT_FALSE(weak.drive(kPeriod_s, 0.5));
+}
+
+TEST(IntervalCheck, WhereNothingIsUsualNothingIsDoubted) {
+  Car car;
+  car.check.reset();
+  car.world.weak_directions = 1;  // a tunnel
+  for (int i = 0; i < 20; ++i) car.drive(kPeriod_s, kPeriod_s);
+  car.world.weak_directions = 0;
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false));
+}
+
+TEST(IntervalCheck, WhereBothWaysLeadToTheSamePlaceTheShorterOneIsRight) {
+  Car car;
+  IntervalCheck::Interval interval;
+  interval.dt_s = 0.2;
+  interval.T_odom_cog_previous = at(car.x_m);
+  interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
+  interval.T_odom_cog_predicted = at(car.x_m + 2.0);
+  // a search found the place, or registration alone
+  for (const double found_m : {1.0, 2.0}) {
+    interval.T_odom_cog_by_the_stamps = at(car.x_m + found_m);
+    for (const double driven_m : {1.0, 2.0}) {
+      const auto everywhere = [&](const Pose& T) {
+        Measurement found = car.world.at(T.translation().x())(T);
+        found.T_odom_cog = at(car.x_m + driven_m);
+        return found;
+      };
+      EXPECT_EQ(car.check.findOther(interval, everywhere).has_value(), driven_m == 1.0) << found_m;
+    }
+  }
+}
+
+TEST(IntervalCheck, TheDriverMayHaveBrakedInALongInterval) {
+  for (const double braked_mps2 : {2.5, 10.0}) {
+    Car car;
+    IntervalCheck::Interval interval;
+    interval.dt_s = kPeriod_s;
+    interval.set_back_s = 0.4;
+    interval.T_odom_cog_previous = at(car.x_m);
+    interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
+    interval.T_odom_cog_predicted = at(car.x_m + kSpeed_mps * kPeriod_s);
+    interval.T_odom_cog_by_the_stamps = interval.T_odom_cog_predicted;
+    const double x_m = car.x_m + kSpeed_mps * 0.6 - 0.5 * braked_mps2 * 0.36;
+    const auto fit = [&](const Pose& T) {
+      Measurement found = car.world.at(T.translation().x() > car.x_m + 4.0 ? T.translation().x() : 1e3)(T);
+      if (found.min_information_share == car.world.information_here) found.T_odom_cog = at(x_m);
+      return found;
+    };
+    EXPECT_EQ(car.check.findOther(interval, fit).has_value(), braked_mps2 < 5.0) << braked_mps2;
+  }
+}
+
+TEST(IntervalCheck, OneIntervalThatWasNotToldDoesNotMakeTheUsualOneAnother) {
+  Car car;
+  car.world.weak_directions = 1;
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.04));
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.4));
+  car.world.weak_directions = 0;
+  car.expectHere(car.drive(kPeriod_s, 0.5));
+}
+
+TEST(IntervalCheck, AHeadThatTurnsAtAnotherRateIsTheUsualOneAfterAWhile) {
+  for (const double period_s : {0.05, 0.2}) {
+    Car car;
+    for (int i = 0; i < 20; ++i) EXPECT_FALSE(car.drive(period_s, period_s));
+    car.world.fits = 0;
+    for (int i = 0; i < 60; ++i) EXPECT_FALSE(car.drive(period_s, period_s));
+    EXPECT_EQ(car.world.fits, 6) << period_s;
+    car.expectHere(car.drive(period_s, 0.5));
+  }
+}
+
+TEST(IntervalCheck, APlaceThatRegistrationLeavesIsNone) {
+  Car car;
+  IntervalCheck::Interval interval;
+  interval.dt_s = 0.5;
+  interval.T_odom_cog_previous = at(car.x_m);
+  interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
+  interval.T_odom_cog_predicted = at(car.x_m + 5.0);
+  interval.T_odom_cog_by_the_stamps = interval.T_odom_cog_predicted;
+  double moved_m = 0.0;
+  const auto fit = [&](const Pose& T) {
+    Measurement found = car.world.at(car.x_m + 1.0)(T);
+    if (found.min_information_share == car.world.information_here) found.T_odom_cog = at(T.translation().x() + moved_m);
+    return found;
+  };
+  moved_m = 0.4;
+  EXPECT_FALSE(car.check.findOther(interval, fit));
+  moved_m = 0.2;
+  EXPECT_TRUE(car.check.findOther(interval, fit));
+}
+
+TEST(IntervalCheck, BeforeTheFirstUsualIntervalNothingIsKnown) {
+  World world;
+  IntervalCheck check;
+  IntervalCheck::Interval interval;
+  EXPECT_FALSE(check.findOther(interval, world.at(0.0))) << "the first sweep";
+  interval.dt_s = 0.5;
+  interval.T_odom_cog_by_the_stamps = at(5.0);
+  EXPECT_FALSE(check.findOther(interval, world.at(1.0)));
+  Car car;
+  car.check.reset();
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.5)) << "after a reset, too";
+}
+
+TEST(IntervalCheck, RegistersEveryTenthSweepOnly) {
+  Car car;
+  car.world.fits = 0;
+  for (int i = 0; i < 60; ++i) EXPECT_FALSE(car.drive(kPeriod_s, kPeriod_s));
+  EXPECT_EQ(car.world.fits, 6);
+}
+
+}  // namespace
+}  // namespace fail_aware
