@@ -15,10 +15,9 @@ namespace {
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
-constexpr int kRotationSweeps = 2;        // in which what one leaves open is measured again
-constexpr int kMaxUnplacedSweeps = 10;    // in a row that nothing could place; then the reference is out of sight
-constexpr double kFarthestDoubt_m = 1e5;  // a car is no farther off after an hour
-constexpr double kOpenVariance = 4.0;     // of the prediction's: a measurement that says less leaves it open
+constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
+constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
+constexpr double kOpenVariance = 4.0;   // of the prediction's: a measurement that says less leaves it open
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -264,7 +263,7 @@ bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   const auto doubting = std::find_if(inputs.begin(), inputs.end(), doubts);
   if (doubting == inputs.end()) return false;
   const Vector6d error = stateDifference(vectorFromPose(doubting->measurement->T_odom_cog), ukf_.state());
-  if (error.head<3>().norm() > kFarthestDoubt_m) return false;
+  if (error.head<3>().norm() > kFarthestOff_m) return false;
   ukf_.reset(ukf_.state(), ukf_.covariance() + error * error.transpose());
   for (FusionInput& input : inputs) {
     if (!input.external && !doubts(input)) input.measurement = nullptr;

@@ -230,7 +230,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (!inputs[i].measurement || !inputs[i].measurement->ok()) continue;
     const std::optional<Candidate> candidate = makeCandidate(i, *inputs[i].measurement);
-    if (candidate) {
+    if (candidate && stateDifference(candidate->z, predicted_state).head<3>().norm() <= kFarthestOff_m) {
       candidates.push_back(*candidate);
     } else {
       ++result.invalid_inputs;

@@ -12,9 +12,10 @@ namespace {
 constexpr double kUnusual = 1.5;  // times longer than the usual interval, or shorter: may be wrong
 constexpr std::size_t kIntervals = 11;
 constexpr int kUsualEvery = 10;  // sweeps
-// Of what usually fits, there must be at least,
-constexpr double kShare = 0.7, kInformation = 0.4;            // where there is another place to compare with,
-constexpr double kShareAlone = 0.9, kInformationAlone = 0.7;  // and where there is none
+// Of what usually fits there must be at least: where there is another place to compare with; more of the information
+// where nothing fits there; and of both where none was found.
+constexpr double kShare = 0.7, kInformation = 0.4;
+constexpr double kShareAlone = 0.9, kInformationAlone = 0.7;
 constexpr double kClearlyMore = 1.5;  // times the information at the place that the stamps ask for
 constexpr double kSamePlace_m = 0.2;
 constexpr double kMaxMoved_m = 0.3;       // from the way of the right interval to where the sweep fits,
@@ -31,7 +32,7 @@ std::optional<Pose> IntervalCheck::findOther(const Interval& interval, const Fit
   const bool is_unusual = interval.dt_s > kUnusual * usual_s || kUnusual * interval.dt_s < usual_s;
   const bool set_back = interval.set_back_s > 0.0;
 
-  Place by_the_stamps;
+  std::optional<Place> by_the_stamps;
   if (interval.T_odom_cog_by_the_stamps && (is_unusual || set_back || --sweeps_to_usual_ <= 0)) {
     by_the_stamps = placeFrom(*interval.T_odom_cog_by_the_stamps, fit);
   }
@@ -47,8 +48,8 @@ std::optional<Pose> IntervalCheck::findOther(const Interval& interval, const Fit
   if (other.share > 0.0) return other.T_odom_cog;
 
   keep(interval.dt_s);
-  if (by_the_stamps.observed && by_the_stamps.moved_m <= kMaxMoved_m) {
-    usual_ = by_the_stamps;
+  if (by_the_stamps && by_the_stamps->observed && by_the_stamps->moved_m <= kMaxMoved_m) {
+    usual_ = *by_the_stamps;
     sweeps_to_usual_ = kUsualEvery;
   }
   return std::nullopt;
@@ -70,19 +71,20 @@ IntervalCheck::Place IntervalCheck::placeFrom(const Pose& T_odom_cog, const Fit&
           distance_m(found.T_odom_cog, T_odom_cog), found.T_odom_cog};
 }
 
-bool IntervalCheck::isRight(const Place& place, double dt_s, const Place& by_the_stamps,
+bool IntervalCheck::isRight(const Place& place, double dt_s, const std::optional<Place>& by_the_stamps,
                             const Pose& T_odom_cog_predicted) const {
   const double reach_m = std::min(kMaxMoved_m + 0.5 * kDriver_mps2 * dt_s * dt_s, kMaxMovedAtAll_m);
   if (!usual_.observed || !place.observed || place.moved_m > reach_m) return false;
   const auto isAsUsual = [&](double share, double information) {
     return place.share >= share * usual_.share && place.information >= information * usual_.information;
   };
-  if (by_the_stamps.share <= 0.0) return isAsUsual(kShareAlone, kInformationAlone);
+  if (!by_the_stamps) return isAsUsual(kShareAlone, kInformationAlone);
+  if (by_the_stamps->share <= 0.0) return isAsUsual(kShare, kInformationAlone);
   if (!isAsUsual(kShare, kInformation)) return false;
-  if (distance_m(place.T_odom_cog, by_the_stamps.T_odom_cog) < kSamePlace_m) {
+  if (distance_m(place.T_odom_cog, by_the_stamps->T_odom_cog) < kSamePlace_m) {
     return distance_m(place.T_odom_cog, T_odom_cog_predicted) > place.moved_m + kMaxMoved_m;
   }
-  return place.information >= kClearlyMore * by_the_stamps.information;
+  return place.information >= kClearlyMore * by_the_stamps->information;
 }
 
 }  // namespace fail_aware

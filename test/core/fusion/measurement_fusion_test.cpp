@@ -347,15 +347,17 @@ TEST(MeasurementFusion, AbsentAndUnusableInputs) {
   Measurement indefinite = measurementAt(Vector6d::Zero(), good);
   indefinite.covariance(0, 1) = indefinite.covariance(1, 0) = 0.02;
   const Measurement locked = measurementAt(vector6(0, 0, 0, 0, M_PI / 2, 0), good);
+  const Measurement far_below = measurementAt(vector6(0, 0, -1.01 * kFarthestOff_m, 0, 0, 0), good);  // no gate there
   const Measurement ok = measurementAt(vector6(0.1, 0, 0, 0, 0, 0), good);
 
   std::vector<FusionInput> inputs = {{"absent", nullptr},         {"failed", &failed},
                                      {"nan_pose", &nan_pose},     {"nan_covariance", &nan_covariance},
-                                     {"indefinite", &indefinite}, {"locked", &locked}};
+                                     {"indefinite", &indefinite}, {"locked", &locked},
+                                     {"far", &far_below}};
   const FusionResult none = defaultFusion().fuse(Vector6d::Zero(), good, inputs);
   EXPECT_FALSE(none.has_measurement);
   EXPECT_FALSE(none.all_gated_out);
-  EXPECT_EQ(none.invalid_inputs, 4);
+  EXPECT_EQ(none.invalid_inputs, 5);
   EXPECT_EQ(none.valid_inputs, 0);
   for (const double nis : none.nis) EXPECT_EQ(nis, -1.0);
 

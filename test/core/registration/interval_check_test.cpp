@@ -28,10 +28,10 @@ struct World {
     return [this, car_x_m](const Pose& T) {
       ++fits;
       Measurement found;
-      found.status = MeasurementStatus::kOk;
       const bool here = std::abs(T.translation().x() - car_x_m) < 0.2;
       found.T_odom_cog = here ? ::fail_aware::at(car_x_m) : T;
       found.inlier_share = here ? share_here : share_elsewhere;
+      found.status = found.inlier_share > 0.0 ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
       found.min_information_share = here ? information_here : information_elsewhere;
       found.weak_directions = weak_directions;
       return found;
@@ -104,6 +104,15 @@ TEST(IntervalCheck, WhereTheCarIsAlongTheWayCannotBeToldTheStampsAreBelieved) {
   Car weak;
   weak.world.weak_directions = 1;
   EXPECT_FALSE(weak.drive(kPeriod_s, 0.5));
+}
+
+TEST(IntervalCheck, WhereNothingFitsAtThePlaceOfTheStampsLessOfTheSweepWillDo) {
+  Car car;
+  car.world.share_here = 0.75;
+  car.world.share_elsewhere = 0.0;
+  car.expectHere(car.drive(kPeriod_s, 0.5));
+  car.world.information_here = 0.06;
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.5)) << "what fits is the road";
 }
 
 TEST(IntervalCheck, WhereNothingIsUsualNothingIsDoubted) {

@@ -32,6 +32,8 @@
 
 namespace fail_aware {
 
+inline constexpr double kFarthestOff_m = 1e5;  ///< from the prediction: a car is no farther off after an hour
+
 struct FusionInput {
   std::string name;
   const Measurement* measurement = nullptr;  ///< null or not ok(): absent
@@ -52,7 +54,7 @@ struct FusionResult {
   double undecided_m = 0.0;  ///< the same, where it is unexpected; that of one that is outnumbered times its weight
   bool confirmed = false;    ///< some two are within agreement_distance_m, and none that is not outvoted speaks against
   int valid_inputs = 0;
-  int invalid_inputs = 0;  ///< said ok, but unusable
+  int invalid_inputs = 0;  ///< said ok, but unusable, or beyond kFarthestOff_m
 };
 
 class MeasurementFusion {

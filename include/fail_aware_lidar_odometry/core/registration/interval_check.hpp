@@ -49,7 +49,8 @@ class IntervalCheck {
     Pose T_odom_cog = Pose::Identity();
   };
   static Place placeFrom(const Pose& T_odom_cog, const Fit& fit);
-  bool isRight(const Place& place, double dt_s, const Place& by_the_stamps, const Pose& T_odom_cog_predicted) const;
+  bool isRight(const Place& place, double dt_s, const std::optional<Place>& by_the_stamps,
+               const Pose& T_odom_cog_predicted) const;
   void keep(double dt_s);
 
   std::deque<double> intervals_s_;  ///< the last ones that were not doubted
