@@ -350,10 +350,9 @@ TEST(MeasurementFusion, AbsentAndUnusableInputs) {
   const Measurement far_below = measurementAt(vector6(0, 0, -1.01 * kFarthestOff_m, 0, 0, 0), good);  // no gate there
   const Measurement ok = measurementAt(vector6(0.1, 0, 0, 0, 0, 0), good);
 
-  std::vector<FusionInput> inputs = {{"absent", nullptr},         {"failed", &failed},
-                                     {"nan_pose", &nan_pose},     {"nan_covariance", &nan_covariance},
-                                     {"indefinite", &indefinite}, {"locked", &locked},
-                                     {"far", &far_below}};
+  std::vector<FusionInput> inputs = {
+      {"absent", nullptr},         {"failed", &failed}, {"nan_pose", &nan_pose}, {"nan_covariance", &nan_covariance},
+      {"indefinite", &indefinite}, {"locked", &locked}, {"far", &far_below}};
   const FusionResult none = defaultFusion().fuse(Vector6d::Zero(), good, inputs);
   EXPECT_FALSE(none.has_measurement);
   EXPECT_FALSE(none.all_gated_out);
