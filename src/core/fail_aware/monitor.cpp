@@ -68,15 +68,12 @@ void FailAwareMonitor::setLimits(const MonitorParameters& params) {
 
 // The usual period is the median of the last intervals.
 bool FailAwareMonitor::isAfterGap(double dt_s) {
-  constexpr std::size_t kIntervals = 11, kFewest = 3;
+  constexpr std::size_t kFewest = 3;
   if (!(dt_s > 0.0)) return false;
-  std::vector<double> sorted(intervals_s_.begin(), intervals_s_.end());
-  intervals_s_.push_back(dt_s);
-  if (intervals_s_.size() > kIntervals) intervals_s_.pop_front();
-  if (sorted.size() < kFewest) return false;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return dt_s > params_.gap_ratio * *middle;
+  const bool known = intervals_s_.size() >= kFewest;
+  const double usual_s = intervals_s_.median();
+  intervals_s_.add(dt_s);
+  return known && dt_s > params_.gap_ratio * usual_s;
 }
 
 std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const SweepCondition& condition) const {

@@ -359,13 +359,8 @@ void PoseFilter::updateMotion() {
 // that is chance; where it lasts (the median of some sweeps) the odometry is being led astray. What is outvoted is not
 // counted, what is outnumbered by its weight.
 double PoseFilter::excessDisagreement(double undecided_m) {
-  constexpr std::size_t kSweeps = 5;
-  undecided_m_.push_back(undecided_m);
-  if (undecided_m_.size() > kSweeps) undecided_m_.pop_front();
-  if (undecided_m_.size() < kSweeps) return 0.0;
-  std::vector<double> sorted(undecided_m_.begin(), undecided_m_.end());
-  std::nth_element(sorted.begin(), sorted.begin() + kSweeps / 2, sorted.end());
-  return std::max(0.0, sorted[kSweeps / 2] - params_.lasting_disagreement_m);
+  undecided_m_.add(undecided_m);
+  return undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.lasting_disagreement_m) : 0.0;
 }
 
 void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const {

@@ -1,7 +1,6 @@
 #include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
 
 #include <algorithm>
-#include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 
@@ -10,8 +9,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kUnusual = 1.5;  // times longer than the usual interval, or shorter: may be wrong
-constexpr std::size_t kIntervals = 11;
-constexpr int kUsualEvery = 10;  // sweeps
+constexpr int kUsualEvery = 10;   // sweeps
 // Of what usually fits there must be at least: where there is another place to compare with; more of the information
 // where nothing fits there; and of both where none was found.
 constexpr double kShare = 0.7, kInformation = 0.4;
@@ -28,7 +26,7 @@ double distance_m(const Pose& a, const Pose& b) { return (a.translation() - b.tr
 
 std::optional<Pose> IntervalCheck::findOther(const Interval& interval, const Fit& fit) {
   if (!(interval.dt_s > 0.0)) return std::nullopt;
-  const double usual_s = usual_dt_s_ > 0.0 ? usual_dt_s_ : interval.dt_s;
+  const double usual_s = intervals_s_.size() > 0 ? intervals_s_.median() : interval.dt_s;
   const bool is_unusual = interval.dt_s > kUnusual * usual_s || kUnusual * interval.dt_s < usual_s;
   const bool set_back = interval.set_back_s > 0.0;
 
@@ -47,21 +45,12 @@ std::optional<Pose> IntervalCheck::findOther(const Interval& interval, const Fit
   if (set_back) consider(interval.dt_s + usual_s + interval.set_back_s);
   if (other.share > 0.0) return other.T_odom_cog;
 
-  keep(interval.dt_s);
+  intervals_s_.add(interval.dt_s);
   if (by_the_stamps && by_the_stamps->observed && by_the_stamps->moved_m <= kMaxMoved_m) {
     usual_ = *by_the_stamps;
     sweeps_to_usual_ = kUsualEvery;
   }
   return std::nullopt;
-}
-
-void IntervalCheck::keep(double dt_s) {
-  intervals_s_.push_back(dt_s);
-  if (intervals_s_.size() > kIntervals) intervals_s_.pop_front();
-  std::vector<double> sorted(intervals_s_.begin(), intervals_s_.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  usual_dt_s_ = *middle;
 }
 
 IntervalCheck::Place IntervalCheck::placeFrom(const Pose& T_odom_cog, const Fit& fit) {

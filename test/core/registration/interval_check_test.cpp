@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <vector>
 
 namespace fail_aware {
 namespace {
@@ -44,15 +43,21 @@ struct Car {
   World world;
   double x_m = 0.0;
 
-  /// Drives on for driven_s while the stamps say dt_s.
-  std::optional<Pose> drive(double driven_s, double dt_s, double set_back_s = 0.0, bool found_there = true) {
+  /// From here on, by the stamps.
+  IntervalCheck::Interval interval(double dt_s, double set_back_s = 0.0) const {
     IntervalCheck::Interval interval;
     interval.dt_s = dt_s;
     interval.set_back_s = set_back_s;
     interval.T_odom_cog_previous = at(x_m);
     interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
     interval.T_odom_cog_predicted = at(x_m + kSpeed_mps * dt_s);
-    if (found_there) interval.T_odom_cog_by_the_stamps = at(x_m + kSpeed_mps * dt_s);
+    interval.T_odom_cog_by_the_stamps = interval.T_odom_cog_predicted;
+    return interval;
+  }
+  /// Drives on for driven_s while the stamps say dt_s.
+  std::optional<Pose> drive(double driven_s, double dt_s, double set_back_s = 0.0, bool found_there = true) {
+    IntervalCheck::Interval interval = this->interval(dt_s, set_back_s);
+    if (!found_there) interval.T_odom_cog_by_the_stamps.reset();
     x_m += kSpeed_mps * driven_s;
     return check.findOther(interval, world.at(x_m));
   }
@@ -124,13 +129,9 @@ TEST(IntervalCheck, WhereNothingIsUsualNothingIsDoubted) {
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false));
 }
 
-TEST(IntervalCheck, WhereBothWaysLeadToTheSamePlaceTheShorterOneIsRight) {
+TEST(IntervalCheck, WhereBothWaysLeadToTheSamePlaceTheOneThatEndsNearerIsRight) {
   Car car;
-  IntervalCheck::Interval interval;
-  interval.dt_s = 0.2;
-  interval.T_odom_cog_previous = at(car.x_m);
-  interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
-  interval.T_odom_cog_predicted = at(car.x_m + 2.0);
+  IntervalCheck::Interval interval = car.interval(0.2);
   // a search found the place, or registration alone
   for (const double found_m : {1.0, 2.0}) {
     interval.T_odom_cog_by_the_stamps = at(car.x_m + found_m);
@@ -148,13 +149,7 @@ TEST(IntervalCheck, WhereBothWaysLeadToTheSamePlaceTheShorterOneIsRight) {
 TEST(IntervalCheck, TheDriverMayHaveBrakedInALongInterval) {
   for (const double braked_mps2 : {2.5, 10.0}) {
     Car car;
-    IntervalCheck::Interval interval;
-    interval.dt_s = kPeriod_s;
-    interval.set_back_s = 0.4;
-    interval.T_odom_cog_previous = at(car.x_m);
-    interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
-    interval.T_odom_cog_predicted = at(car.x_m + kSpeed_mps * kPeriod_s);
-    interval.T_odom_cog_by_the_stamps = interval.T_odom_cog_predicted;
+    const IntervalCheck::Interval interval = car.interval(kPeriod_s, 0.4);
     const double x_m = car.x_m + kSpeed_mps * 0.6 - 0.5 * braked_mps2 * 0.36;
     const auto fit = [&](const Pose& T) {
       Measurement found = car.world.at(T.translation().x() > car.x_m + 4.0 ? T.translation().x() : 1e3)(T);
@@ -187,12 +182,7 @@ TEST(IntervalCheck, AHeadThatTurnsAtAnotherRateIsTheUsualOneAfterAWhile) {
 
 TEST(IntervalCheck, APlaceThatRegistrationLeavesIsNone) {
   Car car;
-  IntervalCheck::Interval interval;
-  interval.dt_s = 0.5;
-  interval.T_odom_cog_previous = at(car.x_m);
-  interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
-  interval.T_odom_cog_predicted = at(car.x_m + 5.0);
-  interval.T_odom_cog_by_the_stamps = interval.T_odom_cog_predicted;
+  const IntervalCheck::Interval interval = car.interval(0.5);
   double moved_m = 0.0;
   const auto fit = [&](const Pose& T) {
     Measurement found = car.world.at(car.x_m + 1.0)(T);

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 
 #include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
@@ -13,6 +12,7 @@
 #include "fail_aware_lidar_odometry/core/fail_aware/indicator.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/moving_median.hpp"
 
 namespace fail_aware {
 
@@ -132,7 +132,7 @@ class FailAwareMonitor {
   Pose T_odom_mark_ = Pose::Identity();
   double t1_stamp_s_ = -1.0;
   int odom_epoch_ = 0;
-  std::deque<double> intervals_s_;  ///< of the last sweeps
+  MovingMedian intervals_s_{11};  ///< of the last sweeps
   bool has_previous_ = false;
   double speed_wander_ = 0.0;  ///< growth of the speed error's variance in the last sweep, m^2/s^3
   bool start_pending_ = false;

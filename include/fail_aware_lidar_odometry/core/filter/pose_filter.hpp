@@ -16,7 +16,6 @@
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
 #pragma once
 
-#include <deque>
 #include <string>
 #include <vector>
 
@@ -25,6 +24,7 @@
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/moving_median.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/road_plane.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/vehicle_model.hpp"
@@ -151,7 +151,7 @@ class PoseFilter {
   bool started_ = false;
   bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
-  std::deque<double> undecided_m_;                          ///< of the last sweeps
+  MovingMedian undecided_m_{5};                             ///< of the last sweeps
   int corrected_sweeps_ = 0;
   int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp

@@ -47,9 +47,10 @@ struct FusionResult {
   std::vector<double> weights;        ///< per input, 0..1 before normalisation; 0: gated out or absent
   std::vector<double> nis;            ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
   bool all_gated_out = false;         ///< there were usable measurements, none inside the gate
-  bool prediction_overruled = false;  ///< all gated out, but a group that agrees with itself was taken
-  bool prediction_invalid = false;    ///< predicted state or covariance not usable
-  double disagreement_m = 0.0;        ///< largest horizontal distance between two usable measurements
+  bool prediction_overruled =
+      false;                        ///< all gated out, but a group that agrees with itself was taken, or what doubts it
+  bool prediction_invalid = false;  ///< predicted state or covariance not usable
+  double disagreement_m = 0.0;      ///< largest horizontal distance between two usable measurements
   double disagreement_yaw_rad = 0.0;
   double undecided_m = 0.0;  ///< the same, where it is unexpected; that of one that is outnumbered times its weight
   bool confirmed = false;    ///< some two are within agreement_distance_m, and none that is not outvoted speaks against

@@ -5,18 +5,18 @@
 // stamps did not advance before it, the way of the other interval, at the speed so far, is tried, too. At a wrong
 // place the road and other planes along the way fit as well as ever; what tells where along it the car is does not.
 // So a place is judged by how much of the sweep fits and informs on the weakest horizontal direction, against the
-// place that the stamps ask for and against what is usual. Where both ways lead to the same place, the shorter one is
-// right.
+// place that the stamps ask for and against what is usual. Where both ways lead to the same place, the one that ends
+// nearer to it is right.
 //
 // Where the places cannot be told from each other (tunnels, open country) the stamps are believed. A clock that is set
 // by less than half an interval is not looked for: registration bears that.
 // Cost: a registration from one seed every tenth sweep, and two or three after an unusual interval.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <optional>
 
+#include "fail_aware_lidar_odometry/core/moving_median.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 
 namespace fail_aware {
@@ -51,11 +51,9 @@ class IntervalCheck {
   static Place placeFrom(const Pose& T_odom_cog, const Fit& fit);
   bool isRight(const Place& place, double dt_s, const std::optional<Place>& by_the_stamps,
                const Pose& T_odom_cog_predicted) const;
-  void keep(double dt_s);
 
-  std::deque<double> intervals_s_;  ///< the last ones that were not doubted
-  double usual_dt_s_ = 0.0;         ///< their median
-  Place usual_;                     ///< looked at every some sweeps
+  MovingMedian intervals_s_{11};  ///< that were not doubted
+  Place usual_;                   ///< looked at every some sweeps
   int sweeps_to_usual_ = 0;
 };
 

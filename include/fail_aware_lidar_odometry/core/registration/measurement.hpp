@@ -39,8 +39,7 @@ struct Measurement {
   /// Of the information, in the weakest horizontal direction: ICPs: share of all the weight, 0.5 if both directions are
   /// seen alike; corners: against `good_corners` of them. 0: not known.
   double min_information_share = 0.0;
-  bool interval_doubted =
-      false;  ///< found by the way of another interval than the stamps': no speed is to be had from it
+  bool interval_doubted = false;  ///< found by the way of another interval than the stamps': tells no speed
 
   bool ok() const { return status == MeasurementStatus::kOk; }
 };
