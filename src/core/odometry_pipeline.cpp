@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,8 +17,6 @@
 namespace fail_aware {
 
 namespace {
-
-constexpr double kNoStamp = std::numeric_limits<double>::quiet_NaN();
 
 class Stopwatch {
  public:
@@ -108,8 +105,7 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
-  double far_ahead_stamp_s = kNoStamp;  ///< the last sweep's, if it was refused as that
-  SetBack set_back;
+  StampSequence stamps;
   int refused = 0;                           ///< sweeps since the last one that was taken
   std::optional<double> start_from_stamp_s;  ///< t1 has been asked for, and has not come
 };
@@ -161,8 +157,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
 
 void OdometryPipeline::Stages::beginDrive(const Pose& T_odom_cog) {
   refused = 0;
-  far_ahead_stamp_s = kNoStamp;
-  set_back = SetBack();
+  stamps.beginDrive();
   corrector.reset();
   filter.reset(T_odom_cog);
   front.reset();
@@ -175,12 +170,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   Stopwatch total, stage;
   SweepPrediction prediction;
   const FilterState& last = filter.state();
-  StampOrder order = StampOrder::kAdvances;
-  if (filter.started()) {
-    order = stampOrder(sweep.stamp_s - last.stamp_s, kMaxReorder_s, sweep.stamp_s - far_ahead_stamp_s);
-    set_back.refused(order, sweep.stamp_s - last.stamp_s);
-    far_ahead_stamp_s = order == StampOrder::kFarAhead ? sweep.stamp_s : kNoStamp;
-  }
+  const StampOrder order = filter.started() ? stamps.next(sweep.stamp_s - last.stamp_s) : StampOrder::kAdvances;
   if (order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead) beginDrive(Pose(last.T_odom_cog));
   if (order == StampOrder::kFarAhead || !filter.predict(sweep.stamp_s, prediction)) {
     ++refused;
@@ -189,7 +179,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
     result.T_odom_base = last.T_odom_cog * T_base_cog.inverse();
     return result;
   }
-  prediction.set_back_s = set_back.take_s();
+  prediction.set_back_s = stamps.takeSetBack_s();
   prediction = exchanged(prediction);
   const SweepFindings findings = check.check(sweep);
   const double middle_s = corrector.correct(sweep, prediction, T_cog_lidar, corrected).middle_s;

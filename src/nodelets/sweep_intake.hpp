@@ -12,7 +12,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -40,7 +39,7 @@ class SweepIntake {
 
   void setLimits(std::size_t queue_size, double max_reorder_s) {
     queue_size_ = may_wait_ = queue_size;
-    max_reorder_s_ = max_reorder_s;
+    stamps_.setMaxReorder(max_reorder_s);
   }
 
   Verdict offer(const std_msgs::Header& header, const ros::SteadyTime& arrived = ros::SteadyTime()) {
@@ -49,26 +48,17 @@ class SweepIntake {
       return Verdict::kRefused;
     }
     if (!newest_.isZero()) {
-      const double since_far_ahead_s =
-          far_ahead_.isZero() ? std::numeric_limits<double>::quiet_NaN() : secondsFrom(far_ahead_, header.stamp);
-      far_ahead_ = ros::Time();
-      const double since_newest_s = secondsFrom(newest_, header.stamp);
-      const StampOrder order = stampOrder(since_newest_s, max_reorder_s_, since_far_ahead_s);
-      set_back_.refused(order, since_newest_s);
-      switch (order) {
+      switch (stamps_.next(since_newest_s(header.stamp))) {
         case StampOrder::kAdvances: break;
         case StampOrder::kSame: refuse(counts_.duplicate, "duplicate stamp"); return Verdict::kRefused;
         case StampOrder::kReordered: refuse(counts_.reordered, "stamp out of order"); return Verdict::kRefused;
-        case StampOrder::kFarAhead:
-          far_ahead_ = header.stamp;
-          refuse(counts_.far_ahead, "stamp far ahead");
-          return Verdict::kRefused;
+        case StampOrder::kFarAhead: refuse(counts_.far_ahead, "stamp far ahead"); return Verdict::kRefused;
         case StampOrder::kJumpedBack:
         case StampOrder::kJumpedAhead: return Verdict::kNewDrive;
       }
     }
     newest_ = header.stamp;
-    waiting_.push_back({header, arrived, set_back_.take_s()});
+    waiting_.push_back({header, arrived, stamps_.takeSetBack_s()});
     if (waiting_.size() > may_wait_) may_wait_ = std::max<std::size_t>(1, may_wait_ - 1);
     while (waiting_.size() > may_wait_) {
       const double set_back_s = waiting_.front().set_back_s;
@@ -107,8 +97,8 @@ class SweepIntake {
     counts_.reset += waiting_.size() + (in_work ? 1 : 0);
     waiting_.clear();
     may_wait_ = queue_size_;
-    newest_ = far_ahead_ = ros::Time();
-    set_back_ = SetBack();
+    newest_ = ros::Time();
+    stamps_.beginDrive();
     dropped_ = 0;
   }
 
@@ -135,11 +125,9 @@ class SweepIntake {
 
   std::size_t queue_size_ = 3;
   std::size_t may_wait_ = 3;  ///< now
-  double max_reorder_s_ = kMaxReorder_s;
   std::deque<Waiting> waiting_;
-  ros::Time newest_;     ///< accepted
-  ros::Time far_ahead_;  ///< the last stamp, if it was refused as that; otherwise zero
-  SetBack set_back_;
+  ros::Time newest_;  ///< accepted
+  StampSequence stamps_;
   int dropped_ = 0;
   std::string last_refused_;
   Counts counts_;

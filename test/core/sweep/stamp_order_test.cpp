@@ -7,39 +7,65 @@
 namespace fail_aware {
 namespace {
 
-TEST(StampOrder, TellsALateSweepFromAClockThatWasSetBack) {
-  EXPECT_EQ(stampOrder(1e-6), StampOrder::kAdvances);
-  EXPECT_EQ(stampOrder(0.0), StampOrder::kSame);
-  EXPECT_EQ(stampOrder(-1e-6), StampOrder::kReordered);
-  EXPECT_EQ(stampOrder(-kMaxReorder_s), StampOrder::kReordered);
-  EXPECT_EQ(stampOrder(-kMaxReorder_s - 1e-6), StampOrder::kJumpedBack);
-  EXPECT_EQ(stampOrder(-1e-6, 0.0), StampOrder::kJumpedBack);
+StampOrder first(double since_newest_s) { return StampSequence().next(since_newest_s); }
+
+TEST(StampSequence, TellsALateSweepFromAClockThatWasSetBack) {
+  EXPECT_EQ(first(1e-6), StampOrder::kAdvances);
+  EXPECT_EQ(first(0.0), StampOrder::kSame);
+  EXPECT_EQ(first(-1e-6), StampOrder::kReordered);
+  EXPECT_EQ(first(-kMaxReorder_s), StampOrder::kReordered);
+  EXPECT_EQ(first(-kMaxReorder_s - 1e-6), StampOrder::kJumpedBack);
 }
 
-TEST(StampOrder, AStampFarAheadCountsOnceTheNextOneFollowsOnIt) {
-  EXPECT_EQ(stampOrder(kFarAhead_s), StampOrder::kAdvances);
-  EXPECT_EQ(stampOrder(kFarAhead_s + 1e-6), StampOrder::kFarAhead);
-  EXPECT_EQ(stampOrder(7200.1, kMaxReorder_s, 0.1), StampOrder::kJumpedAhead);
-  EXPECT_EQ(stampOrder(7200.0, kMaxReorder_s, 0.0), StampOrder::kFarAhead) << "the same one again";
-  EXPECT_EQ(stampOrder(7200.0, kMaxReorder_s, -0.1), StampOrder::kFarAhead);
-  EXPECT_EQ(stampOrder(1e9, kMaxReorder_s, 1e6), StampOrder::kFarAhead) << "another one";
-  EXPECT_EQ(stampOrder(0.2, kMaxReorder_s, -7200.0), StampOrder::kAdvances) << "it was wrong";
+TEST(StampSequence, AStampFarAheadCountsOnceTheNextOneFollowsOnIt) {
+  EXPECT_EQ(first(kFarAhead_s), StampOrder::kAdvances);
+  EXPECT_EQ(first(kFarAhead_s + 1e-6), StampOrder::kFarAhead);
+  StampSequence stamps;
+  EXPECT_EQ(stamps.next(7200.0), StampOrder::kFarAhead);
+  EXPECT_EQ(stamps.next(7200.0), StampOrder::kFarAhead) << "the same one again";
+  EXPECT_EQ(stamps.next(7199.9), StampOrder::kFarAhead) << "before it";
+  EXPECT_EQ(stamps.next(1e6), StampOrder::kFarAhead) << "another one";
+  EXPECT_EQ(stamps.next(1e6 + 0.1), StampOrder::kJumpedAhead);
 }
 
-TEST(StampOrder, WhatIsNoNumberNeitherAdvancesNorBeginsADrive) {
-  EXPECT_EQ(stampOrder(std::numeric_limits<double>::quiet_NaN()), StampOrder::kReordered);
+TEST(StampSequence, AStampFarAheadIsForgottenOnceOneComesThatIsNot) {
+  for (const double wrong_before_s : {0.1, 0.0, -0.1}) {
+    StampSequence stamps;
+    EXPECT_EQ(stamps.next(7200.0), StampOrder::kFarAhead);
+    EXPECT_NE(stamps.next(wrong_before_s), StampOrder::kFarAhead);
+    EXPECT_EQ(stamps.next(7200.1), StampOrder::kFarAhead);
+  }
+  StampSequence stamps;
+  EXPECT_EQ(stamps.next(7200.0), StampOrder::kFarAhead);
+  stamps.beginDrive();
+  EXPECT_EQ(stamps.next(7200.1), StampOrder::kFarAhead);
 }
 
-TEST(SetBack, IsTheMostOfTheStampsThatWereOutOfOrderAndToldOnce) {
-  SetBack set_back;
-  EXPECT_EQ(set_back.take_s(), 0.0);
-  set_back.refused(StampOrder::kReordered, -0.3);
-  set_back.refused(StampOrder::kReordered, -0.2);
-  set_back.refused(StampOrder::kReordered, std::numeric_limits<double>::quiet_NaN());
-  set_back.refused(StampOrder::kFarAhead, 7200.0);
-  set_back.refused(StampOrder::kJumpedBack, -7200.0);
-  EXPECT_EQ(set_back.take_s(), 0.3);
-  EXPECT_EQ(set_back.take_s(), 0.0);
+TEST(StampSequence, WhatIsNoNumberNeitherAdvancesNorBeginsADrive) {
+  StampSequence stamps;
+  EXPECT_EQ(stamps.next(std::numeric_limits<double>::quiet_NaN()), StampOrder::kReordered);
+  EXPECT_EQ(stamps.takeSetBack_s(), 0.0);
+  EXPECT_EQ(stamps.next(std::numeric_limits<double>::infinity()), StampOrder::kFarAhead);
+  EXPECT_EQ(stamps.next(std::numeric_limits<double>::infinity()), StampOrder::kFarAhead);
+}
+
+TEST(StampSequence, ALimitThatChangesKeepsWhatCameBefore) {
+  StampSequence stamps;
+  EXPECT_EQ(stamps.next(-0.3), StampOrder::kReordered);
+  stamps.setMaxReorder(0.2);
+  EXPECT_EQ(stamps.next(-0.3), StampOrder::kJumpedBack);
+  EXPECT_EQ(stamps.takeSetBack_s(), 0.3);
+}
+
+TEST(StampSequence, SetBackIsTheMostOfTheStampsThatWereOutOfOrderAndToldOnce) {
+  StampSequence stamps;
+  EXPECT_EQ(stamps.takeSetBack_s(), 0.0);
+  for (const double since_newest_s : {-0.3, -0.2, 0.0, 7200.0}) stamps.next(since_newest_s);
+  EXPECT_EQ(stamps.takeSetBack_s(), 0.3);
+  EXPECT_EQ(stamps.takeSetBack_s(), 0.0);
+  for (const double since_newest_s : {-0.3, -7200.0}) stamps.next(since_newest_s);
+  stamps.beginDrive();
+  EXPECT_EQ(stamps.takeSetBack_s(), 0.0) << "a new drive";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace fail_aware {
 
@@ -16,33 +17,41 @@ inline constexpr double kFarAhead_s = 3600.0;
 
 enum class StampOrder { kAdvances, kSame, kReordered, kJumpedBack, kFarAhead, kJumpedAhead };
 
-/// `since_far_ahead_s`: since the last stamp, if that was refused as far ahead; otherwise no number.
-inline StampOrder stampOrder(double since_newest_s, double max_reorder_s = kMaxReorder_s,
-                             double since_far_ahead_s = std::numeric_limits<double>::quiet_NaN()) {
-  if (since_newest_s > kFarAhead_s) {
-    const bool confirmed = since_far_ahead_s > 0.0 && since_far_ahead_s <= kFarAhead_s;
-    return confirmed ? StampOrder::kJumpedAhead : StampOrder::kFarAhead;
-  }
-  if (since_newest_s > 0.0) return StampOrder::kAdvances;
-  if (since_newest_s < -max_reorder_s) return StampOrder::kJumpedBack;
-  return since_newest_s == 0.0 ? StampOrder::kSame : StampOrder::kReordered;
-}
-
-/// By how much the stamps were refused that came before a sweep: it tells a clock that was set back a little.
-class SetBack {
+class StampSequence {
  public:
-  void refused(StampOrder order, double since_newest_s) {
-    if (order == StampOrder::kReordered && since_newest_s < 0.0) most_s_ = std::max(most_s_, -since_newest_s);
+  void setMaxReorder(double max_reorder_s) { max_reorder_s_ = max_reorder_s; }
+
+  /// The next stamp, `since_newest_s` after the newest one that was taken (kAdvances, or the first of a drive).
+  StampOrder next(double since_newest_s) {
+    const double far_ahead_s = std::exchange(far_ahead_s_, kNone);
+    if (since_newest_s > kFarAhead_s) {
+      const double since_far_ahead_s = since_newest_s - far_ahead_s;
+      if (since_far_ahead_s > 0.0 && since_far_ahead_s <= kFarAhead_s) return StampOrder::kJumpedAhead;
+      far_ahead_s_ = since_newest_s;
+      return StampOrder::kFarAhead;
+    }
+    if (since_newest_s > 0.0) return StampOrder::kAdvances;
+    if (since_newest_s < -max_reorder_s_) return StampOrder::kJumpedBack;
+    if (since_newest_s == 0.0) return StampOrder::kSame;
+    if (since_newest_s < 0.0) set_back_s_ = std::max(set_back_s_, -since_newest_s);
+    return StampOrder::kReordered;
   }
-  /// Of the sweep that is taken now; 0: none was refused.
-  double take_s() {
-    const double most_s = most_s_;
-    most_s_ = 0.0;
-    return most_s;
+
+  /// By how much at most the stamps were out of order that were refused before the one that is taken now; 0: none was.
+  /// It tells a clock that was set back a little.
+  double takeSetBack_s() { return std::exchange(set_back_s_, 0.0); }
+
+  void beginDrive() {
+    far_ahead_s_ = kNone;
+    set_back_s_ = 0.0;
   }
 
  private:
-  double most_s_ = 0.0;
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  double max_reorder_s_ = kMaxReorder_s;
+  double far_ahead_s_ = kNone;  ///< since the newest one: the last stamp, if it was refused as that
+  double set_back_s_ = 0.0;
 };
 
 }  // namespace fail_aware
