@@ -36,6 +36,7 @@ Measurement measured(const Pose& T_odom_cog, const Matrix6d& covariance = diagon
   measurement.status = MeasurementStatus::kOk;
   measurement.T_odom_cog = T_odom_cog;
   measurement.covariance = covariance;
+  measurement.inlier_share = 1.0;
   return measurement;
 }
 
@@ -397,6 +398,64 @@ TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
   EXPECT_TRUE(now_and_then.isApprox(together, 0.1)) << "two of the last five sweeps";
   EXPECT_NEAR(lasting[0] - together[0], 0.1 * 0.1, 1e-4) << "beyond 0.15 m";
   EXPECT_NEAR(lasting[1] - together[1], 0.1 * 0.1, 1e-4) << "it stays";
+}
+
+/// Of the last of 11 sweeps after 20 good ones, beside the same drive without anything odd: what is added to the
+/// variances along the way, across it and of the heading.
+Eigen::Vector3d addedVariances(const std::function<Measurement(int sweep, const Pose& T)>& odd) {
+  const Drive drive;
+  const auto variancesWith = [&](bool is_odd) {
+    PoseFilter filter = makeFilter();
+    driveMeasured(filter, drive, 20);
+    Step out;
+    for (int i = 21; i <= 31; ++i) {
+      const Measurement measurement = is_odd ? odd(i, drive.at(i)) : measured(drive.at(i));
+      EXPECT_TRUE(filter.predict(drive.stamp(i), out.prediction));
+      out.state = filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+      EXPECT_TRUE(out.state.corrected);
+    }
+    const Matrix6d& C = out.state.increment_covariance;
+    return Eigen::Vector3d(C(0, 0), C(1, 1), C(5, 5));
+  };
+  return variancesWith(true) - variancesWith(false);
+}
+
+TEST(PoseFilter, MeasurementsThatJumpSweepAfterSweepAreAsUncertainAsTheyJump) {
+  const auto jumping = [](double jump_m, int first) {
+    return addedVariances([=](int sweep, const Pose& T) {
+      const double ahead_m = sweep < first ? 0.0 : sweep % 2 == 0 ? 0.5 * jump_m : -0.5 * jump_m;
+      return measured(Pose(Eigen::Translation3d(ahead_m, 0.0, 0.0)) * T);
+    });
+  };
+  const double wild_m = std::sqrt(jumping(0.12, 21)[0]);
+  EXPECT_GT(wild_m, 0.1);
+  EXPECT_LT(wild_m, 0.3);
+  EXPECT_LT(jumping(0.02, 21).head<2>().cwiseAbs().maxCoeff(), 1e-4) << "as much as sound sweeps do";
+  EXPECT_LT(jumping(0.12, 29).head<2>().cwiseAbs().maxCoeff(), 1e-4) << "three of the last ten";
+}
+
+TEST(PoseFilter, WhereNextToNothingFitsTheMapTheIncrementIsOpen) {
+  const auto fitting = [](double share) {
+    return addedVariances([=](int, const Pose& T) {
+      Measurement measurement = measured(T);
+      measurement.inlier_share = share;
+      return measurement;
+    });
+  };
+  EXPECT_EQ(fitting(0.5).norm(), 0.0);
+  const Eigen::Vector3d little = fitting(0.1);
+  EXPECT_NEAR(std::sqrt(little[0]), 0.25 * 2.0 / 3.0, 1e-4);
+  EXPECT_NEAR(std::sqrt(little[1]), 0.25 * 2.0 / 3.0, 1e-4);
+}
+
+TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {
+  const auto turning = [](double turn_deg) {
+    return addedVariances([=](int sweep, const Pose& T) {
+      return measured(sweep < 31 ? T : T * pose(0, 0, 0, 0, turn_deg * kDegree, 0), diagonal(0.01, 1e-3));
+    });
+  };
+  EXPECT_NEAR(std::sqrt(turning(6.0)[2]), 0.6 * kDegree, 0.1 * kDegree);
+  EXPECT_LT(std::abs(turning(1.0)[2]), std::pow(0.05 * kDegree, 2)) << "a bump in the road";
 }
 
 /// Over a gap a measurement counts only if another confirms it.

@@ -55,8 +55,8 @@ struct FilterState {
   Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
   /// The part of it that the measurements leave open: of the prediction's error what this sweep's measurement leaves,
-  /// of rotation what the next one, as good as this, would leave as well; and horizontally how far beyond
-  /// lasting_disagreement_m measurements stay apart.
+  /// of rotation what the next one, as good as this, would leave as well; horizontally how far beyond
+  /// lasting_disagreement_m measurements stay apart; and what is implausible in a vehicle's motion, whatever R says.
   Matrix6d unobserved_covariance = Matrix6d::Zero();
   SpeedError speed_error;  ///< along the vehicle, where it coasts
   int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
@@ -136,6 +136,7 @@ class PoseFilter {
   Coasting::Measured measuredMotion() const;
   void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
   double excessDisagreement(double undecided_m);
+  void addImplausible(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
 
   Params params_;
   VehicleModel model_;
@@ -152,6 +153,7 @@ class PoseFilter {
   bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   MovingMedian undecided_m_{5};                             ///< of the last sweeps
+  MovingMedian innovation_m_{10}, fitting_share_{10};       ///< likewise: horizontal; of the planes' points
   int corrected_sweeps_ = 0;
   int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
