@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/evaluation/noise_calibration.hpp"
@@ -22,6 +23,21 @@ struct Options {
   std::string output;
 };
 
+constexpr double kLeastShare = 0.1;
+
+/// What the drives show next to nothing of stays as it was, and is said: one drive has one bias, and shows no other.
+void keepWhatWasNotSeen(const ParameterList& given, ParameterList& fitted) {
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    const auto& [key, before] = given[i];
+    if (key.rfind("monitor.drift.", 0) != 0 || !std::holds_alternative<double>(before)) continue;
+    const double before_value = std::get<double>(before), value = std::get<double>(fitted[i].second);
+    if (value >= kLeastShare * before_value) continue;
+    std::cerr << kName << ": " << key << " left as it is, " << before_value << ": these drives show " << value
+              << ", which is too little to be believed; give more of them, or set it by hand\n";
+    fitted[i].second = before_value;
+  }
+}
+
 int run(const Options& options) {
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   std::vector<IncrementSample> increments;
@@ -31,12 +47,14 @@ int run(const Options& options) {
     increments.insert(increments.end(), of_run.begin(), of_run.end());
     drives.push_back({run.truth, run.log});
   }
-  ProfileParameters fitted = runs.front().params.profile;
+  const ProfileParameters& given = runs.front().params.profile;
+  ProfileParameters fitted = given;
   fitted.filter = fitIncrementNoise(increments, fitted.filter);
   fitted.monitor.drift = fitDrift(drives, fitted.monitor.drift);
 
-  ParameterList list;
-  for (const auto& [key, value] : toList(fitted)) {
+  ParameterList all = toList(fitted), list;
+  keepWhatWasNotSeen(toList(given), all);
+  for (const auto& [key, value] : all) {
     const bool increment = key.rfind("filter.increment_", 0) == 0, drift = key.rfind("monitor.drift.", 0) == 0;
     if (increment || drift) list.emplace_back(key, value);
   }

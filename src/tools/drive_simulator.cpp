@@ -9,12 +9,14 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include <boost/make_shared.hpp>
+#include <iostream>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/fault_injector.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/sweep_stamping.hpp"
 #include "simulation_options.hpp"
@@ -24,6 +26,14 @@ namespace {
 using namespace fail_aware;
 
 constexpr int kQueue = 10;
+
+constexpr const char* kHelp =
+    "A node that simulates a drive in real time and publishes it as a vehicle with a Velodyne does: /velodyne_points,\n"
+    "/tf_static, and the truth on /ground_truth/odometry. Needs a ROS master and the wall clock (use_sim_time off).\n"
+    "launch/demo.launch starts it together with the odometry.\n"
+    "faults: KIND[:START[:DURATION[:SEVERITY]]], separated by blanks; scenes and kinds: simulate_drive --help.\n"
+    "Exit codes: 0 the drive is over, 1 it failed, 2 bad arguments or parameters.\n"
+    "Private parameters (_NAME:=VALUE) and their defaults:\n";
 
 struct Parameters {
   DriveSimulation::Params simulation;
@@ -46,6 +56,14 @@ std::vector<Fault> faultsOf(const std::string& text) {
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
   return parseFaults(words);
+}
+
+/// What ROS does not take for its own (remappings, private parameters).
+std::vector<std::string> argumentsOf(int argc, char** argv) {
+  std::vector<std::string> arguments;
+  ros::removeROSArgs(argc, argv, arguments);
+  if (!arguments.empty()) arguments.erase(arguments.begin());
+  return arguments;
 }
 
 class DriveSimulator {
@@ -113,6 +131,13 @@ class DriveSimulator {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::vector<std::string> arguments = argumentsOf(argc, argv);
+  if (!arguments.empty()) {
+    const bool help = arguments.front() == "--help" || arguments.front() == "-h";
+    if (help) std::cout << kHelp << formatYaml(toList(Parameters()));
+    if (!help) std::cerr << "drive_simulator: error: unknown argument " << arguments.front() << " (see --help)\n";
+    return help ? 0 : 2;
+  }
   ros::init(argc, argv, "drive_simulator");
   const ros::NodeHandle private_node("~");  // keeps the node up
   ros::AsyncSpinner spinner(1);

@@ -141,6 +141,10 @@ int run(Options& options) {
   options.simulation.traffic = !options.no_traffic;
   options.simulation.validate();
   const std::vector<Fault> faults = parseFaults(options.faults);
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (faults[i].start_s < options.simulation.duration_s) continue;
+    throw InputError("--fault " + options.faults[i] + " would begin after the drive, which --duration ends before");
+  }
   DriveSimulation simulation(options.simulation, options.threads);
   FaultInjector injector(static_cast<std::uint64_t>(options.simulation.seed), faults);
   const std::unique_ptr<Output> output = openOutput(options);

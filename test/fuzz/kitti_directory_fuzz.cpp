@@ -11,8 +11,10 @@ using namespace fail_aware;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FuzzInput input(data, size);
   const std::string folder = freshFolder();
-  std::filesystem::create_directories(folder + "/velodyne");
-  if (input.flag()) writeFile(folder + "/times.txt", input.text(200));
+  const bool raw = input.flag();
+  const std::string scans = folder + (raw ? "/velodyne_points/data" : "/velodyne");
+  std::filesystem::create_directories(scans);
+  if (input.flag()) writeFile(folder + (raw ? "/velodyne_points/timestamps.txt" : "/times.txt"), input.text(200));
   if (input.flag()) {
     std::filesystem::create_directories(folder + "/stamps");
     writeFile(folder + "/stamps/000000.f32", input.text(200));
@@ -21,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::filesystem::create_directories(folder + "/rings");
     writeFile(folder + "/rings/000000.u16", input.text(200));
   }
-  writeFile(folder + "/velodyne/000000.bin", input.rest());
+  writeFile(scans + "/000000.bin", input.rest());
   try {
     const KittiDirectory directory = KittiDirectory::open(folder);
     for (std::size_t i = 0; i < directory.size(); ++i) {

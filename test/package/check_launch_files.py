@@ -15,14 +15,15 @@ import xml.etree.ElementTree as ElementTree
 PACKAGE = "fail_aware_lidar_odometry"
 BAG = "drive with blank.bag"  # in a temporary folder
 FITTED = "fitted.yaml"  # likewise
+OWN = {"profile": "profiles/default.yaml", "vehicle": "vehicles/passat_b6.yaml", "sensor": "sensors/hdl64e.yaml"}  # copied there
 FITTED_TEXT = "monitor:\n  drift:\n    scale_bias: 0.5\n"
 CASES = {
     "odometry.launch": [{}, {"rviz": "true"}, {"start_manager": "false", "manager": "/other"}, {"profile": "paper"},
-                        {"namespace": "second"}, {"parameters": FITTED}],
+                        {"namespace": "second"}, {"parameters": FITTED}, OWN],
     "kitti_replay.launch": [{"bag": BAG}, {"bag": BAG, "bag_tf": "true"}, {"play": "false"}, {"play": "false", "parameters": FITTED},
                             {"bag": BAG, "loop": "true", "rviz": "true"}],
     "velodyne_hdl64e.launch": [{}, {"driver": "false"}, {"calibration": "/data/head.yaml", "rviz": "true"},
-                               {"parameters": FITTED}],
+                               {"parameters": FITTED}, OWN],
 }
 DRIVER = """<launch>
   %s
@@ -91,6 +92,9 @@ def check(root, name, arguments, config, nodelets):
         expect("%s/%s" % (namespace, key) in values, "no parameter %s" % key)
     fitted = values["%s/profile/monitor/drift/scale_bias" % namespace] == 0.5
     expect(fitted == ("parameters" in arguments), "parameters over the profile's")
+    for kind in OWN:
+        own = values.get("%s/%s/said" % (namespace, kind))
+        expect(own == ("own" if kind in arguments and "/" in arguments[kind] else None), "%s of one's own" % kind)
     managers = [node for node in config.nodes if node.package == "nodelet" and node.args == "manager"]
     expect(len(managers) == (0 if arguments.get("start_manager") == "false" else 1), "managers: %d" % len(managers))
 
@@ -168,6 +172,10 @@ def main(arguments):
         write_bag(os.path.join(folder, BAG))
         with open(os.path.join(folder, FITTED), "w") as file:
             file.write(FITTED_TEXT)
+        for path in OWN.values():
+            os.makedirs(os.path.dirname(os.path.join(folder, path)))
+            with open(os.path.join(root, "cfg", path)) as shipped, open(os.path.join(folder, path), "w") as own:
+                own.write(shipped.read() + "said: own\n")
         for bag in ("/no/such.bag", BAG, ""):
             try:
                 check_bag_is_refused(root, bag)
@@ -177,7 +185,7 @@ def main(arguments):
                 print("FAILED: bag '%s': %s" % (bag, error))
         for name in files:
             for case in CASES.get(name, [{}]):
-                case = {key: os.path.join(folder, value) if value in (BAG, FITTED) else value for key, value in case.items()}
+                case = {key: os.path.join(folder, value) if value in (BAG, FITTED, *OWN.values()) else value for key, value in case.items()}
                 try:
                     config = load(os.path.join(root, "launch", name), case)
                     check(root, name, case, config, nodelets)

@@ -48,7 +48,7 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   const fs::path yaml = folder_ / "noise.yaml";
   run(CALIBRATE_NOISE, options("run") + " --output '" + yaml.string() + "'");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  EXPECT_EQ(result_.err, "");
+  EXPECT_EQ(result_.err.find("per_root_metre"), std::string::npos) << result_.err;
   EXPECT_EQ(result_.out, contentOf(yaml));
   ProfileParameters fitted;
   loadYaml(yaml.string(), fitted, MissingKeys::kKeep);
@@ -59,6 +59,24 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   EXPECT_NEAR(std::sqrt(filter.increment_scale * 4e-6 + floor_rad * floor_rad), 1e-3, 5e-5);
   EXPECT_NE(result_.out.find("heading_per_root_metre_deg"), std::string::npos);
   EXPECT_EQ(result_.out.find("threshold"), std::string::npos) << "only what was fitted";
+}
+
+TEST_F(Calibrate, DriftThatTheRunsDoNotShowStaysAsItIs) {
+  MadeUpRun exact;
+  exact.sweeps = 600;
+  PipelineParameters params;
+  params.profile.monitor.drift.scale_bias = 0.0123;
+  exact.write(folder_ / "exact", params);
+  run(CALIBRATE_NOISE, options("exact"));
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  for (const char* key : {"scale_bias", "heading_per_root_metre_deg"}) {
+    EXPECT_NE(result_.err.find("monitor.drift." + std::string(key) + " left as it is"), std::string::npos) << key;
+  }
+  ProfileParameters fitted;
+  std::ofstream(folder_ / "fitted.yaml") << result_.out;
+  loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+  EXPECT_EQ(fitted.monitor.drift.scale_bias, 0.0123);
+  EXPECT_EQ(fitted.monitor.drift.heading_per_root_metre_deg, params.profile.monitor.drift.heading_per_root_metre_deg);
 }
 
 TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {

@@ -1,5 +1,6 @@
-// Runs scripts/live_demo: the live graph on a made-up drive, on a ROS master of its own. LIVE_DEMO is its path (compile
-// definition); the workspace's setup.bash must be sourced, as it is under catkin's run_tests.
+// Runs scripts/live_demo: the live graph on a made-up drive, on a ROS master of its own. LIVE_DEMO is its path,
+// DRIVE_SIMULATOR that of its node (compile definitions); the workspace's setup.bash must be sourced, as it is under
+// catkin's run_tests.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -116,6 +117,16 @@ TEST_F(LiveDemo, SaysInOneLineWhatIsWrong) {
   EXPECT_EQ(wait(), 1);
   EXPECT_EQ(err().rfind("live_demo: error: cannot write in ", 0), 0u) << err();
   EXPECT_EQ(countOf(err(), "\n"), 1u) << err();
+}
+
+TEST_F(LiveDemo, TheSimulatorSaysWhatItTakes) {
+  const std::string no_master = "ROS_MASTER_URI=http://localhost:1";
+  const ToolRun help = runProgram(DRIVE_SIMULATOR, "--help", folder_, no_master);
+  EXPECT_EQ(help.exit_code, 0) << help.err;
+  EXPECT_NE(help.out.find("\nduration_s: 60.0\n"), std::string::npos) << help.out;
+  const ToolRun unknown = runProgram(DRIVE_SIMULATOR, "__name:=car _seed:=3 --seed 3", folder_, no_master);
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_EQ(unknown.err, "drive_simulator: error: unknown argument --seed (see --help)\n");
 }
 
 }  // namespace

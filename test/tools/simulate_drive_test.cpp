@@ -193,8 +193,8 @@ TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {
 
 TEST_F(SimulateDrive, badUseIsOneLineAndExitCode2) {
   for (const char* arguments :
-       {"--scene moon", "--duration 0", "--duration nan", "--seed -1", "--fault fog", "--threads 0",
-        "--fault dropped:0:inf --duration 0.3", "--start-speed 100", "--speed -1", "--no-such"}) {
+       {"--scene moon", "--duration 0", "--duration nan", "--seed -1", "--fault fog", "--fault noise:1:1 --duration 1",
+        "--threads 0", "--fault dropped:0:inf --duration 0.3", "--start-speed 100", "--speed -1", "--no-such"}) {
     const ToolRun run = simulate("bad", arguments);
     EXPECT_EQ(run.exit_code, 2) << arguments;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <locale>
+#include <optional>
 #include <sstream>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
@@ -57,7 +60,8 @@ std::vector<std::uint64_t> sortScans(std::vector<fs::path>& scans) {
   return numbers;
 }
 
-std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
+/// Without blanks at their ends, and without empty ones at the end.
+std::vector<std::string> readLines(const fs::path& path) {
   std::ifstream file(path);
   if (!file) throw InputError(path.string() + ": cannot be read");
   std::vector<std::string> lines;
@@ -66,6 +70,15 @@ std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
     lines.push_back(line);
   }
   while (!lines.empty() && lines.back().empty()) lines.pop_back();
+  return lines;
+}
+
+InputError badLine(const fs::path& path, std::size_t i, const std::string& line, const char* what) {
+  return InputError(path.string() + ", line " + std::to_string(i + 1) + ": '" + line + "' " + what);
+}
+
+std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
+  const std::vector<std::string> lines = readLines(path);
   if (lines.size() != scan_count) {
     throw InputError(path.string() + ": " + std::to_string(lines.size()) + " lines for " + std::to_string(scan_count) +
                      " scans");
@@ -73,16 +86,47 @@ std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
 
   std::vector<double> times_s;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    const std::string where = path.string() + ", line " + std::to_string(i + 1) + ": '" + lines[i] + "' ";
     std::istringstream text(lines[i]);
     text.imbue(std::locale::classic());
     double time_s = 0.0;
     if (!(text >> time_s) || text.peek() != std::istringstream::traits_type::eof() || !std::isfinite(time_s)) {
-      throw InputError(where + "is not a number of seconds");
+      throw badLine(path, i, lines[i], "is not a number of seconds");
     }
     time_s = wholeMicroseconds(time_s);
     times_s.push_back(time_s);
   }
+  return times_s;
+}
+
+/// 2011-09-26 13:02:25.964389445 -> s since 1970.
+std::optional<double> secondsOf(const std::string& line) {
+  std::istringstream text(line);
+  text.imbue(std::locale::classic());
+  std::tm date = {};
+  double second = 0.0;
+  if (!(text >> std::get_time(&date, "%Y-%m-%d %H:%M:") >> second)) return std::nullopt;
+  if (text.peek() != std::istringstream::traits_type::eof() || !(second >= 0.0 && second < 61.0)) return std::nullopt;
+  const std::time_t minute_s = timegm(&date);
+  return static_cast<double>(minute_s) + second;
+}
+
+/// Of KITTI raw: a date and time for each number of a scan, whether there is a file of that number or not.
+/// Since the first scan.
+std::vector<double> readTimestamps(const fs::path& path, const std::vector<std::uint64_t>& numbers) {
+  const std::vector<std::string> lines = readLines(path);
+  if (numbers.back() >= lines.size()) {
+    throw InputError(path.string() + ": " + std::to_string(lines.size()) + " lines, none for scan " +
+                     std::to_string(numbers.back()));
+  }
+  const auto at = [&](std::size_t i) {
+    const std::optional<double> time_s = secondsOf(lines[i]);
+    if (!time_s) throw badLine(path, i, lines[i], "is not a date and time such as 2011-09-26 13:02:25.964");
+    return *time_s;
+  };
+  const double first_s = at(numbers.front());
+  std::vector<double> times_s;
+  times_s.reserve(numbers.size());
+  for (const std::uint64_t number : numbers) times_s.push_back(wholeMicroseconds(at(number) - first_s));
   return times_s;
 }
 
@@ -157,8 +201,12 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   KittiDirectory kitti;
   const std::vector<std::uint64_t> numbers = sortScans(scans);
   for (const fs::path& scan : scans) kitti.scan_paths_.push_back(scan.string());
+  const fs::path timestamps = root / "velodyne_points" / "timestamps.txt";
   if (fs::exists(root / "times.txt", error)) {
     kitti.stamps_s_ = readTimes(root / "times.txt", scans.size());
+  } else if (!numbers.empty() && scans.front().parent_path() == timestamps.parent_path() / "data" &&
+             fs::exists(timestamps, error)) {
+    kitti.stamps_s_ = readTimestamps(timestamps, numbers);
   } else {
     for (std::size_t i = 0; i < scans.size(); ++i) {
       const double number = static_cast<double>(numbers.empty() ? i : numbers[i]);

@@ -51,7 +51,9 @@ std::vector<double> parseNumbers(const std::string& text, std::size_t count, con
   while (words >> word) {
     char* end = nullptr;
     const double value = std::strtod(word.c_str(), &end);
-    if (*end != '\0') throw InputError(where + "'" + word + "' is not a number");
+    if (*end != '\0') {
+      throw InputError(where + "'" + word + "' is not a number; a row has " + std::to_string(count));
+    }
     if (!std::isfinite(value)) throw InputError(where + "'" + word + "' is not finite");
     numbers.push_back(value);
   }

@@ -112,6 +112,32 @@ TEST_F(KittiDirectoryTest, FindsRawLayoutAndBareFolder) {
   EXPECT_DOUBLE_EQ(bare.stamps()[1], 0.1);
 }
 
+TEST_F(KittiDirectoryTest, RawTimestampsBelongToNumbersAndCountFromTheFirstScan) {
+  for (const char* number : {"0000000001", "0000000003"}) {
+    write<float>("velodyne_points/data/" + std::string(number) + ".bin", {1, 2, 3, 0.5f});
+  }
+  const std::string lines =
+      "2011-09-26 23:59:59.900000000\n2011-09-27 00:00:00.003389445\r\n2011-09-27 00:00:00.1\n"
+      "2011-09-27 00:00:00.210000999\n";
+  writeText("velodyne_points/timestamps.txt", lines);
+  const std::vector<double> expected = {0.0, 0.206612};
+  const std::vector<double> stamps = KittiDirectory::open(root_.string()).stamps();
+  ASSERT_EQ(stamps.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(stamps[i], expected[i], 1e-9);
+  writeText("times.txt", "1.0\n2.0\n");
+  EXPECT_EQ(KittiDirectory::open(root_.string()).stamps()[1], 2.0) << "times.txt counts where there is one";
+  fs::remove(root_ / "times.txt");
+
+  writeText("velodyne_points/timestamps.txt", "2011-09-26 23:59:59.9\n2011-09-27 00:00:00.0\n");
+  expectHas(openError(), "2 lines, none for scan 3");
+  for (const char* bad : {"", "0.1", "2011-09-27", "2011-09-27 00:00:", "2011-09-27 00:00:nan", "2011-09-27 00:00:-1",
+                          "2011-09-27 00:00:61", "2011-13-27 00:00:00", "2011-09-27 00:00:00 x"}) {
+    writeText("velodyne_points/timestamps.txt", lines + bad + "\n2011-09-27 00:00:01\n");
+    write<float>("velodyne_points/data/0000000004.bin", {1, 2, 3, 0.5f});
+    expectHas(openError(), "timestamps.txt, line 5: '" + std::string(bad) + "' is not a date and time");
+  }
+}
+
 TEST_F(KittiDirectoryTest, OpenNamesWhatIsWrong) {
   try {
     KittiDirectory::open((root_ / "absent").string());

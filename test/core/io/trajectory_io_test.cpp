@@ -96,7 +96,7 @@ TEST_F(TrajectoryIo, ErrorsNameFileAndLine) {
   const auto kitti = [&](const std::string& content) { return errorOf([&] { readKittiTrajectory(file(content)); }); };
   EXPECT_EQ(kitti(good + "1 0 0 0 0 1 0 0 0 0 1\n"), path_ + ":2: expected 12 numbers, found 11");
   EXPECT_EQ(kitti(good + kIdentityRow + " 7\n"), path_ + ":2: expected 12 numbers, found 13");
-  EXPECT_EQ(kitti(good + good + "1 0 0 x1 0 1 0 0 0 0 1 0\n"), path_ + ":3: 'x1' is not a number");
+  EXPECT_EQ(kitti(good + good + "1 0 0 x1 0 1 0 0 0 0 1 0\n"), path_ + ":3: 'x1' is not a number; a row has 12");
   EXPECT_EQ(kitti(good + "1 0 0 nan 0 1 0 0 0 0 1 0\n"), path_ + ":2: 'nan' is not finite");
   EXPECT_EQ(kitti(good + "1 0 0 1e999 0 1 0 0 0 0 1 0\n"), path_ + ":2: '1e999' is not finite");
   EXPECT_EQ(kitti("2 0 0 0 0 1 0 0 0 0 1 0\n"), path_ + ":1: the 3x3 part is not a rotation");

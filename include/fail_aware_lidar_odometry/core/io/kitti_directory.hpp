@@ -4,11 +4,13 @@
 //     or DIR/velodyne_points/data/NNNNNNNNNN.bin  (KITTI raw), or DIR/NNNNNN.bin
 //   DIR/times.txt                                 stamp of each scan, s, one a line; kept to the microsecond;
 //                                                 as recorded: it may stand still or go back
+//     or DIR/velodyne_points/timestamps.txt       (KITTI raw) date and time of each number, files missing or not;
+//                                                 stamps count from the first scan's
 //   DIR/stamps/NNNNNN.f32                         float32 per point: s from the sweep's start
 //   DIR/rings/NNNNNN.u16                          uint16 per point: laser number, 0 = lowest beam
 //
 // One row per scan file, in the order of their numbers; row i of times.txt belongs to file i, even where numbers are
-// missing (dropped sweeps). Without times.txt the stamp is number * nominal period (row * period when a name is not a
+// missing (dropped sweeps). Without either the stamp is number * nominal period (row * period when a name is not a
 // number). KITTI's times are those of facing forward: sweep timing needs stamp_reference = mid, which turns the stamps
 // from the sweep's start into [-T/2, T/2].
 //
