@@ -153,7 +153,7 @@ class PoseFilter {
   bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   MovingMedian undecided_m_{5};                             ///< of the last sweeps
-  MovingMedian innovation_m_{10}, fitting_share_{10};       ///< likewise: horizontal; of the planes' points
+  MovingMedian innovation_m_{10}, fitting_share_{3};        ///< likewise: horizontal; of the planes' points
   int corrected_sweeps_ = 0;
   int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
