@@ -51,11 +51,11 @@ struct Parameters {
   void validate() const { simulation.validate(); }
 };
 
-std::vector<Fault> faultsOf(const std::string& text) {
+std::vector<Fault> faultsOf(const std::string& text, double drive_s) {
   std::istringstream stream(text);
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
-  return parseFaults(words);
+  return parseFaults(words, drive_s);
 }
 
 /// What ROS does not take for its own (remappings, private parameters).
@@ -70,7 +70,7 @@ class DriveSimulator {
  public:
   explicit DriveSimulator(const Parameters& parameters)
       : parameters_(parameters),
-        faults_(faultsOf(parameters.faults)),
+        faults_(faultsOf(parameters.faults, parameters.simulation.duration_s)),
         simulation_(parameters.simulation, 1),
         injector_(static_cast<std::uint64_t>(parameters.simulation.seed), faults_) {
     clouds_ = node_.advertise<sensor_msgs::PointCloud2>(parameters_.names.cloud_topic, kQueue);

@@ -4,15 +4,20 @@
 #include <string>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/drive_simulation.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/fault.hpp"
 
 namespace fail_aware {
 
-inline std::vector<Fault> parseFaults(const std::vector<std::string>& texts) {
+/// Throws what Fault::parse throws, and InputError for a fault that would begin after the drive.
+inline std::vector<Fault> parseFaults(const std::vector<std::string>& texts, double drive_s) {
   std::vector<Fault> faults;
   faults.reserve(texts.size());
-  for (const std::string& text : texts) faults.push_back(Fault::parse(text));
+  for (const std::string& text : texts) {
+    faults.push_back(Fault::parse(text));
+    if (faults.back().start_s >= drive_s) throw InputError("fault " + text + " would begin after the drive");
+  }
   return faults;
 }
 

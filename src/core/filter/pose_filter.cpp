@@ -17,8 +17,8 @@ constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motio
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
 constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
-// Sound sweeps, simulated and real: 0.067 m at most at 25 m/s (median of 10), 0.49 at least (of 3).
-constexpr double kUsualInnovation_m = 0.07, kFittingShare = 0.3;
+constexpr double kUsualPeriod_s = 0.1;
+constexpr int kSweepsToForgetPlanes = 10;
 constexpr double kUnfitting_m = 0.25;             // a sweep, where nothing fits
 constexpr double kUsualTurn_rad = 4.5 * kDegree;  // off the prediction, of one sweep
 constexpr double kWrongShareOfTurn = 0.1;
@@ -84,6 +84,8 @@ void PoseFilter::Params::validate() const {
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
   requirePositive("lasting_disagreement_m", lasting_disagreement_m);
+  requireNotNegative("lasting_innovation_m", lasting_innovation_m);
+  requireWithin("fitting_share", fitting_share, 0.0, 1.0);
   coasting.validate();
 }
 
@@ -112,8 +114,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   road_.clear();
   started_ = false;
   undecided_m_.clear();
-  innovation_m_.clear();
-  fitting_share_.clear();
+  clearImplausible();
   last_measured_ = previous_measured_ = false;
   unplaced_sweeps_ = 0;
   interval_wrong_ = false;
@@ -159,6 +160,7 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   state_.covariance = ukf_.covariance();
   state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
   ++state_.odom_epoch;
+  clearImplausible();
   return true;
 }
 
@@ -235,7 +237,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
     setIncrementCovariance(prediction_, next);
-    const bool is_compared = next.corrected && !doubted && prediction_.motion_known && next.dt_s <= kLongInterval_s;
+    const bool is_compared = next.corrected && !doubted && prediction_.motion_known && next.dt_s <= kLongInterval_s &&
+                             (last_measured_ || previous_measured_);
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
     addImplausible(inputs, innovation, next);
   }
@@ -249,6 +252,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     unplaced_sweeps_ = 0;
     next.placed = true;
     ++next.reference_epoch;
+    clearImplausible();
   }
   if (begins || interval_wrong_) history_.clear();
   started_ = true;
@@ -371,6 +375,12 @@ double PoseFilter::excessDisagreement(double undecided_m) {
   return undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.lasting_disagreement_m) : 0.0;
 }
 
+void PoseFilter::clearImplausible() {
+  innovation_m_.clear();
+  fitting_share_.clear();
+  sweeps_without_planes_ = 0;
+}
+
 // What R does not know of. A vehicle moves nearly as it was predicted to: where measurements lie off that sweep after
 // sweep they are as uncertain as that, and what they are off by stays in the map. Where next to nothing of the sweeps fits
 // the map, what does was selected by the prediction and confirms it, whatever the vehicle does. And what turns the
@@ -378,18 +388,27 @@ double PoseFilter::excessDisagreement(double undecided_m) {
 void PoseFilter::addImplausible(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
                                 FilterState& state) {
   innovation_m_.add(coasting_.active() ? 0.0 : innovation.head<2>().norm());
+  ++sweeps_without_planes_;
   for (const FusionInput& input : inputs) {
-    const bool tells = input.name == kIcpPointToPlane && input.measurement != nullptr && input.measurement->ok();
-    if (tells) fitting_share_.add(input.measurement->inlier_share);
+    if (input.name != kIcpPointToPlane || input.measurement == nullptr || !input.measurement->ok()) continue;
+    fitting_share_.add(input.measurement->inlier_share);
+    sweeps_without_planes_ = 0;
   }
+  if (sweeps_without_planes_ > kSweepsToForgetPlanes) fitting_share_.clear();
   double lasting_m = 0.0;
-  if (innovation_m_.isFull() && innovation_m_.median() > kUsualInnovation_m) lasting_m = innovation_m_.median();
-  if (fitting_share_.isFull()) {
-    lasting_m = std::max(lasting_m, kUnfitting_m * (1.0 - fitting_share_.median() / kFittingShare));
+  if (params_.lasting_innovation_m > 0.0 && innovation_m_.isFull()) {
+    const double periods = std::max(1.0, state.dt_s / kUsualPeriod_s);  // an acceleration grows with its square
+    const double median_m = innovation_m_.median();
+    if (median_m > params_.lasting_innovation_m * periods * periods) lasting_m = median_m;
+  }
+  if (params_.fitting_share > 0.0 && fitting_share_.isFull()) {
+    lasting_m = std::max(lasting_m, kUnfitting_m * (1.0 - fitting_share_.median() / params_.fitting_share));
   }
   const double excess_m = std::hypot(excessDisagreement(state.fusion.undecided_m), lasting_m);
   const double turn_rad = innovation.tail<3>().norm();
   const double excess_rad = turn_rad > kUsualTurn_rad ? kWrongShareOfTurn * turn_rad : 0.0;
+  // measurements that agree in that confirm nothing: after a gap the covariance would begin with their R
+  if (lasting_m > 0.0 || excess_rad > 0.0) state.fusion.confirmed = false;
   for (Matrix6d* covariance : {&state.increment_covariance, &state.unobserved_covariance}) {
     covariance->diagonal().head<2>().array() += excess_m * excess_m;
     (*covariance)(5, 5) += excess_rad * excess_rad;

@@ -402,10 +402,11 @@ TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
 
 /// Of the last of 11 sweeps after 20 good ones, beside the same drive without anything odd: what is added to the
 /// variances along the way, across it and of the heading.
-Eigen::Vector3d addedVariances(const std::function<Measurement(int sweep, const Pose& T)>& odd) {
+Eigen::Vector3d addedVariances(const std::function<Measurement(int sweep, const Pose& T)>& odd,
+                               const PoseFilter::Params& params = {}) {
   const Drive drive;
   const auto variancesWith = [&](bool is_odd) {
-    PoseFilter filter = makeFilter();
+    PoseFilter filter = makeFilter(params);
     driveMeasured(filter, drive, 20);
     Step out;
     for (int i = 21; i <= 31; ++i) {
@@ -446,6 +447,39 @@ TEST(PoseFilter, WhereNextToNothingFitsTheMapTheIncrementIsOpen) {
   const Eigen::Vector3d little = fitting(0.1);
   EXPECT_NEAR(std::sqrt(little[0]), 0.25 * 2.0 / 3.0, 1e-4);
   EXPECT_NEAR(std::sqrt(little[1]), 0.25 * 2.0 / 3.0, 1e-4);
+}
+
+TEST(PoseFilter, WhatIsNotBelievedConfirmsNothingUntilAPoseIsSet) {
+  const Drive drive;
+  PoseFilter filter = makeFilter();
+  driveMeasured(filter, drive, 20);
+  const auto driven = [&](int sweep, double share) {
+    Measurement measurement = measured(filter.state().T_odom_cog * drive.at(1));
+    measurement.inlier_share = share;
+    SweepPrediction prediction;
+    EXPECT_TRUE(filter.predict(drive.stamp(sweep), prediction));
+    return filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+  };
+  for (int i = 21; i <= 23; ++i) EXPECT_EQ(driven(i, 0.9).fusion.confirmed, true);
+  for (int i = 24; i <= 26; ++i) driven(i, 0.1);
+  const FilterState doubtful = driven(27, 0.1);
+  EXPECT_FALSE(doubtful.fusion.confirmed);
+  ASSERT_TRUE(filter.setPose(drive.at(0)));
+  const FilterState anew = driven(28, 0.1);
+  EXPECT_TRUE(anew.fusion.confirmed);
+  EXPECT_LT(anew.increment_covariance(0, 0), 0.1 * doubtful.increment_covariance(0, 0));
+}
+
+TEST(PoseFilter, WhatIsNotBelievedCanBeSwitchedOff) {
+  PoseFilter::Params params;
+  params.fitting_share = params.lasting_innovation_m = 0.0;
+  const auto odd = [](int sweep, const Pose& T) {
+    Measurement measurement = measured(Pose(Eigen::Translation3d(sweep % 2 == 0 ? 0.06 : -0.06, 0.0, 0.0)) * T);
+    measurement.inlier_share = 0.0;
+    return measurement;
+  };
+  EXPECT_LT(addedVariances(odd, params).head<2>().cwiseAbs().maxCoeff(), 1e-3);
+  EXPECT_GT(addedVariances(odd)[0], 0.25 * 0.25 - 1e-3);
 }
 
 TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {

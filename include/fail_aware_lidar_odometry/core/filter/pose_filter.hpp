@@ -83,6 +83,8 @@ class PoseFilter {
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.012;
     double lasting_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
+    double lasting_innovation_m = 0.07;    ///< so far off the prediction, sweep after sweep, is an error, too; 0: off
+    double fitting_share = 0.3;  ///< of the planes' points: where less fits the map, R is not believed; 0: off
     Coasting::Params coasting;
 
     template <class Self, class Visitor>
@@ -98,6 +100,8 @@ class PoseFilter {
       v("increment_per_metre_m", self.increment_per_metre_m);
       v("increment_floor_deg", self.increment_floor_deg);
       v("lasting_disagreement_m", self.lasting_disagreement_m);
+      v("lasting_innovation_m", self.lasting_innovation_m);
+      v("fitting_share", self.fitting_share);
       v("coasting", self.coasting);
     }
     void validate() const;
@@ -136,6 +140,7 @@ class PoseFilter {
   Coasting::Measured measuredMotion() const;
   void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
   double excessDisagreement(double undecided_m);
+  void clearImplausible();
   void addImplausible(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
 
   Params params_;
@@ -154,6 +159,7 @@ class PoseFilter {
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   MovingMedian undecided_m_{5};                             ///< of the last sweeps
   MovingMedian innovation_m_{10}, fitting_share_{3};        ///< likewise: horizontal; of the planes' points
+  int sweeps_without_planes_ = 0;                           ///< in a row
   int corrected_sweeps_ = 0;
   int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
