@@ -28,6 +28,14 @@ class Calibrate : public ::testing::Test {
 
   void run(const std::string& tool, const std::string& arguments) { result_ = runProgram(tool, arguments, folder_); }
 
+  /// The shipped profile with what the last run printed.
+  ProfileParameters fittedProfile() const {
+    ProfileParameters fitted;
+    std::ofstream(folder_ / "fitted.yaml") << result_.out;
+    loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+    return fitted;
+  }
+
   fs::path folder_ = fs::path(::testing::TempDir()) / ("calibrate_" + std::to_string(getpid()));
   ToolRun result_;
 };
@@ -72,9 +80,7 @@ TEST_F(Calibrate, DriftThatTheRunsDoNotShowStaysAsItIs) {
   for (const char* key : {"scale_bias", "heading_per_root_metre_deg"}) {
     EXPECT_NE(result_.err.find("monitor.drift." + std::string(key) + " left as it is"), std::string::npos) << key;
   }
-  ProfileParameters fitted;
-  std::ofstream(folder_ / "fitted.yaml") << result_.out;
-  loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+  const ProfileParameters fitted = fittedProfile();
   EXPECT_EQ(fitted.monitor.drift.scale_bias, 0.0123);
   EXPECT_EQ(fitted.monitor.drift.heading_per_root_metre_deg, params.profile.monitor.drift.heading_per_root_metre_deg);
 }
@@ -86,9 +92,7 @@ TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
   good.write(folder_ / "good", article);
   run(CALIBRATE_FAIL_AWARE, options("good") + " --eta-passed-by 0");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  ProfileParameters fitted;
-  std::ofstream(folder_ / "fitted.yaml") << result_.out;
-  loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+  const ProfileParameters fitted = fittedProfile();
   // sigma alternates by 1e-6 rad: 2e-6 a sweep from the third on, over the 400 sweeps of the first episode
   EXPECT_NEAR(fitted.monitor.indicator.threshold, 2e-6 * 398, 1e-9);
 }
@@ -105,9 +109,7 @@ TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
   run(CALIBRATE_FAIL_AWARE, options("failing") + options("sound") + " --alarm 0");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_NE(result_.err.find("alarm_confidence lowered to the confidence"), std::string::npos) << result_.err;
-  ProfileParameters fitted;
-  std::ofstream(folder_ / "fitted.yaml") << result_.out;
-  loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+  const ProfileParameters fitted = fittedProfile();
   EXPECT_EQ(fitted.monitor.predictor.confidence, 0.5);
   EXPECT_EQ(fitted.monitor.predictor.alarm_confidence, 0.5);
   EXPECT_NO_THROW(fitted.monitor.validate());
@@ -120,9 +122,7 @@ TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {
   run(CALIBRATE_FAIL_AWARE, options("good"));
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_NE(result_.err.find("monitor.predictor.confidence left as it is: no run fails"), std::string::npos);
-  ProfileParameters fitted;
-  std::ofstream(folder_ / "fitted.yaml") << result_.out;
-  loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
+  const ProfileParameters fitted = fittedProfile();
   EXPECT_EQ(fitted.monitor.predictor.confidence, CovariancePredictor::Params().confidence);
   EXPECT_LE(fitted.monitor.predictor.alarm_confidence, fitted.monitor.predictor.confidence);
 }
