@@ -25,11 +25,14 @@ struct Options {
 
 constexpr double kLeastShare = 0.1;
 
+bool isOfDrift(const std::string& key) { return key.rfind("monitor.drift.", 0) == 0; }
+bool isOfIncrement(const std::string& key) { return key.rfind("filter.increment_", 0) == 0; }
+
 /// What the drives show next to nothing of stays as it was, and is said: one drive has one bias, and shows no other.
 void keepWhatWasNotSeen(const ParameterList& given, ParameterList& fitted) {
   for (std::size_t i = 0; i < fitted.size(); ++i) {
     const auto& [key, before] = given[i];
-    if (key.rfind("monitor.drift.", 0) != 0 || !std::holds_alternative<double>(before)) continue;
+    if (!isOfDrift(key) || !std::holds_alternative<double>(before)) continue;
     const double before_value = std::get<double>(before), value = std::get<double>(fitted[i].second);
     if (value >= kLeastShare * before_value) continue;
     std::cerr << kName << ": " << key << " left as it is, " << before_value << ": these drives show " << value
@@ -55,8 +58,7 @@ int run(const Options& options) {
   ParameterList all = toList(fitted), list;
   keepWhatWasNotSeen(toList(given), all);
   for (const auto& [key, value] : all) {
-    const bool increment = key.rfind("filter.increment_", 0) == 0, drift = key.rfind("monitor.drift.", 0) == 0;
-    if (increment || drift) list.emplace_back(key, value);
+    if (isOfIncrement(key) || isOfDrift(key)) list.emplace_back(key, value);
   }
   printAndKeep(formatYaml(list), options.output);
   return kExitDone;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
@@ -17,12 +18,7 @@ constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motio
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
 constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
-constexpr double kUsualPeriod_s = 0.1;
-constexpr int kSweepsToForgetPlanes = 10;
-constexpr double kUnfitting_m = 0.25;             // a sweep, where nothing fits
-constexpr double kUsualTurn_rad = 4.5 * kDegree;  // off the prediction, of one sweep
-constexpr double kWrongShareOfTurn = 0.1;
-constexpr double kOpenVariance = 4.0;  // of the prediction's: a measurement that says less leaves it open
+constexpr double kOpenVariance = 4.0;   // of the prediction's: a measurement that says less leaves it open
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -62,6 +58,14 @@ bool wasSought(const std::vector<FusionInput>& measurements) {
   });
 }
 
+std::optional<double> planesFittingShare(const std::vector<FusionInput>& inputs) {
+  const auto planes = std::find_if(inputs.begin(), inputs.end(), [](const FusionInput& input) {
+    return input.name == kIcpPointToPlane && input.measurement != nullptr && input.measurement->ok();
+  });
+  if (planes == inputs.end()) return std::nullopt;
+  return planes->measurement->inlier_share;
+}
+
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
@@ -83,9 +87,7 @@ void PoseFilter::Params::validate() const {
   requireNotNegative("increment_floor_m", increment_floor_m);
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
-  requirePositive("lasting_disagreement_m", lasting_disagreement_m);
-  requireNotNegative("lasting_innovation_m", lasting_innovation_m);
-  requireWithin("fitting_share", fitting_share, 0.0, 1.0);
+  plausibility.validate();
   coasting.validate();
 }
 
@@ -98,7 +100,8 @@ PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const Vehic
       history_(history),
       road_(model.vehicle(), road),
       fusion_(fusion),
-      coasting_(params.coasting) {
+      coasting_(params.coasting),
+      plausibility_(params.plausibility) {
   params_.validate();
   reset(Pose::Identity());
 }
@@ -113,8 +116,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   coasting_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
   road_.clear();
   started_ = false;
-  undecided_m_.clear();
-  clearImplausible();
+  plausibility_.clear();
   last_measured_ = previous_measured_ = false;
   unplaced_sweeps_ = 0;
   interval_wrong_ = false;
@@ -160,7 +162,7 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   state_.covariance = ukf_.covariance();
   state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
   ++state_.odom_epoch;
-  clearImplausible();
+  plausibility_.clear();
   return true;
 }
 
@@ -240,7 +242,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     const bool is_compared = next.corrected && !doubted && prediction_.motion_known && next.dt_s <= kLongInterval_s &&
                              (last_measured_ || previous_measured_);
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
-    addImplausible(inputs, innovation, next);
+    addDoubt(inputs, innovation, next);
   }
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
   const bool begins = !started_ || (!prediction_.motion_known && beginReference(measurements));
@@ -252,7 +254,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     unplaced_sweeps_ = 0;
     next.placed = true;
     ++next.reference_epoch;
-    clearImplausible();
+    plausibility_.clear();
   }
   if (begins || interval_wrong_) history_.clear();
   started_ = true;
@@ -367,51 +369,19 @@ void PoseFilter::updateMotion() {
   yaw_rate = std::clamp(yaw_rate, -params_.max_yaw_rate_rps, params_.max_yaw_rate_rps);
 }
 
-// One of two measurements that lie apart is wrong, and the fused one may be as wrong as they are apart. Now and then
-// that is chance; where it lasts (the median of some sweeps) the odometry is being led astray. What is outvoted is not
-// counted, what is outnumbered by its weight.
-double PoseFilter::excessDisagreement(double undecided_m) {
-  undecided_m_.add(undecided_m);
-  return undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.lasting_disagreement_m) : 0.0;
-}
-
-void PoseFilter::clearImplausible() {
-  innovation_m_.clear();
-  fitting_share_.clear();
-  sweeps_without_planes_ = 0;
-}
-
-// What R does not know of. A vehicle moves nearly as it was predicted to: where measurements lie off that sweep after
-// sweep they are as uncertain as that, and what they are off by stays in the map. Where next to nothing of the sweeps fits
-// the map, what does was selected by the prediction and confirms it, whatever the vehicle does. And what turns the
-// vehicle at once is none of its own doing (a blow to the head, a wrong place): a share of that may be an error.
-void PoseFilter::addImplausible(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
-                                FilterState& state) {
-  innovation_m_.add(coasting_.active() ? 0.0 : innovation.head<2>().norm());
-  ++sweeps_without_planes_;
-  for (const FusionInput& input : inputs) {
-    if (input.name != kIcpPointToPlane || input.measurement == nullptr || !input.measurement->ok()) continue;
-    fitting_share_.add(input.measurement->inlier_share);
-    sweeps_without_planes_ = 0;
-  }
-  if (sweeps_without_planes_ > kSweepsToForgetPlanes) fitting_share_.clear();
-  double lasting_m = 0.0;
-  if (params_.lasting_innovation_m > 0.0 && innovation_m_.isFull()) {
-    const double periods = std::max(1.0, state.dt_s / kUsualPeriod_s);  // an acceleration grows with its square
-    const double median_m = innovation_m_.median();
-    if (median_m > params_.lasting_innovation_m * periods * periods) lasting_m = median_m;
-  }
-  if (params_.fitting_share > 0.0 && fitting_share_.isFull()) {
-    lasting_m = std::max(lasting_m, kUnfitting_m * (1.0 - fitting_share_.median() / params_.fitting_share));
-  }
-  const double excess_m = std::hypot(excessDisagreement(state.fusion.undecided_m), lasting_m);
-  const double turn_rad = innovation.tail<3>().norm();
-  const double excess_rad = turn_rad > kUsualTurn_rad ? kWrongShareOfTurn * turn_rad : 0.0;
-  // measurements that agree in that confirm nothing: after a gap the covariance would begin with their R
-  if (lasting_m > 0.0 || excess_rad > 0.0) state.fusion.confirmed = false;
+void PoseFilter::addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state) {
+  MotionPlausibility::Sweep sweep;
+  sweep.dt_s = state.dt_s;
+  sweep.undecided_m = state.fusion.undecided_m;
+  sweep.innovation_m = coasting_.active() ? 0.0 : innovation.head<2>().norm();
+  sweep.turn_rad = innovation.tail<3>().norm();
+  sweep.fitting_share = planesFittingShare(inputs);
+  const MotionPlausibility::Doubt doubt = plausibility_.add(sweep);
+  // after a gap the covariance would begin with the R of what is confirmed
+  if (doubt.unbelievable) state.fusion.confirmed = false;
   for (Matrix6d* covariance : {&state.increment_covariance, &state.unobserved_covariance}) {
-    covariance->diagonal().head<2>().array() += excess_m * excess_m;
-    (*covariance)(5, 5) += excess_rad * excess_rad;
+    covariance->diagonal().head<2>().array() += doubt.sigma_m * doubt.sigma_m;
+    (*covariance)(5, 5) += doubt.sigma_yaw_rad * doubt.sigma_yaw_rad;
   }
 }
 

@@ -400,53 +400,92 @@ TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
   EXPECT_NEAR(lasting[1] - together[1], 0.1 * 0.1, 1e-4) << "it stays";
 }
 
-/// Of the last of 11 sweeps after 20 good ones, beside the same drive without anything odd: what is added to the
-/// variances along the way, across it and of the heading.
-Eigen::Vector3d addedVariances(const std::function<Measurement(int sweep, const Pose& T)>& odd,
-                               const PoseFilter::Params& params = {}) {
+/// A drive of 20 good sweeps and 11 odd ones: the state after the last of them.
+FilterState afterOddSweeps(const std::function<Measurement(int sweep, const Pose& T)>& odd,
+                           const PoseFilter::Params& params = {}) {
   const Drive drive;
-  const auto variancesWith = [&](bool is_odd) {
-    PoseFilter filter = makeFilter(params);
-    driveMeasured(filter, drive, 20);
-    Step out;
-    for (int i = 21; i <= 31; ++i) {
-      const Measurement measurement = is_odd ? odd(i, drive.at(i)) : measured(drive.at(i));
-      EXPECT_TRUE(filter.predict(drive.stamp(i), out.prediction));
-      out.state = filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
-      EXPECT_TRUE(out.state.corrected);
-    }
-    const Matrix6d& C = out.state.increment_covariance;
-    return Eigen::Vector3d(C(0, 0), C(1, 1), C(5, 5));
+  PoseFilter filter = makeFilter(params);
+  driveMeasured(filter, drive, 20);
+  Step out;
+  for (int i = 21; i <= 31; ++i) {
+    const Measurement measurement = odd(i, drive.at(i));
+    EXPECT_TRUE(filter.predict(drive.stamp(i), out.prediction));
+    out.state = filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+    EXPECT_TRUE(out.state.corrected);
+  }
+  return out.state;
+}
+
+PoseFilter::Params believingAll() {
+  PoseFilter::Params params;
+  params.plausibility.lasting_innovation_m = params.plausibility.fitting_share = params.plausibility.usual_turn_deg =
+      0.0;
+  return params;
+}
+
+/// What is not believed adds to the variances along the way, across it and of the heading.
+Eigen::Vector3d addedVariances(const std::function<Measurement(int sweep, const Pose& T)>& odd) {
+  const Matrix6d C =
+      afterOddSweeps(odd).increment_covariance - afterOddSweeps(odd, believingAll()).increment_covariance;
+  return {C(0, 0), C(1, 1), C(5, 5)};
+}
+
+std::function<Measurement(int sweep, const Pose& T)> jumping(double jump_m, const Matrix6d& R) {
+  return [=](int sweep, const Pose& T) {
+    return measured(Pose(Eigen::Translation3d(sweep % 2 == 0 ? 0.5 * jump_m : -0.5 * jump_m, 0.0, 0.0)) * T, R);
   };
-  return variancesWith(true) - variancesWith(false);
 }
 
 TEST(PoseFilter, MeasurementsThatJumpSweepAfterSweepAreAsUncertainAsTheyJump) {
-  const auto jumping = [](double jump_m, int first) {
-    return addedVariances([=](int sweep, const Pose& T) {
-      const double ahead_m = sweep < first ? 0.0 : sweep % 2 == 0 ? 0.5 * jump_m : -0.5 * jump_m;
-      return measured(Pose(Eigen::Translation3d(ahead_m, 0.0, 0.0)) * T);
-    });
-  };
-  const double wild_m = std::sqrt(jumping(0.12, 21)[0]);
+  const double wild_m = std::sqrt(addedVariances(jumping(0.12, diagonal(0.01, 1e-3)))[0]);
   EXPECT_GT(wild_m, 0.1);
   EXPECT_LT(wild_m, 0.3);
-  EXPECT_LT(jumping(0.02, 21).head<2>().cwiseAbs().maxCoeff(), 1e-4) << "as much as sound sweeps do";
-  EXPECT_LT(jumping(0.12, 29).head<2>().cwiseAbs().maxCoeff(), 1e-4) << "three of the last ten";
+  EXPECT_EQ(addedVariances(jumping(0.02, diagonal(0.01, 1e-3))).norm(), 0.0) << "as much as sound sweeps do";
+}
+
+TEST(PoseFilter, WhereItCoastsMeasurementsMayJump) {
+  Matrix6d open_along = diagonal(0.01, 1e-3);
+  open_along(0, 0) = 0.2 * 0.2;
+  EXPECT_EQ(addedVariances(jumping(0.3, open_along)).norm(), 0.0) << "R says so itself";
 }
 
 TEST(PoseFilter, WhereNextToNothingFitsTheMapTheIncrementIsOpen) {
-  const auto fitting = [](double share) {
-    return addedVariances([=](int, const Pose& T) {
-      Measurement measurement = measured(T);
-      measurement.inlier_share = share;
-      return measurement;
-    });
-  };
-  EXPECT_EQ(fitting(0.5).norm(), 0.0);
-  const Eigen::Vector3d little = fitting(0.1);
+  const Eigen::Vector3d little = addedVariances([](int, const Pose& T) {
+    Measurement measurement = measured(T);
+    measurement.inlier_share = 0.1;
+    return measurement;
+  });
   EXPECT_NEAR(std::sqrt(little[0]), 0.25 * 2.0 / 3.0, 1e-4);
   EXPECT_NEAR(std::sqrt(little[1]), 0.25 * 2.0 / 3.0, 1e-4);
+}
+
+TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {
+  const auto turning = [](double turn_deg) {
+    return addedVariances([=](int sweep, const Pose& T) {
+      return measured(sweep < 31 ? T : T * pose(0, 0, 0, 0, turn_deg * kDegree, 0));
+    });
+  };
+  EXPECT_NEAR(std::sqrt(turning(6.0)[2]), 0.6 * kDegree, 0.1 * kDegree);
+  EXPECT_EQ(turning(1.0).norm(), 0.0) << "a bump in the road";
+}
+
+TEST(PoseFilter, ATurnIsNotHeldAgainstAPredictionThatCouldNotKnow) {
+  const Drive drive;
+  const auto yawVarianceAfter = [&](int sweep, bool interval_doubted, const PoseFilter::Params& params) {
+    PoseFilter filter = makeFilter(params);
+    driveMeasured(filter, drive, 20);
+    Measurement turned = measured(drive.at(sweep) * pose(0, 0, 0, 0, 6.0 * kDegree, 0));
+    turned.interval_doubted = interval_doubted;
+    const FilterState state = step(filter, drive.stamp(sweep), {turned, turned}).state;
+    EXPECT_TRUE(state.corrected);
+    return state.increment_covariance(5, 5);
+  };
+  const auto added = [&](int sweep, bool interval_doubted) {
+    return yawVarianceAfter(sweep, interval_doubted, {}) - yawVarianceAfter(sweep, interval_doubted, believingAll());
+  };
+  EXPECT_GT(added(21, false), std::pow(0.5 * kDegree, 2));
+  EXPECT_EQ(added(21, true), 0.0) << "it went by another interval";
+  EXPECT_EQ(added(25, false), 0.0) << "a long one";
 }
 
 TEST(PoseFilter, WhatIsNotBelievedConfirmsNothingUntilAPoseIsSet) {
@@ -468,28 +507,6 @@ TEST(PoseFilter, WhatIsNotBelievedConfirmsNothingUntilAPoseIsSet) {
   const FilterState anew = driven(28, 0.1);
   EXPECT_TRUE(anew.fusion.confirmed);
   EXPECT_LT(anew.increment_covariance(0, 0), 0.1 * doubtful.increment_covariance(0, 0));
-}
-
-TEST(PoseFilter, WhatIsNotBelievedCanBeSwitchedOff) {
-  PoseFilter::Params params;
-  params.fitting_share = params.lasting_innovation_m = 0.0;
-  const auto odd = [](int sweep, const Pose& T) {
-    Measurement measurement = measured(Pose(Eigen::Translation3d(sweep % 2 == 0 ? 0.06 : -0.06, 0.0, 0.0)) * T);
-    measurement.inlier_share = 0.0;
-    return measurement;
-  };
-  EXPECT_LT(addedVariances(odd, params).head<2>().cwiseAbs().maxCoeff(), 1e-3);
-  EXPECT_GT(addedVariances(odd)[0], 0.25 * 0.25 - 1e-3);
-}
-
-TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {
-  const auto turning = [](double turn_deg) {
-    return addedVariances([=](int sweep, const Pose& T) {
-      return measured(sweep < 31 ? T : T * pose(0, 0, 0, 0, turn_deg * kDegree, 0), diagonal(0.01, 1e-3));
-    });
-  };
-  EXPECT_NEAR(std::sqrt(turning(6.0)[2]), 0.6 * kDegree, 0.1 * kDegree);
-  EXPECT_LT(std::abs(turning(1.0)[2]), std::pow(0.05 * kDegree, 2)) << "a bump in the road";
 }
 
 /// Over a gap a measurement counts only if another confirms it.

@@ -20,11 +20,11 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
+#include "fail_aware_lidar_odometry/core/filter/motion_plausibility.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/moving_median.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/road_plane.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/vehicle_model.hpp"
@@ -55,8 +55,8 @@ struct FilterState {
   Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
   /// The part of it that the measurements leave open: of the prediction's error what this sweep's measurement leaves,
-  /// of rotation what the next one, as good as this, would leave as well; horizontally how far beyond
-  /// lasting_disagreement_m measurements stay apart; and what is implausible in a vehicle's motion, whatever R says.
+  /// of rotation what the next one, as good as this, would leave as well; and what is implausible in a vehicle's motion,
+  /// whatever R says (motion_plausibility.hpp).
   Matrix6d unobserved_covariance = Matrix6d::Zero();
   SpeedError speed_error;  ///< along the vehicle, where it coasts
   int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
@@ -82,9 +82,7 @@ class PoseFilter {
     double increment_floor_m = 0.0005;       ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.012;
-    double lasting_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
-    double lasting_innovation_m = 0.07;    ///< so far off the prediction, sweep after sweep, is an error, too; 0: off
-    double fitting_share = 0.3;  ///< of the planes' points: where less fits the map, R is not believed; 0: off
+    MotionPlausibility::Params plausibility;
     Coasting::Params coasting;
 
     template <class Self, class Visitor>
@@ -99,9 +97,7 @@ class PoseFilter {
       v("increment_floor_m", self.increment_floor_m);
       v("increment_per_metre_m", self.increment_per_metre_m);
       v("increment_floor_deg", self.increment_floor_deg);
-      v("lasting_disagreement_m", self.lasting_disagreement_m);
-      v("lasting_innovation_m", self.lasting_innovation_m);
-      v("fitting_share", self.fitting_share);
+      v("plausibility", self.plausibility);
       v("coasting", self.coasting);
     }
     void validate() const;
@@ -139,9 +135,7 @@ class PoseFilter {
   void coast(const MotionDerivatives& last, const Coasting::Measured* measured);
   Coasting::Measured measuredMotion() const;
   void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
-  double excessDisagreement(double undecided_m);
-  void clearImplausible();
-  void addImplausible(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
+  void addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
 
   Params params_;
   VehicleModel model_;
@@ -151,15 +145,13 @@ class PoseFilter {
   MeasurementFusion fusion_;
   MotionDerivatives motion_;
   Coasting coasting_;
+  MotionPlausibility plausibility_;
   SweepPrediction prediction_;
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
   bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
-  MovingMedian undecided_m_{5};                             ///< of the last sweeps
-  MovingMedian innovation_m_{10}, fitting_share_{3};        ///< likewise: horizontal; of the planes' points
-  int sweeps_without_planes_ = 0;                           ///< in a row
   int corrected_sweeps_ = 0;
   int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp

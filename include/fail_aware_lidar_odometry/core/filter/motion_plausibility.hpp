@@ -1,0 +1,74 @@
+// What a sweep's increment is to be doubted for, whatever the measurements' R says. Not in the article.
+//
+// Four signs, of which three must last:
+// - Measurements that stay apart: one of two is wrong, and the fused one may be as wrong as they are apart. Now and then
+//   that is chance; where it lasts the odometry is being led astray. What is outvoted is not counted, what is
+//   outnumbered by its weight (FusionResult::undecided_m).
+// - A vehicle moves nearly as it was predicted to: measurements that lie off that sweep after sweep are as uncertain as
+//   that, and what they are off by stays in the map.
+// - Where next to nothing of the sweeps fits the map, what does was selected by the prediction and confirms it, whatever
+//   the vehicle does.
+// - What turns the vehicle at once is none of its own doing (a blow to the head, a wrong place): a share of that may be
+//   an error.
+// "Lasting" is the median of the last sweeps. Cost: under 1 us a sweep.
+#pragma once
+
+#include <optional>
+
+#include "fail_aware_lidar_odometry/core/moving_median.hpp"
+
+namespace fail_aware {
+
+class MotionPlausibility {
+ public:
+  struct Params {
+    double lasting_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
+    double lasting_innovation_m = 0.07;    ///< so far off the prediction, sweep after sweep, is an error, too; 0: off
+    double fitting_share = 0.3;       ///< of the planes' points: where less fits the map, R is not believed; 0: off
+    double unfitting_sigma_m = 0.25;  ///< what a sweep adds of which nothing fits
+    double usual_turn_deg = 4.5;      ///< off the prediction, of one sweep: more is an error, too; 0: off
+    double wrong_share_of_turn = 0.1;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("lasting_disagreement_m", self.lasting_disagreement_m);
+      v("lasting_innovation_m", self.lasting_innovation_m);
+      v("fitting_share", self.fitting_share);
+      v("unfitting_sigma_m", self.unfitting_sigma_m);
+      v("usual_turn_deg", self.usual_turn_deg);
+      v("wrong_share_of_turn", self.wrong_share_of_turn);
+    }
+    void validate() const;
+  };
+
+  struct Sweep {
+    double dt_s = 0.0;
+    double undecided_m = 0.0;   ///< FusionResult's
+    double innovation_m = 0.0;  ///< horizontally, of the fused measurement; 0 where no good prediction was expected
+    double turn_rad = 0.0;      ///< likewise
+    std::optional<double> fitting_share;  ///< of the planes' points; none: nothing was measured by planes
+  };
+
+  struct Doubt {
+    double sigma_m = 0.0;  ///< to be added to the increment's standard deviations, along the way and across it each
+    double sigma_yaw_rad = 0.0;
+    bool unbelievable = false;  ///< measurements that agree in this confirm nothing
+  };
+
+  explicit MotionPlausibility(const Params& params);
+
+  Doubt add(const Sweep& sweep);
+
+  /// What lasted ends here: another pose was set, or another map begins.
+  void clear();
+
+ private:
+  double lastingInnovation_m(double dt_s) const;
+  double unfitting_m() const;
+
+  Params params_;
+  MovingMedian undecided_m_{5}, innovation_m_{10}, fitting_share_{3};
+  int sweeps_without_planes_ = 0;  ///< in a row
+};
+
+}  // namespace fail_aware
