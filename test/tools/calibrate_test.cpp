@@ -1,33 +1,21 @@
 // Runs the built calibrators on made-up runs; CALIBRATE_NOISE and CALIBRATE_FAIL_AWARE are their paths (compile
 // definitions).
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <string>
 
-#include "../support/tool_run.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "made_up_run.hpp"
+#include "made_up_runs_test.hpp"
 
 namespace fail_aware {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Calibrate : public ::testing::Test {
+class Calibrate : public MadeUpRunsTest {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string options(const std::string& run) const {
-    const std::string path = (folder_ / run).string();
-    return " --ground-truth '" + path + "/poses.txt' --run '" + path + "'";
-  }
-
-  void run(const std::string& tool, const std::string& arguments) { result_ = runProgram(tool, arguments, folder_); }
-
   /// The shipped profile with what the last run printed.
   ProfileParameters fittedProfile() const {
     ProfileParameters fitted;
@@ -35,9 +23,6 @@ class Calibrate : public ::testing::Test {
     loadYaml((folder_ / "fitted.yaml").string(), fitted, MissingKeys::kKeep);
     return fitted;
   }
-
-  fs::path folder_ = fs::path(::testing::TempDir()) / ("calibrate_" + std::to_string(getpid()));
-  ToolRun result_;
 };
 
 TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {

@@ -1,32 +1,22 @@
 // Runs the built tool on made-up runs; EVALUATE_FAIL_AWARE is its path (compile definition).
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "../support/tool_run.hpp"
-#include "made_up_run.hpp"
+#include "made_up_runs_test.hpp"
 
 namespace fail_aware {
 namespace {
 
 namespace fs = std::filesystem;
 
-class EvaluateFailAware : public ::testing::Test {
+class EvaluateFailAware : public MadeUpRunsTest {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string options(const std::string& run) const {
-    const std::string path = (folder_ / run).string();
-    return " --ground-truth '" + path + "/poses.txt' --run '" + path + "'";
-  }
-
   void run(const std::string& arguments) {
-    result_ = runProgram(EVALUATE_FAIL_AWARE, arguments, folder_, "FAIL_AWARE_SCRIPTS_DIR=/nowhere");
+    MadeUpRunsTest::run(EVALUATE_FAIL_AWARE, arguments, "FAIL_AWARE_SCRIPTS_DIR=/nowhere");
   }
 
   nlohmann::json report() const { return nlohmann::json::parse(contentOf(folder_ / "result" / "fail_aware.json")); }
@@ -39,9 +29,6 @@ class EvaluateFailAware : public ::testing::Test {
     EXPECT_NE(result_.err.find(reason), std::string::npos) << result_.err;
     EXPECT_EQ(result_.err.find('\n'), result_.err.size() - 1) << result_.err;
   }
-
-  fs::path folder_ = fs::path(::testing::TempDir()) / ("evaluate_fail_aware_" + std::to_string(getpid()));
-  ToolRun result_;
 };
 
 TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
