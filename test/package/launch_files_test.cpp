@@ -25,6 +25,19 @@ TEST(LaunchFiles, parseWithAllTheirShapes) {
   EXPECT_NE(run.out.find("ok: kitti_replay.launch"), std::string::npos) << run.out;
 }
 
+/// roslaunch --ros-args shows what they say.
+TEST(LaunchFiles, argumentsSayWhatTheyAre) {
+  static const std::regex argument("<arg name=\"([a-z_]+)\" default=\"[^\"]*\"( doc=\"[^\"]+\")?");
+  for (const char* file : {"odometry.launch", "velodyne_hdl64e.launch", "kitti_replay.launch", "demo.launch"}) {
+    const std::string text = readText(sourcePath(std::string("launch/") + file));
+    int arguments = 0;
+    for (std::sregex_iterator at(text.begin(), text.end(), argument), end; at != end; ++at, ++arguments) {
+      EXPECT_TRUE((*at)[2].matched) << file << ": " << (*at)[1] << " has no doc";
+    }
+    EXPECT_GT(arguments, 8) << file;
+  }
+}
+
 /// What a launch file hands to a nodelet by its parameter's name has the parameter's default, too.
 TEST(LaunchFiles, argumentsHaveTheNodeletsDefaults) {
   ParameterMap defaults = toMap(FusionUkfNodeletParams());
