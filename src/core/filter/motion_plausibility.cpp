@@ -5,12 +5,12 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr double kUsualPeriod_s = 0.1;
 constexpr int kSweepsToForgetPlanes = 10;
 
 }  // namespace
@@ -31,6 +31,7 @@ void MotionPlausibility::clear() {
   innovation_m_.clear();
   fitting_share_.clear();
   sweeps_without_planes_ = 0;
+  fitted_ = false;
 }
 
 MotionPlausibility::Doubt MotionPlausibility::add(const Sweep& sweep) {
@@ -45,12 +46,15 @@ MotionPlausibility::Doubt MotionPlausibility::add(const Sweep& sweep) {
 
   const double apart_m =
       undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.lasting_disagreement_m) : 0.0;
-  const double lasting_m = std::max(lastingInnovation_m(sweep.dt_s), unfitting_m());
+  const double open_m = unfitting_m(), lasting_m = std::max(lastingInnovation_m(sweep.dt_s), open_m);
   const bool turned = params_.usual_turn_deg > 0.0 && sweep.turn_rad > params_.usual_turn_deg * kDegree;
   Doubt doubt;
   doubt.sigma_m = std::hypot(apart_m, lasting_m);
   doubt.sigma_yaw_rad = turned ? params_.wrong_share_of_turn * sweep.turn_rad : 0.0;
   doubt.unbelievable = lasting_m > 0.0 || turned;
+  const bool fits_not = sweep.fitting_share && *sweep.fitting_share < params_.fitting_share;
+  doubt.tells_no_motion = fitted_ && (open_m > 0.0 || fits_not);  // at once: a speed taken from one such sweep stays
+  if (fitting_share_.isFull() && open_m == 0.0) fitted_ = true;
   return doubt;
 }
 

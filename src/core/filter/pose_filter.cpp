@@ -18,7 +18,9 @@ constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motio
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
 constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
-constexpr double kOpenVariance = 4.0;   // of the prediction's: a measurement that says less leaves it open
+constexpr double kSaysNothing_m2 = 1e12;
+constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
+constexpr double kOpenVariance = 4.0;  // of the prediction's: a measurement that says less leaves it open
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
   const Matrix6d J = poseFromStateJacobian(state.tail<3>());
@@ -119,7 +121,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   plausibility_.clear();
   last_measured_ = previous_measured_ = false;
   unplaced_sweeps_ = 0;
-  interval_wrong_ = false;
+  interval_wrong_ = tells_no_motion_ = told_no_motion_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
@@ -242,7 +244,9 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     const bool is_compared = next.corrected && !doubted && prediction_.motion_known && next.dt_s <= kLongInterval_s &&
                              (last_measured_ || previous_measured_);
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
-    addDoubt(inputs, innovation, next);
+    told_no_motion_ = tells_no_motion_;
+    const bool tells_no_motion = addDoubt(inputs, innovation, next);
+    if (next.corrected) tells_no_motion_ = tells_no_motion;
   }
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
   const bool begins = !started_ || (!prediction_.motion_known && beginReference(measurements));
@@ -256,7 +260,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     ++next.reference_epoch;
     plausibility_.clear();
   }
-  if (begins || interval_wrong_) history_.clear();
+  if (begins || interval_wrong_ || (told_no_motion_ && !tells_no_motion_)) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
   last_measured_ = measured;
@@ -340,9 +344,17 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
   motion_.rpy_accelerations_rad_s2.z() = motion.yaw_acceleration_rad_s2;
 }
 
+// What nothing of the speed can be taken from tells the heading still, roughly: all that is seen turns about the vehicle.
+Coasting::Measured PoseFilter::measuredTurn() const {
+  Coasting::Measured measured = measuredMotion();
+  measured.R = kSaysNothing_m2 * Eigen::Matrix3d::Identity();
+  measured.yaw_variance += kDoubtfulTurn_rad * kDoubtfulTurn_rad;
+  return measured;
+}
+
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
-  const bool told = state_.corrected && !interval_wrong_;
+  const bool told = state_.corrected && !interval_wrong_ && !tells_no_motion_ && !told_no_motion_;
   if (told) {
     motion_ = historyDerivatives();
   } else {
@@ -353,6 +365,11 @@ void PoseFilter::updateMotion() {
   if (state_.dt_s > 0.0) {
     if (!state_.corrected) {
       coast(last, nullptr);
+    } else if (tells_no_motion_ || told_no_motion_) {
+      MotionDerivatives steady = last;
+      steady.acceleration_body_mps2.setZero();
+      const Coasting::Measured turn = measuredTurn();
+      coast(steady, &turn);
     } else if (told) {
       const Coasting::Measured measured = measuredMotion();
       if (coasting_.settles(measured)) {
@@ -369,7 +386,7 @@ void PoseFilter::updateMotion() {
   yaw_rate = std::clamp(yaw_rate, -params_.max_yaw_rate_rps, params_.max_yaw_rate_rps);
 }
 
-void PoseFilter::addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state) {
+bool PoseFilter::addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state) {
   MotionPlausibility::Sweep sweep;
   sweep.dt_s = state.dt_s;
   sweep.undecided_m = state.fusion.undecided_m;
@@ -383,6 +400,7 @@ void PoseFilter::addDoubt(const std::vector<FusionInput>& inputs, const Vector6d
     covariance->diagonal().head<2>().array() += doubt.sigma_m * doubt.sigma_m;
     (*covariance)(5, 5) += doubt.sigma_yaw_rad * doubt.sigma_yaw_rad;
   }
+  return doubt.tells_no_motion;
 }
 
 void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const {

@@ -34,7 +34,7 @@ Doubt afterOdd(int count, const std::function<void(Sweep&)>& change, const Motio
 void expectNone(const Doubt& doubt, const std::string& of) {
   EXPECT_EQ(doubt.sigma_m, 0.0) << of;
   EXPECT_EQ(doubt.sigma_yaw_rad, 0.0) << of;
-  EXPECT_FALSE(doubt.unbelievable) << of;
+  EXPECT_FALSE(doubt.unbelievable || doubt.tells_no_motion) << of;
 }
 
 TEST(MotionPlausibility, SoundSweepsAreNotDoubted) {
@@ -56,6 +56,7 @@ TEST(MotionPlausibility, MeasurementsOffThePredictionSweepAfterSweepAreAsUncerta
   const Doubt lasting = afterOdd(5, off);
   EXPECT_DOUBLE_EQ(lasting.sigma_m, 0.12);
   EXPECT_TRUE(lasting.unbelievable);
+  EXPECT_FALSE(lasting.tells_no_motion) << "whoever brakes hard would never be believed again";
   expectNone(afterOdd(10, [](Sweep& sweep) { sweep.innovation_m = 0.067; }), "as sound sweeps at most");
 }
 
@@ -74,9 +75,21 @@ TEST(MotionPlausibility, WhereLittleFitsTheMapTheIncrementIsOpen) {
   const auto fitting = [](double share) { return afterOdd(2, [=](Sweep& sweep) { sweep.fitting_share = share; }); };
   expectNone(fitting(0.3), "the least that is usual");
   EXPECT_NEAR(fitting(0.1).sigma_m, 0.25 * 2.0 / 3.0, 1e-12);
-  EXPECT_TRUE(fitting(0.1).unbelievable);
+  EXPECT_TRUE(fitting(0.1).unbelievable && fitting(0.1).tells_no_motion);
   EXPECT_DOUBLE_EQ(fitting(0.0).sigma_m, 0.25);
-  expectNone(afterOdd(1, [](Sweep& sweep) { sweep.fitting_share = 0.0; }), "one of three");
+  const Doubt once = afterOdd(1, [](Sweep& sweep) { sweep.fitting_share = 0.0; });
+  EXPECT_EQ(once.sigma_m, 0.0) << "one of three";
+  EXPECT_FALSE(once.unbelievable);
+  EXPECT_TRUE(once.tells_no_motion) << "at once";
+}
+
+TEST(MotionPlausibility, WhereNothingHasFittedYetTheMotionIsLearnt) {
+  MotionPlausibility plausibility{MotionPlausibility::Params()};
+  Sweep unfitting = sound();
+  unfitting.fitting_share = 0.1;
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(plausibility.add(unfitting).tells_no_motion) << i;
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(plausibility.add(sound()).tells_no_motion) << i;
+  EXPECT_TRUE(plausibility.add(unfitting).tells_no_motion);
 }
 
 TEST(MotionPlausibility, WhatFittedIsForgottenWhereThePlanesStaySilent) {

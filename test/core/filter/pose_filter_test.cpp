@@ -459,6 +459,47 @@ TEST(PoseFilter, WhereNextToNothingFitsTheMapTheIncrementIsOpen) {
   EXPECT_NEAR(std::sqrt(little[1]), 0.25 * 2.0 / 3.0, 1e-4);
 }
 
+TEST(PoseFilter, WhatNextToNothingFitsTellsNoSpeed) {
+  const Drive drive;
+  struct Steps {
+    double drifted_m, after_m;
+  };
+  const auto predictedSteps = [&](double share) {
+    PoseFilter filter = makeFilter();
+    driveMeasured(filter, drive, 20);
+    int sweep = 20;
+    SweepPrediction prediction;
+    const auto predictedStep = [&] {
+      EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
+      return (prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog).translation().x();
+    };
+    const auto correct = [&](Measurement measurement, double inlier_share) {
+      measurement.inlier_share = inlier_share;
+      filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+    };
+    for (int i = 0; i < 5; ++i) {
+      predictedStep();
+      correct(measured(drive.at(sweep)), 0.9);
+    }
+    Steps steps{};
+    for (int i = 0; i < 20; ++i) {  // each is measured 5 cm ahead of where it was predicted to be
+      steps.drifted_m = predictedStep();
+      correct(measured(prediction.T_odom_cog * pose(0.05, 0, 0, 0, 0, 0)), share);
+    }
+    for (int i = 0; i < 10; ++i) {  // found again: it has braked to 10 m/s
+      predictedStep();
+      correct(measured(prediction.T_odom_cog_previous * pose(1.0, 0, 0, 0, 0, 0)), 0.9);
+    }
+    steps.after_m = predictedStep();
+    return steps;
+  };
+  const Steps believed = predictedSteps(0.9), held = predictedSteps(0.1);
+  EXPECT_GT(believed.drifted_m, 1.8) << "it runs after its own error";
+  EXPECT_NEAR(held.drifted_m, 1.4, 0.1);
+  EXPECT_NEAR(believed.after_m, 1.0, 0.05);
+  EXPECT_NEAR(held.after_m, 1.0, 0.05);
+}
+
 TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {
   const auto turning = [](double turn_deg) {
     return addedVariances([=](int sweep, const Pose& T) {

@@ -7,7 +7,8 @@
 // - A vehicle moves nearly as it was predicted to: measurements that lie off that sweep after sweep are as uncertain as
 //   that, and what they are off by stays in the map.
 // - Where next to nothing of the sweeps fits the map, what does was selected by the prediction and confirms it, whatever
-//   the vehicle does.
+//   the vehicle does. A speed taken from that would run away: from the first such sweep on it tells no motion, unless
+//   nothing has fitted yet (a start where little stands).
 // - What turns the vehicle at once is none of its own doing (a blow to the head, a wrong place): a share of that may be
 //   an error.
 // "Lasting" is the median of the last sweeps. Cost: under 1 us a sweep.
@@ -50,9 +51,11 @@ class MotionPlausibility {
   };
 
   struct Doubt {
-    double sigma_m = 0.0;  ///< to be added to the increment's standard deviations, along the way and across it each
+    double sigma_m = 0.0;  ///< of an error more in the increment, along the way and across it each
     double sigma_yaw_rad = 0.0;
     bool unbelievable = false;  ///< measurements that agree in this confirm nothing
+    /// Next to nothing fits the map, which once fitted: what is measured is what was predicted.
+    bool tells_no_motion = false;
   };
 
   explicit MotionPlausibility(const Params& params);
@@ -68,6 +71,7 @@ class MotionPlausibility {
 
   Params params_;
   MovingMedian undecided_m_{5}, innovation_m_{10}, fitting_share_{3};
+  bool fitted_ = false;            ///< most of the sweeps did once
   int sweeps_without_planes_ = 0;  ///< in a row
 };
 

@@ -134,8 +134,9 @@ class PoseFilter {
   void updateMotion();
   void coast(const MotionDerivatives& last, const Coasting::Measured* measured);
   Coasting::Measured measuredMotion() const;
+  Coasting::Measured measuredTurn() const;
   void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
-  void addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
+  bool addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
 
   Params params_;
   VehicleModel model_;
@@ -151,6 +152,7 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
   bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
+  bool tells_no_motion_ = false, told_no_motion_ = false;   ///< the last sweep's measurements: it coasts
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   int corrected_sweeps_ = 0;
   int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
