@@ -170,11 +170,6 @@ void clear(Sweep& sweep) {
   sweep.points_dropped = 0;
 }
 
-bool usable(const Eigen::Vector3f& p) {
-  constexpr float kFarthest_m = 1e6f;  // farther than any lidar sees; squares and what is turned stay finite
-  return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest_m && !p.isZero(0.0f);
-}
-
 }  // namespace
 
 CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
@@ -192,7 +187,7 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
   layout.forEachPoint([&](const std::uint8_t* point) {
     const Eigen::Vector3f p(static_cast<float>(layout.x.at(point)), static_cast<float>(layout.y.at(point)),
                             static_cast<float>(layout.z.at(point)));
-    if (!usable(p)) {
+    if (!isUsablePoint(p)) {
       ++sweep.points_dropped;
       return;
     }

@@ -16,6 +16,7 @@
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 #include "fail_aware_monitor_params.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"
@@ -57,8 +58,8 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     publisher_ = node.advertise<messages::TimeToFailure>(topics::kTimeToFailure, topics::kQueue);
     marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1);
     service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
-    subscriber_ = node.subscribe(topics::kFilterState, topics::kQueue, &FailAwareMonitorNodelet::onState, this);
     heard_s_ = now_s();
+    subscriber_ = node.subscribe(topics::kFilterState, topics::kQueue, &FailAwareMonitorNodelet::onState, this);
     timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
                                     [this](const ros::SteadyTimerEvent&) { checkStale(); });
     health_ =
@@ -157,7 +158,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
   std_msgs::Header header_;  ///< of the last filter state
   RateMeter rate_;
-  double period_s_ = 0.1;
+  double period_s_ = kUsualPeriod_s;
   double heard_s_ = 0.0;
   double published_s_ = 0.0;
   // What calls back is destroyed first, and waits for a call that is under way.

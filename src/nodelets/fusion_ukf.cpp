@@ -276,6 +276,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     const PoseSetting::AtEstimate set = pose_setting_.take(filter_->state(), T_base_cog_);
     if (!filter_->setPose(set.T_odom_cog)) return refusePose("the filter cannot stand there");
     odometry_covariance_.reset(set.covariance);
+    sources_->forgetPoses();
     ++counts_.poses_set;
     const Eigen::Vector3d position = (set.T_odom_cog * T_base_cog_.inverse()).translation();
     NODELET_INFO("pose set to x %.3f y %.3f z %.3f m", position.x(), position.y(), position.z());

@@ -1,5 +1,5 @@
 // What the three measurement nodelets share. In: sweep/points, sweep/prediction, filter_state (same stamps exactly).
-// Out: measurement/NAME, one message a sweep.
+// Out: measurement/NAME, at most one message a sweep.
 //
 // A sweep is measured once its points and its prediction are there and the sweep before it was placed at its filter
 // state. The filter state of a measured sweep places it in the reference, also when the measurement came too late. A

@@ -120,6 +120,10 @@ void MeasurementSources::clear() {
 
 void MeasurementSources::reset() {
   clear();
+  forgetPoses();
+}
+
+void MeasurementSources::forgetPoses() {
   for (Source& source : sources_) source.poses.clear();
 }
 
@@ -216,7 +220,10 @@ std::optional<Pose> MeasurementSources::odomFrom(const std::string& frame_id, st
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
   }
   try {
-    return fromMessage(tf_buffer_->lookupTransform(odom_frame_, frame, ros::Time(0)).transform);
+    const std::optional<Pose> T_odom_frame =
+        fromMessage(tf_buffer_->lookupTransform(odom_frame_, frame, ros::Time(0)).transform);
+    if (!T_odom_frame) reason = "tf's transform from its frame " + frame + " to " + odom_frame_ + " is none";
+    return T_odom_frame;
   } catch (const tf2::TransformException& error) {
     reason = "its frame is " + frame + ", not " + odom_frame_ + ", and tf does not know it: " + error.what();
     return std::nullopt;

@@ -71,6 +71,8 @@ class MeasurementSources {
   /// What came for the open sweep; poses with stamps of their own are moved to it with the predicted motion.
   SweepAccount close(const SweepPrediction& prediction, const Pose& T_base_cog);
   void reset();
+  /// Poses that came and were not fused yet: odom is another one.
+  void forgetPoses();
 
   /// " a b (too late)": those that are not waited for any more.
   std::string absent() const;

@@ -1,7 +1,8 @@
 // set_pose: where base_link is in odom, said from outside. Taken with the next estimate, moved there from its own stamp
 // by the vehicle's motion (a stamp of 0: as if said of that estimate).
-// Covariance: all zero means known exactly. Refused, with a reason: another frame, no pose, no covariance, a stamp more
-// than a second away from the last sweep's, or from the estimate that it is to be taken with.
+// Covariance: all zero means known exactly. Refused, with a reason: another frame, no pose, no covariance (or one that is
+// zero for the rotation only), a stamp more than a second away from the last sweep's, or from the estimate that it is to
+// be taken with.
 #pragma once
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -41,6 +42,9 @@ class PoseSetting {
     if (judged.covariance.isZero(0.0)) judged.covariance.setIdentity();  // that one may be zero
     const std::string reason = unusableReason(judged);
     if (!reason.empty()) return reason;
+    if (!rotationMeasured(judged.covariance)) {
+      return "its covariance is zero for the rotation only: that says nothing of the heading, which is set, too";
+    }
     if (!last_stamp.isZero() && isTooFar(pose, last_stamp.toSec())) return kTooFar;
     pending_ = pose;
     return "";

@@ -34,7 +34,8 @@ using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
 constexpr const char* kName = "benchmark_odometry";
 
 struct Options {
-  std::string kitti, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg, json;
+  std::string kitti, json;
+  ProfileFiles files;
   std::vector<std::string> set;
   int threads = 2;
   long first = 0;
@@ -113,7 +114,7 @@ int run(const Options& options) {
                      " scans");
   }
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
-  PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
+  PipelineParameters params = loadPipelineParameters(options.files);
   params.sensor.timing.useKittiStamps();
   overrideParameters(params, {}, options.set);
 
@@ -179,10 +180,10 @@ int main(int argc, char** argv) {
         kName);
     Options options;
     app.add_option("--kitti", options.kitti, "folder with velodyne/NNNNNN.bin")->required();
-    app.add_option("--profile", options.profile, "default, paper, or a yaml file")->capture_default_str();
-    app.add_option("--vehicle", options.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
-    app.add_option("--sensor", options.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
-    app.add_option("--cfg", options.cfg, "the package's cfg folder (default: found from the tool's own place)");
+    app.add_option("--profile", options.files.profile, "default, paper, or a yaml file")->capture_default_str();
+    app.add_option("--vehicle", options.files.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
+    app.add_option("--sensor", options.files.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
+    app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
     app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
     app.add_option("--threads", options.threads, "of the odometry")->check(CLI::Range(1, 256))->capture_default_str();
     app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);

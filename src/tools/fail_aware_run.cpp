@@ -45,10 +45,11 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);
   if (!options.calib.empty()) poses = lidarFromCameraTrajectory(poses, readLidarToCamera(options.calib));
   const std::size_t first = firstScan(path);
-  if (first + run.log.back().row >= poses.size()) {
-    throw InputError(ground_truth + " has " + std::to_string(poses.size()) + " poses, " + path.string() +
-                     " goes on to scan " + std::to_string(first + run.log.back().row + 1) +
-                     " at least: they do not belong together");
+  for (const MonitorInput& input : run.log) {
+    if (first < poses.size() && input.row < poses.size() - first) continue;
+    throw InputError(ground_truth + " has " + std::to_string(poses.size()) + " poses, " + path.string() + " has row " +
+                     std::to_string(input.row) + " after scan " + std::to_string(first) +
+                     ": they do not belong together");
   }
   const Pose T_lidar_cog = run.params.sensor.T_base_lidar().inverse() * run.params.vehicle.T_base_cog();
   for (const MonitorInput& input : run.log) run.truth.push_back(poses[first + input.row] * T_lidar_cog);

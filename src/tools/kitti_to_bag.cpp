@@ -25,7 +25,8 @@ constexpr double kStopwatchStart_s = 1317000000.0;  // late September 2011, when
 constexpr double kLatest_s = 4294967295.0;          // ros::Time's end
 
 struct Options {
-  std::string directory, bag, sensor = "hdl64e", cfg;
+  std::string directory, bag;
+  ProfileFiles files;
   double period_s = 0.1;
   std::optional<double> start_s;
   long first = 0;
@@ -46,11 +47,11 @@ void addOptions(CLI::App& app, Options& options) {
                "odometry must then not publish odom -> base_link");
   app.add_option("--period", options.period_s, "s between scans where there is no times.txt")->capture_default_str();
   app.add_option("--start", options.start_s, "s added to the stamps (default: 1317000000 if they begin near zero)");
-  app.add_option("--sensor", options.sensor,
+  app.add_option("--sensor", options.files.sensor,
                  "a file of cfg/sensors, or a yaml file: its lidar_in_base becomes "
                  "base_link -> velo_link")
       ->capture_default_str();
-  app.add_option("--cfg", options.cfg, "the package's cfg folder (default: found from the tool's own place)");
+  app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
   app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);
   app.add_option("--count", options.count, "number of scans (default: all)")->check(CLI::PositiveNumber);
 }
@@ -93,8 +94,7 @@ int run(const Options& options) {
     throw InputError(options.directory + "/times.txt: does not increase; a bag is in the order of time");
   }
   const double start_s = startOf(options, stamps_s);
-  const Pose T_base_lidar =
-      loadPipelineParameters({options.cfg, "default", "passat_b6", options.sensor}).sensor.T_base_lidar();
+  const Pose T_base_lidar = loadPipelineParameters(options.files).sensor.T_base_lidar();
 
   KittiBagWriter writer(options.bag, {T_base_lidar, options.point_times, options.with_tf});
   std::size_t bad_scans = 0, points = 0;

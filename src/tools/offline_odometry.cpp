@@ -36,7 +36,8 @@ constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", 
 
 struct Options {
   std::string kitti, bag, topic, base_frame = "base_link";
-  std::string output, profile = "default", vehicle = "passat_b6", sensor = "hdl64e", cfg;
+  std::string output;
+  ProfileFiles files;
   std::vector<std::string> parameters, set;
   int threads = 2;
   long first = 0;
@@ -61,10 +62,10 @@ void addOptions(CLI::App& app, Options& options) {
   kitti->required();
 #endif
   app.add_option("--output", options.output, "folder for the results; made if it does not exist")->required();
-  app.add_option("--profile", options.profile, "default, paper, or a yaml file")->capture_default_str();
-  app.add_option("--vehicle", options.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
-  app.add_option("--sensor", options.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
-  app.add_option("--cfg", options.cfg, "the package's cfg folder (default: found from the tool's own place)");
+  app.add_option("--profile", options.files.profile, "default, paper, or a yaml file")->capture_default_str();
+  app.add_option("--vehicle", options.files.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
+  app.add_option("--sensor", options.files.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
+  app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
   app.add_option("--parameters", options.parameters,
                  "yaml file with some parameters, as the calibrations write it; overrides the profile; may be repeated")
       ->take_all();
@@ -152,7 +153,7 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
 
 int run(const Options& options) {
   requireNotNegative("--redundant-at", options.redundant_at_s);
-  PipelineParameters params = loadPipelineParameters({options.cfg, options.profile, options.vehicle, options.sensor});
+  PipelineParameters params = loadPipelineParameters(options.files);
   const std::unique_ptr<SweepSource> drive = openDrive(options, params.sensor);
   const std::string& drive_name = options.bag.empty() ? options.kitti : options.bag;
   const auto all = static_cast<long>(drive->size());
@@ -216,7 +217,7 @@ int run(const Options& options) {
   summary["max_rss_mb"] = maxRssMb();
   summary["level_keeping"] = levelSummary(pipeline.levelKeeping().report());
   summary["threads"] = options.threads;
-  summary["profile"] = options.profile;
+  summary["profile"] = options.files.profile;
   summary["run"] = describeRun(params, options.first, t1_stamp_s);
   // a file's name need not be UTF-8
   const std::string json = summary.dump(2, ' ', false, Json::error_handler_t::replace);

@@ -65,6 +65,9 @@ TEST(PoseSetting, SaysWhyItRefuses) {
     bad.pose.pose.position.x = 1e10;
     EXPECT_NE(setting.offer(bad, "odom", kStamp).find("beyond"), std::string::npos) << variance;
   }
+  bad = message(kSet, 0.01);
+  for (int i = 21; i < 36; i += 7) bad.pose.covariance[static_cast<std::size_t>(i)] = 0.0;
+  EXPECT_NE(setting.offer(bad, "odom", kStamp).find("rotation"), std::string::npos) << "a GPS alone tells no heading";
   bad = message(kSet);
   EXPECT_NE(setting.offer(bad, "odom", kStamp + ros::Duration(1.1)).find("stamp"), std::string::npos);
   EXPECT_FALSE(setting.pending());

@@ -115,6 +115,22 @@ TEST(RepeatedFacts, verticalAngleOfKitti) {
   }
 }
 
+// ---- alert limit ----------------------------------------------------------------------------------------------------
+
+TEST(RepeatedFacts, alertLimit) {
+  const std::string number = "([0-9]+\\.[0-9]+)";
+  const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
+  const std::multimap<std::string, std::string> places = {
+      {"README.md", "exceeds `alert_limit` \\(" + number},
+      {"cfg/profiles/paper.yaml", "alert_limit_m: " + number},
+      {"include/fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
+      {"include/fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
+      {"scripts/fault_matrix", "ALERT_LIMIT_M = " + number},
+      {"scripts/run_report/run.py", "alert_limit_m: float = " + number},
+  };
+  for (const auto& [file, pattern] : places) EXPECT_EQ(theOnly(file, pattern), limit) << file;
+}
+
 // ---- topics ---------------------------------------------------------------------------------------------------------
 
 /// Files that may name a topic: what starts, calls, documents and tests the package.

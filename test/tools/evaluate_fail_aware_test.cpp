@@ -31,6 +31,19 @@ class EvaluateFailAware : public MadeUpRunsTest {
   }
 };
 
+/// Whatever row, not the last one only: a log that was cut and joined.
+TEST_F(EvaluateFailAware, ARowThatTheTruthDoesNotHaveIsRefused) {
+  MadeUpRun made_up;
+  made_up.sweeps = 30;
+  made_up.write(folder_ / "run");
+  const std::filesystem::path log = folder_ / "run" / "monitor_log.csv";
+  const std::string text = contentOf(log);
+  const std::size_t row = text.find("\n10,");
+  ASSERT_NE(row, std::string::npos) << text.substr(0, 400);
+  std::ofstream(log) << text.substr(0, row) << "\n1000000," << text.substr(row + 4);
+  expectRefused(options("run"), "has row 1000000");
+}
+
 TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   MadeUpRun good, bad;
   bad.drift_m = 0.0101;  // 0.606 m after 6.0 s: t1 at 0, 5, .. 30 s fail, that at 35 s is watched for 4.9 s

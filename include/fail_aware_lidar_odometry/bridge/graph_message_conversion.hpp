@@ -1,6 +1,6 @@
 // The package's own messages <-> the core's structs, so that each stage can live in a nodelet of its own.
-// What the stages need of each other is kept but for a pose's last bits (rotation matrix <-> quaternion); a number that
-// is not finite becomes 0. Stamps: messages get theirs from the sweep's header, exactly; the core's stamp_s is their
+// What the stages need of each other is kept but for a pose's last bits (rotation matrix <-> quaternion); a quality
+// that is not finite becomes 0; poses and covariances pass as they are, whoever takes them looks. Stamps: messages get theirs from the sweep's header, exactly; the core's stamp_s is their
 // toSec(), as everywhere.
 #pragma once
 

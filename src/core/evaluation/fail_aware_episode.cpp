@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+
 namespace fail_aware {
 
 namespace {
-
-constexpr double kUsualPeriod_s = 0.1;  // until two sweeps tell
 
 FailAwareEpisode makeEpisode(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
                              const FailureEpisode& found, const MonitorParameters& monitor, double alert_limit_m,

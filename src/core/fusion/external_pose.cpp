@@ -9,11 +9,10 @@ namespace fail_aware {
 namespace {
 
 constexpr double kUnmeasuredVariance_rad2 = 1e4;
-constexpr double kLargestVariance = 1e12;  // what is computed with it stays finite
-
-bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRightCorner<3, 3>().isZero(0.0); }
 
 }  // namespace
+
+bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRightCorner<3, 3>().isZero(0.0); }
 
 std::string unusableReason(const ExternalPose& pose) {
   if (!std::isfinite(pose.stamp_s) || !isFinite(pose.T_odom_base)) return "the pose is not finite";

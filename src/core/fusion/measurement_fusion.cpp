@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -14,8 +15,6 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDisagreementSigmas = 3.0;
-constexpr double kLargestCoordinate = 1e9;  // m; beyond this a pose is garbage
-constexpr double kLargestVariance = 1e12;   // m^2, rad^2; "not observed" needs no more
 constexpr double kSmallestVariance = 1e-14;
 constexpr double kSmallestEigenvalue = 1e-14;  // of a correlation matrix: what double precision leaves
 constexpr double kIndefinite = -1e-9;
@@ -59,7 +58,7 @@ double mahalanobis2d(const Eigen::Vector2d& d, const Eigen::Matrix2d& C) {
 
 std::optional<Candidate> makeCandidate(std::size_t input, const Measurement& measurement) {
   const Pose& T = measurement.T_odom_cog;
-  if (!isFinite(T) || T.translation().cwiseAbs().maxCoeff() > kLargestCoordinate) return std::nullopt;
+  if (!isFinite(T) || T.translation().cwiseAbs().maxCoeff() > kFarthestPose_m) return std::nullopt;
   const Matrix6d& C = measurement.covariance;
   if (!C.allFinite() || C.diagonal().minCoeff() < 0.0) return std::nullopt;
 
@@ -217,7 +216,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   FusionResult result;
   result.weights.assign(inputs.size(), 0.0);
   result.nis.assign(inputs.size(), -1.0);
-  if (!predicted_state.allFinite() || predicted_state.head<3>().cwiseAbs().maxCoeff() > kLargestCoordinate ||
+  if (!predicted_state.allFinite() || predicted_state.head<3>().cwiseAbs().maxCoeff() > kFarthestPose_m ||
       !inverseOfCovariance(predicted_P)) {
     result.prediction_invalid = true;
     return result;

@@ -157,7 +157,7 @@ std::string readSideFile(const std::string& path, std::size_t point_count, std::
   return {};
 }
 
-/// Moves the finite returns to the front and drops the rest, in all arrays alike.
+/// Moves the usable returns to the front and drops the rest, in all arrays alike.
 void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
   const std::size_t count = bytes.size() / kPointBytes;
   sweep.points_lidar.reserve(count);
@@ -166,9 +166,9 @@ void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
   for (std::size_t i = 0; i < count; ++i) {
     float v[4];
     std::memcpy(v, &bytes[i * kPointBytes], kPointBytes);
-    if (!std::isfinite(v[0]) || !std::isfinite(v[1]) || !std::isfinite(v[2])) continue;
-    if (v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f) continue;
-    sweep.points_lidar.emplace_back(v[0], v[1], v[2]);
+    const Eigen::Vector3f point(v[0], v[1], v[2]);
+    if (!isUsablePoint(point)) continue;
+    sweep.points_lidar.push_back(point);
     sweep.intensities.push_back(std::isfinite(v[3]) ? v[3] : 0.0f);
     if (!sweep.times_s.empty()) sweep.times_s[kept] = sweep.times_s[i];
     if (!sweep.rings.empty()) sweep.rings[kept] = sweep.rings[i];

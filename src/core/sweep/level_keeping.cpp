@@ -81,16 +81,26 @@ void LevelKeeping::reset() {
   bend_per_m_ = 0.0;
   x_.setZero();
   P_.setZero();
-  // tilt now and tilt at the start: the same, and unknown
+  P_(2, 2) = std::pow(params_.sigma_drift_deg_per_m * kDegree, 2);
+  P_.diagonal().segment<kRanges>(5).setConstant(std::pow(params_.sigma_lean_deg * kDegree, 2));
+  forgetOdom();
+  since_look_m_ = 0.0;
+  odom_epoch_ = 0;
+}
+
+/// What is known about odom's axes: tilt now and tilt at the start (the same, and unknown), and the place's lean.
+void LevelKeeping::forgetOdom() {
+  for (const int i : {0, 1, 3, 4, kPlace, kPlace + 1}) {
+    x_[i] = 0.0;
+    P_.row(i).setZero();
+    P_.col(i).setZero();
+  }
   for (const int i : {0, 1}) {
     P_(i, i) = P_(i + 3, i + 3) = P_(i, i + 3) = P_(i + 3, i) = kStartTilt * kStartTilt;
     P_(i + 3, i + 3) += 1e-12;
   }
-  P_(2, 2) = std::pow(params_.sigma_drift_deg_per_m * kDegree, 2);
-  P_.diagonal().segment<kRanges>(5).setConstant(std::pow(params_.sigma_lean_deg * kDegree, 2));
   P_.diagonal().tail<2>().setConstant(std::pow(params_.sigma_place_deg * kDegree, 2));
   has_position_ = false;
-  since_look_m_ = 0.0;
 }
 
 void LevelKeeping::apply(std::vector<Eigen::Vector3f>& points_lidar) const {
@@ -106,8 +116,10 @@ void LevelKeeping::apply(std::vector<Eigen::Vector3f>& points_lidar) const {
   });
 }
 
-void LevelKeeping::observe(const std::vector<Eigen::Vector3f>& points_lidar, const Pose& T_odom_lidar) {
+void LevelKeeping::observe(const std::vector<Eigen::Vector3f>& points_lidar, const Pose& T_odom_lidar, int odom_epoch) {
   if (!params_.enabled || !isFinite(T_odom_lidar)) return;
+  if (odom_epoch != odom_epoch_) forgetOdom();
+  odom_epoch_ = odom_epoch;
   advance(T_odom_lidar);
   if (since_look_m_ >= params_.look_every_m) {
     since_look_m_ = 0.0;

@@ -12,7 +12,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kNominalPeriod_s = 0.1;
 constexpr double kShortestPeriod_s = 0.02;   // 50 Hz: no head that turns faster is known
 constexpr double kLongestMeasured_s = 0.22;  // 5 Hz, the slowest that these heads turn: what takes longer holds a gap
 constexpr double kMultipleTolerance = 0.15;  // periods, by which a gap may differ from a whole number of them
@@ -151,7 +150,7 @@ StampReference SweepTiming::referenceOr(StampReference automatic) const {
 TimingResult SweepTiming::assign(const Sweep& sweep, std::vector<float>& times_relative_to_stamp_s) {
   observeStamp(sweep.stamp_s);
   TimingResult result;
-  result.period_s = kNominalPeriod_s;
+  result.period_s = kUsualPeriod_s;
   if (params_.sweep_period_s > 0.0) {
     result.period_s = params_.sweep_period_s;
     result.period_known = true;

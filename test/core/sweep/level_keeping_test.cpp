@@ -164,6 +164,28 @@ TEST(LevelKeeping, ResetBeginsAnew) {
   EXPECT_EQ(once.report().tilt_deg, again.report().tilt_deg);
 }
 
+/// A pose that is set from outside: the vehicle jumps in odom, its heading is another, and it stands otherwise there.
+TEST(LevelKeeping, AnotherOdomIsNoWayAndNoTilt) {
+  LevelKeeping level;
+  drive(level, 200, 0.004, 1.0);
+  const LevelKeeping::Report before = level.report();
+  std::mt19937 random(11);
+  const auto inOdom = [](int metre) {
+    Pose T = tilted(metre, 2.0 * kDegree);
+    T = Pose(Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitZ())) * T;
+    T.translation() += Eigen::Vector3d(5000.0, -300.0, 40.0);
+    return T;
+  };
+  level.observe(street(random), inOdom(0), 1);
+  EXPECT_NEAR(level.report().tilt_deg, 0.0, 1e-9);
+  EXPECT_NEAR(level.report().drift_deg_per_m, before.drift_deg_per_m, 1e-9) << "that is the sensor's";
+  EXPECT_NEAR(level.report().drift_sigma_deg_per_m, before.drift_sigma_deg_per_m, 1e-9);
+  for (int i = 1; i <= 60; ++i) {
+    level.observe(street(random), inOdom(i), 1);
+    EXPECT_NEAR(level.report().bend_deg_per_m, before.bend_deg_per_m, 0.0015) << i;
+  }
+}
+
 TEST(LevelKeeping, BadInputIsHarmless) {
   LevelKeeping level;
   const float nan = std::numeric_limits<float>::quiet_NaN();

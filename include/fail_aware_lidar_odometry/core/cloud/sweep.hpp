@@ -8,6 +8,13 @@
 
 namespace fail_aware {
 
+/// Neither not finite, nor the zero that stands for no return, nor farther than any lidar sees: squares, and what is
+/// turned, stay finite.
+inline bool isUsablePoint(const Eigen::Vector3f& point_m) {
+  constexpr float kFarthest_m = 1e6f;
+  return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kFarthest_m && !point_m.isZero(0.0f);
+}
+
 /// A sweep's points. `points_lidar` (m, sensor frame) is always there and finite; the other arrays are empty or as
 /// long as `points_lidar`.
 struct Sweep {
@@ -16,7 +23,7 @@ struct Sweep {
   std::vector<float> intensities;             ///< sensor units
   std::vector<float> times_s;                 ///< as the driver gave them: s relative to some instant of the sweep
   std::vector<std::uint16_t> rings;           ///< laser number, 0 = lowest beam
-  std::size_t points_dropped = 0;             ///< points not finite in the source, left out here
+  std::size_t points_dropped = 0;             ///< of the source that are not usable, left out here
 
   std::size_t size() const { return points_lidar.size(); }
   bool empty() const { return points_lidar.empty(); }

@@ -13,18 +13,20 @@
 #include <optional>
 #include <string>
 
+#include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 
 namespace fail_aware {
-
-constexpr double kFarthestPose_m = 1e9;  ///< farther out no pose is taken: what is computed with it stays finite
 
 struct ExternalPose {
   double stamp_s = 0.0;
   Pose T_odom_base = Pose::Identity();
   Matrix6d covariance = Matrix6d::Zero();
 };
+
+/// False: the rotation block is all zero.
+bool rotationMeasured(const Matrix6d& covariance);
 
 /// Why it cannot be used; empty if it can.
 std::string unusableReason(const ExternalPose& pose);

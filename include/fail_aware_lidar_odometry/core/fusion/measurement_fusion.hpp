@@ -19,7 +19,8 @@
 // sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
 // An external one abstains as long as its covariance bears the other out (FusionInput::external).
 //
-// Failure: `has_measurement` false (nothing usable, all gated out, prediction unusable); z, R are then the prediction.
+// Failure: `has_measurement` false (nothing usable, all gated out, prediction unusable); z, R are then the prediction
+// (zero and identity where that is unusable).
 // Measurements that are ok but not finite, not a covariance or at gimbal lock are ignored and counted.
 // Cost: O(n) 6x6 eigendecompositions, about 15 us for three inputs.
 #pragma once

@@ -24,11 +24,12 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/io/sweep_source.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
 struct KittiDirectoryParams {
-  double nominal_period_s = 0.1;  ///< used without times.txt
+  double nominal_period_s = kUsualPeriod_s;  ///< used without times.txt
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

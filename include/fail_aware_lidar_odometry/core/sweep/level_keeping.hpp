@@ -111,7 +111,9 @@ class LevelKeeping {
   void apply(std::vector<Eigen::Vector3f>& points_lidar) const;
 
   /// Learns from a sweep that was given to apply() and then corrected for motion. Every sweep, in order.
-  void observe(const std::vector<Eigen::Vector3f>& points_lidar, const Pose& T_odom_lidar);
+  /// `odom_epoch`: another one than the last sweep's is another odom (SweepPrediction's); what was known of the tilt
+  /// about the last one's axes ends, what the sensor does (drift, leans by range) stays.
+  void observe(const std::vector<Eigen::Vector3f>& points_lidar, const Pose& T_odom_lidar, int odom_epoch = 0);
 
   const Report& report() const { return report_; }
 
@@ -140,6 +142,7 @@ class LevelKeeping {
     int range;
   };
 
+  void forgetOdom();
   void advance(const Pose& T_odom_lidar);
   void fillColumns(const std::vector<Eigen::Vector3f>& points_lidar, const Eigen::Matrix3f& R_odom_lidar);
   void findUprights();
@@ -157,6 +160,7 @@ class LevelKeeping {
   bool has_position_ = false;
   Eigen::Vector3d last_position_odom_ = Eigen::Vector3d::Zero();
   double since_look_m_ = 0.0;
+  int odom_epoch_ = 0;
 };
 
 }  // namespace fail_aware

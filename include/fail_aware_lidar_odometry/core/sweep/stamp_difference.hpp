@@ -13,6 +13,9 @@ namespace fail_aware {
 /// Stamps are of whole microseconds, sums of differences not quite.
 inline constexpr double kStampTolerance_s = 1e-6;
 
+/// Of spinning lidars, until their stamps tell.
+inline constexpr double kUsualPeriod_s = 0.1;
+
 /// Longer than this between two sweeps: some are missing, and a search by the prediction alone may fail.
 inline constexpr double kLongInterval_s = 0.25;
 

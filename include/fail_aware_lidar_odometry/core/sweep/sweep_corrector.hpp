@@ -27,8 +27,9 @@ class SweepCorrector {
   SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const SweepTimingParams& timing,
                  const SweepCorrectionParams& correction, const LevelKeepingParams& level_keeping);
 
-  /// `sweep` is changed by the vertical-angle correction, and given rings where it has none and its order tells them. The motion corrected for is that from the previous estimate
-  /// to the prediction; in the first sweep, where there is none, points stay and times are kept.
+  /// `sweep` is changed by the vertical-angle correction and by level keeping, and given rings where it has none and its
+  /// order tells them. The motion corrected for is that from the previous estimate to the prediction; in the first
+  /// sweep, where there is none, points stay and times are kept.
   SweepCorrectorReport correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
                                CorrectedSweep& corrected);
 
