@@ -53,8 +53,9 @@ MotionPlausibility::Doubt MotionPlausibility::add(const Sweep& sweep) {
   doubt.sigma_yaw_rad = turned ? params_.wrong_share_of_turn * sweep.turn_rad : 0.0;
   doubt.unbelievable = lasting_m > 0.0 || turned;
   const bool fits_not = sweep.fitting_share && *sweep.fitting_share < params_.fitting_share;
-  doubt.tells_no_motion = fitted_ && (open_m > 0.0 || fits_not);  // at once: a speed taken from one such sweep stays
-  if (fitting_share_.isFull() && open_m == 0.0) fitted_ = true;
+  const bool fitted_not = fitting_share_.isFull() && fitting_share_.median() < params_.fitting_share;
+  doubt.tells_no_motion = fitted_ && (fitted_not || fits_not);  // at once: a speed taken from one such sweep stays
+  if (fitting_share_.isFull() && !fitted_not) fitted_ = true;
   return doubt;
 }
 

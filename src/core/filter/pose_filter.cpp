@@ -17,6 +17,7 @@ namespace {
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
+constexpr int kMaxHeldSweeps = 10;      // in a row that told no motion; what was placed of them spoils the reference
 constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
 constexpr double kSaysNothing_m2 = 1e12;
 constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
@@ -58,6 +59,17 @@ bool wasSought(const std::vector<FusionInput>& measurements) {
     const MeasurementStatus status = input.measurement->status;
     return input.measurement->iterations > 0 || status == MeasurementStatus::kNotConverged;
   });
+}
+
+// A stage that searches a speed by itself began its map anew. One that says so alone is another one that was started.
+bool beganAnew(const std::vector<FusionInput>& measurements) {
+  bool any = false;
+  for (const FusionInput& input : measurements) {
+    if (input.measurement == nullptr || (input.name != kIcpPointToPoint && input.name != kIcpPointToPlane)) continue;
+    if (input.measurement->status != MeasurementStatus::kNoReference) return false;
+    any = true;
+  }
+  return any;
 }
 
 std::optional<double> planesFittingShare(const std::vector<FusionInput>& inputs) {
@@ -121,7 +133,8 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   plausibility_.clear();
   last_measured_ = previous_measured_ = false;
   unplaced_sweeps_ = 0;
-  interval_wrong_ = tells_no_motion_ = told_no_motion_ = false;
+  interval_wrong_ = tells_no_motion_ = told_no_motion_ = pose_set_ = false;
+  held_sweeps_ = 0;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
@@ -164,6 +177,7 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   state_.covariance = ukf_.covariance();
   state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
   ++state_.odom_epoch;
+  pose_set_ = true;
   plausibility_.clear();
   return true;
 }
@@ -260,6 +274,13 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     ++next.reference_epoch;
     plausibility_.clear();
   }
+  held_sweeps_ = tells_no_motion_ ? held_sweeps_ + 1 : 0;
+  if (held_sweeps_ >= kMaxHeldSweeps || (prediction_.motion_known && !pose_set_ && beganAnew(measurements))) {
+    held_sweeps_ = 0;
+    next.placed = true;
+    ++next.reference_epoch;
+  }
+  pose_set_ = false;
   if (begins || interval_wrong_ || (told_no_motion_ && !tells_no_motion_)) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
@@ -365,11 +386,11 @@ void PoseFilter::updateMotion() {
   if (state_.dt_s > 0.0) {
     if (!state_.corrected) {
       coast(last, nullptr);
-    } else if (tells_no_motion_ || told_no_motion_) {
+    } else if (!interval_wrong_ && (tells_no_motion_ || told_no_motion_)) {
       MotionDerivatives steady = last;
       steady.acceleration_body_mps2.setZero();
       const Coasting::Measured turn = measuredTurn();
-      coast(steady, &turn);
+      coast(steady, previous_measured_ ? &turn : nullptr);
     } else if (told) {
       const Coasting::Measured measured = measuredMotion();
       if (coasting_.settles(measured)) {

@@ -126,13 +126,25 @@ TEST(MotionPlausibility, EachSignCanBeSwitchedOff) {
       10, [](Sweep& sweep) { sweep = oddInAll(); }, params);
   EXPECT_DOUBLE_EQ(doubt.sigma_m, 0.10) << "what measurements stay apart";
   EXPECT_EQ(doubt.sigma_yaw_rad, 0.0);
-  EXPECT_FALSE(doubt.unbelievable);
+  EXPECT_FALSE(doubt.unbelievable || doubt.tells_no_motion);
+}
+
+TEST(MotionPlausibility, WhatTellsNoMotionIsSaidWhateverItAdds) {
+  MotionPlausibility::Params params;
+  params.unfitting_sigma_m = 0.0;
+  const auto unfitting = [](Sweep& sweep) { sweep.fitting_share = 0.1; };
+  EXPECT_TRUE(afterOdd(5, unfitting, params).tells_no_motion);
+  MotionPlausibility plausibility(params);
+  Sweep sweep = sound();
+  unfitting(sweep);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(plausibility.add(sweep).tells_no_motion) << "nothing has fitted yet";
 }
 
 TEST(MotionPlausibility, ClearedItBeginsAnew) {
   MotionPlausibility plausibility{MotionPlausibility::Params()};
   Sweep odd = oddInAll();
   odd.turn_rad = 0.0;
+  for (int i = 0; i < 3; ++i) plausibility.add(sound());
   for (int i = 0; i < 10; ++i) plausibility.add(odd);
   EXPECT_GT(plausibility.add(odd).sigma_m, 0.25);
   plausibility.clear();

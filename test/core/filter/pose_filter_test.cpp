@@ -674,6 +674,51 @@ TEST(PoseFilterReference, TakesInWhatIsMeasuredInAllRotations) {
   EXPECT_EQ(filter.state().reference_epoch, 0);
 }
 
+FilterState stepOfBoth(PoseFilter& filter, double stamp_s, const Measurement& measurement) {
+  SweepPrediction prediction;
+  EXPECT_TRUE(filter.predict(stamp_s, prediction));
+  return filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+}
+
+TEST(PoseFilterReference, BeginsAnewWhenNextToNothingHasFittedForASecond) {
+  const Drive drive;
+  PoseFilter filter = makeFilter();
+  driveMeasured(filter, drive, 5);
+  int sweep = 6;
+  for (; sweep < 10; ++sweep) stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep)));
+  for (int i = 1; i < 10; ++i, ++sweep) {
+    Measurement unfitting = measured(drive.at(sweep));
+    unfitting.inlier_share = 0.1;
+    EXPECT_EQ(stepOfBoth(filter, drive.stamp(sweep), unfitting).reference_epoch, 0) << i;
+  }
+  Measurement unfitting = measured(drive.at(sweep));
+  unfitting.inlier_share = 0.1;
+  const FilterState begun = stepOfBoth(filter, drive.stamp(sweep), unfitting);
+  EXPECT_EQ(begun.reference_epoch, 1);
+  EXPECT_TRUE(begun.placed);
+  EXPECT_FALSE(begun.fusion.confirmed) << "it is not believed, and the speed is held";
+  ++sweep;
+  EXPECT_EQ(stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep))).reference_epoch, 1);
+}
+
+/// Their error from before is in the new map: a gap that was open must not be forgiven.
+TEST(PoseFilterReference, CountsWhatTheIcpsBeginThemselves) {
+  const Drive drive;
+  PoseFilter filter = makeFilter();
+  driveMeasured(filter, drive, 5);
+  const Measurement none = withStatus(MeasurementStatus::kNoReference, 0);
+  const FilterState anew = stepOfBoth(filter, drive.stamp(6), none);
+  EXPECT_EQ(anew.reference_epoch, 1);
+  EXPECT_TRUE(anew.placed);
+  SweepPrediction prediction;
+  ASSERT_TRUE(filter.predict(drive.stamp(7), prediction));
+  const Measurement found = measured(drive.at(7));
+  EXPECT_EQ(filter.correct({{kIcpPointToPoint, &none}, {kIcpPointToPlane, &found}}).reference_epoch, 1)
+      << "one of them was started anew";
+  ASSERT_TRUE(filter.setPose(drive.at(3)));
+  EXPECT_EQ(stepOfBoth(filter, drive.stamp(8), none).reference_epoch, 1) << "in another odom they must";
+}
+
 TEST(PoseFilterReference, BeginsAnewWhenNothingHasFittedForAWhile) {
   const Drive drive;
   PoseFilter filter = makeFilter();

@@ -109,7 +109,7 @@ class FailAwareMonitor {
 
   MonitorOutput update(const FilterState& state, const SweepCondition& condition);
 
-  /// The covariance of T_odom_cog since the first sweep, as FusionUkf publishes it with the odometry, geometry/pose.hpp's convention.
+  /// The covariance of T_odom_cog since the first sweep (FusionUkf publishes its own, from the start pose's on), geometry/pose.hpp's convention.
   const Matrix6d& odometryCovariance() const { return covariance_.covariance(); }
 
   /// The covariance of (x, y) accumulated since t1, m^2, about odom's axes; zero before t1.

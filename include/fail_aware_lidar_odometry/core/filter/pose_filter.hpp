@@ -62,8 +62,8 @@ struct FilterState {
   int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
   /// The references take the sweep in, at this pose: it was measured, roll and pitch, too, or a reference begins with it.
   bool placed = false;
-  /// Counts references that began because nothing had fitted the one before for a while: at an estimate whose error
-  /// is in all that is measured from there on.
+  /// Counts references that began because nothing, or next to nothing, had fitted the one before for a while, or because
+  /// the ICPs began theirs anew: at an estimate whose error is in all that is measured from there on.
   int reference_epoch = 0;
 };
 
@@ -154,6 +154,8 @@ class PoseFilter {
   bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool tells_no_motion_ = false, told_no_motion_ = false;   ///< the last sweep's measurements: it coasts
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
+  bool pose_set_ = false;  ///< since the last sweep: the references begin anew, in another odom
+  int held_sweeps_ = 0;    ///< in a row, that told no motion
   int corrected_sweeps_ = 0;
   int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp

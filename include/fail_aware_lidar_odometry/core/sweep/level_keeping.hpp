@@ -97,7 +97,7 @@ class LevelKeeping {
     std::size_t looks = 0;
     std::size_t surfaces = 0;  ///< in the last look
     std::size_t lines = 0;
-    double tilt_deg = 0.0;  ///< of pitch, since the start
+    double tilt_deg = 0.0;  ///< of pitch, since the start or since odom is another one
     double tilt_sigma_deg = 0.0;
     double drift_deg_per_m = 0.0;  ///< of pitch, if nothing were bent
     double drift_sigma_deg_per_m = 0.0;
