@@ -52,6 +52,7 @@ void FailAwareMonitor::reset() {
   hysteresis_.reset();
   intervals_s_.clear();
   speed_wander_ = 0.0;
+  error_unbounded_ = false;
   has_previous_ = false;
   start_pending_ = serving;
   t1_stamp_s_ = -1.0;
@@ -135,7 +136,8 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   if (has_previous_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
     const double speed_variance = covariance_.speedVariance();
-    covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
+    const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
+    error_unbounded_ = error_unbounded_ || !added;
     speed_wander_ = std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s;
     const double distance_m = state.T_previous_now.translation().norm();
     rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance, distance_m,
@@ -149,6 +151,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     start_pending_ = false;
     indicator_.start(state.stamp_s);
     covariance_.mark(state.T_odom_cog);
+    error_unbounded_ = false;
     T_odom_mark_ = state.T_odom_cog;
     t1_stamp_s_ = state.stamp_s;
   }
@@ -176,6 +179,11 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
       output.time_to_failure_covariance = prediction.time_to_failure;
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
+    }
+    if (error_unbounded_) {
+      output.time_to_failure_covariance = time_to_alarm = TimeToFailure::reached();
+      output.protection_level_m = -1.0;
+      output.reasons |= kReasonCovarianceLimit;
     }
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -19,7 +20,6 @@ constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
 constexpr int kMaxHeldSweeps = 10;      // in a row that told no motion; what was placed of them spoils the reference
 constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
-constexpr double kSaysNothing_m2 = 1e12;
 constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
 constexpr double kOpenVariance = 4.0;  // of the prediction's: a measurement that says less leaves it open
 
@@ -368,7 +368,7 @@ void PoseFilter::coast(const MotionDerivatives& last, const Coasting::Measured* 
 // What nothing of the speed can be taken from tells the heading still, roughly: all that is seen turns about the vehicle.
 Coasting::Measured PoseFilter::measuredTurn() const {
   Coasting::Measured measured = measuredMotion();
-  measured.R = kSaysNothing_m2 * Eigen::Matrix3d::Identity();
+  measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
   measured.yaw_variance += kDoubtfulTurn_rad * kDoubtfulTurn_rad;
   return measured;
 }

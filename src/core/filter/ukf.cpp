@@ -46,7 +46,6 @@ bool Ukf::reset(const Vector6d& state, const Matrix6d& covariance) {
   if (!state.allFinite() || !isCovariance(covariance)) return false;
   state_ = PoseStateSpace::sum(state, Vector6d::Zero());
   covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);
-  innovation_.setZero();
   nis_ = 0.0;
   return true;
 }
@@ -93,7 +92,6 @@ bool Ukf::correct(const Vector6d& z, const Matrix6d& R) {
   const double nis = gain.dot(a.cwiseAbs2());
   if (!state.allFinite() || !covariance.allFinite() || !std::isfinite(nis)) return false;
 
-  innovation_ = innovation;
   nis_ = nis;
   state_ = state;
   covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);

@@ -66,9 +66,10 @@ void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_pre
 }
 
 // The motion from before the gap to now as one increment, with what the measurement leaves of the prediction's error.
-OdometryIncrement OdometryCovariance::sinceGap(const Pose& T_gap_now, const OdometryIncrement& increment) const {
-  const Matrix6d P = gap_->since.lasting.topLeftCorner<6, 6>();
-  const Matrix6d R = symmetric(rotateCovariance(*increment.confirmed, gap_->T_odom_base.linear().transpose()));
+OdometryIncrement OdometryCovariance::sinceGap(const Gap& gap, const Pose& T_gap_now,
+                                               const OdometryIncrement& increment) {
+  const Matrix6d P = gap.since.lasting.topLeftCorner<6, 6>();
+  const Matrix6d R = symmetric(rotateCovariance(*increment.confirmed, gap.T_odom_base.linear().transpose()));
   const Matrix6d left = Matrix6d::Identity() - Matrix6d((P + R).ldlt().solve(P).transpose());
   OdometryIncrement whole = increment;
   whole.dt_s = 0.0;  // what the speed's error has done is in P
@@ -95,26 +96,29 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   DriftState since_start = since_start_, since_mark = since_mark_;
   advance(T_odom_base_previous, T_previous_now, sane, since_start);
   if (T_odom_mark_) advance(T_odom_mark_->inverse() * T_odom_base_previous, T_previous_now, sane, since_mark);
-  lost_ = lost_ && sane.predicted;
-  if (sane.predicted && !gap_ && !lost_)
-    gap_ = Gap{T_odom_base_previous, since_start_, since_mark_, beginAt(since_start_), 0};
-  if (gap_) {
-    const Pose T_gap_previous = gap_->T_odom_base.inverse() * T_odom_base_previous;
-    advance(T_gap_previous, T_previous_now, sane, gap_->since);
-    const double sigma_m = std::sqrt(gap_->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
-    if (sane.reference_epoch != reference_epoch_ || ++gap_->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
-      gap_.reset();
-      lost_ = true;
+  bool lost = lost_ && sane.predicted;
+  std::optional<Gap> gap = gap_;
+  if (sane.predicted && !gap && !lost)
+    gap = Gap{T_odom_base_previous, since_start_, since_mark_, beginAt(since_start_), 0};
+  if (gap) {
+    const Pose T_gap_previous = gap->T_odom_base.inverse() * T_odom_base_previous;
+    advance(T_gap_previous, T_previous_now, sane, gap->since);
+    const double sigma_m = std::sqrt(gap->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
+    if (sane.reference_epoch != reference_epoch_ || ++gap->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
+      gap.reset();
+      lost = true;
     } else if (!sane.predicted && sane.confirmed && sane.confirmed->allFinite()) {
       const Pose T_gap_now = T_gap_previous * T_previous_now;
-      const OdometryIncrement whole = sinceGap(T_gap_now, sane);
-      since_start = gap_->since_start, since_mark = gap_->since_mark;
-      advance(gap_->T_odom_base, T_gap_now, whole, since_start);
-      if (T_odom_mark_) advance(T_odom_mark_->inverse() * gap_->T_odom_base, T_gap_now, whole, since_mark);
-      gap_.reset();
+      const OdometryIncrement whole = sinceGap(*gap, T_gap_now, sane);
+      since_start = gap->since_start, since_mark = gap->since_mark;
+      advance(gap->T_odom_base, T_gap_now, whole, since_start);
+      if (T_odom_mark_) advance(T_odom_mark_->inverse() * gap->T_odom_base, T_gap_now, whole, since_mark);
+      gap.reset();
     }
   }
   if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
+  lost_ = lost;
+  gap_ = gap;
   reference_epoch_ = sane.reference_epoch;
   since_start_ = since_start;
   since_mark_ = since_mark;

@@ -42,10 +42,6 @@ Vector6d logSe3(const Pose& T) {
   return twist;
 }
 
-Pose interpolate(const Pose& begin, const Pose& end, double fraction) {
-  return begin * expSe3(fraction * logSe3(begin.inverse() * end));
-}
-
 Pose poseFromVector(const Vector6d& v) {
   Pose T = Pose::Identity();
   T.translation() = v.head<3>();
@@ -77,11 +73,6 @@ Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b,
   Matrix6d A = Matrix6d::Identity();
   A.topRightCorner<3, 3>() = -skew(T_a_b.linear() * T_b_c.translation());
   return A * covariance_ab * A.transpose();
-}
-
-Matrix6d composeCovariance(const Matrix6d& covariance_ab, const Pose& T_a_b, const Matrix6d& covariance_bc,
-                           const Pose& T_b_c) {
-  return covarianceAfterOffset(covariance_ab, T_a_b, T_b_c) + rotateCovariance(covariance_bc, T_a_b.linear());
 }
 
 Matrix6d rotateCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& R) {

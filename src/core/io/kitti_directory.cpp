@@ -77,7 +77,7 @@ InputError badLine(const fs::path& path, std::size_t i, const std::string& line,
   return InputError(path.string() + ", line " + std::to_string(i + 1) + ": '" + line + "' " + what);
 }
 
-std::vector<double> readTimes(const fs::path& path, std::size_t scan_count) {
+std::vector<double> readScanTimes(const fs::path& path, std::size_t scan_count) {
   const std::vector<std::string> lines = readLines(path);
   if (lines.size() != scan_count) {
     throw InputError(path.string() + ": " + std::to_string(lines.size()) + " lines for " + std::to_string(scan_count) +
@@ -203,7 +203,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   for (const fs::path& scan : scans) kitti.scan_paths_.push_back(scan.string());
   const fs::path timestamps = root / "velodyne_points" / "timestamps.txt";
   if (fs::exists(root / "times.txt", error)) {
-    kitti.stamps_s_ = readTimes(root / "times.txt", scans.size());
+    kitti.stamps_s_ = readScanTimes(root / "times.txt", scans.size());
   } else if (!numbers.empty() && scans.front().parent_path() == timestamps.parent_path() / "data" &&
              fs::exists(timestamps, error)) {
     kitti.stamps_s_ = readTimestamps(timestamps, numbers);

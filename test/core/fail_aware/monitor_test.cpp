@@ -410,6 +410,24 @@ TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
   }
 }
 
+TEST(FailAwareMonitor, AnIncrementThatCannotBeAddedBoundsNoErrorUntilTheNextStart) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  monitor.start();
+  ASSERT_EQ(drive(monitor, road, 20).state, FailAwareState::kOk);
+  FilterState state = road.next();
+  state.increment_covariance.setConstant(kNan);
+  monitor.update(state, {});
+  const MonitorOutput output = drive(monitor, road, 20);
+  EXPECT_EQ(output.state, FailAwareState::kFailed);
+  EXPECT_EQ(output.time_to_failure.status, TimeToFailureStatus::kReached);
+  EXPECT_TRUE(output.reasons & kReasonCovarianceLimit);
+  EXPECT_EQ(output.protection_level_m, -1.0) << "unknown";
+  expectFinite(output);
+  monitor.start();
+  EXPECT_EQ(drive(monitor, road, 20).state, FailAwareState::kOk);
+}
+
 TEST(FailAwareMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(MonitorParameters&)>& change) {
     MonitorParameters params = independentSweeps();

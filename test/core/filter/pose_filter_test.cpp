@@ -500,6 +500,39 @@ TEST(PoseFilter, WhatNextToNothingFitsTellsNoSpeed) {
   EXPECT_NEAR(held.after_m, 1.0, 0.05);
 }
 
+TEST(PoseFilter, WhereTheSpeedIsHeldTheTurnIsFollowed) {
+  const double yaw_rate_rps = 0.2;
+  const auto predictedTurn = [&](double turned_in_one_rad) {
+    Drive drive;
+    PoseFilter filter = makeFilter();
+    driveMeasured(filter, drive, 20);
+    int sweep = 20;
+    SweepPrediction prediction;
+    const auto correct = [&](Measurement measurement, double inlier_share) {
+      measurement.inlier_share = inlier_share;
+      filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+    };
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
+      correct(measured(drive.at(sweep)), 0.9);
+    }
+    double yaw_rad = rpyFromRotation(drive.at(sweep).linear()).z();
+    for (int i = 0; i < 9; ++i) {  // next to nothing fits, and all of it turns: into a bend, or once
+      EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
+      yaw_rad += turned_in_one_rad != 0.0 ? (i == 4 ? turned_in_one_rad : 0.0) : yaw_rate_rps * kDt_s;
+      Pose T = prediction.T_odom_cog;
+      T.linear() = rotationFromRpy(0.0, 0.0, yaw_rad);
+      correct(measured(T), 0.1);
+    }
+    EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
+    const Pose T_previous_next = prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog;
+    EXPECT_NEAR(T_previous_next.translation().x(), 1.4, 0.02) << "the speed is held";
+    return rpyFromRotation(T_previous_next.linear()).z();
+  };
+  EXPECT_NEAR(predictedTurn(0.0), yaw_rate_rps * kDt_s, 0.25 * yaw_rate_rps * kDt_s);
+  EXPECT_LT(std::abs(predictedTurn(3.0 * kDegree)), 0.7 * kDegree) << "one wrong heading is no yaw rate";
+}
+
 TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {
   const auto turning = [](double turn_deg) {
     return addedVariances([=](int sweep, const Pose& T) {

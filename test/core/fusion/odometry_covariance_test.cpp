@@ -407,6 +407,14 @@ TEST_F(Gap, ThatWasTooLongIsNotForgivenInParts) {
   EXPECT_LT(x(), lost + 0.02) << "the next gap is one of its own";
 }
 
+TEST_F(Gap, AnUnusableIncrementDoesNotEndIt) {
+  drive(5, predicted());
+  EXPECT_FALSE(odometry.propagate(T, planarPose(1e200, 0.0, 0.0), confirmed(Vector6d::Constant(1e-3))));
+  EXPECT_GT(x(), 0.04);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), before + 1e-4) << "it is still there to be ended";
+}
+
 TEST_F(Gap, AConfirmedSweepWithoutOneChangesNothing) {
   OdometryCovariance other = odometry;
   const Pose next = T * planarPose(1.0, 0.0, 0.0);

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <vector>
 
 #include "../../support/poses.hpp"
@@ -91,27 +90,6 @@ TEST(Pose, expInvertsLogAtPi) {
   EXPECT_LT(distance(expSe3(logSe3(T)), T), 1e-9);
 }
 
-TEST(Pose, interpolationMeetsItsEnds) {
-  const Pose begin = somePose(), end = begin * expSe3(vector6(3.0, 0.2, -0.1, 0.02, -0.05, 0.4));
-  EXPECT_LT(distance(interpolate(begin, end, 0.0), begin), 1e-13);
-  EXPECT_LT(distance(interpolate(begin, end, 1.0), end), 1e-12);
-}
-
-TEST(Pose, interpolationHasAConstantTwistAndExtrapolates) {
-  const Vector6d twist = vector6(3.0, 0.2, -0.1, 0.02, -0.05, 0.4);
-  const Pose begin = somePose(), end = begin * expSe3(twist);
-  for (const double fraction : {-0.5, 0.25, 0.5, 0.9, 1.5}) {
-    EXPECT_LT(distance(interpolate(begin, end, fraction), begin * expSe3(fraction * twist)), 1e-12) << fraction;
-  }
-}
-
-TEST(Pose, interpolationTurnsTheShortWay) {
-  const Pose begin = poseFromVector(vector6(0.0, 0.0, 0.0, 0.0, 0.0, M_PI - 0.1));
-  const Pose end = poseFromVector(vector6(0.0, 0.0, 0.0, 0.0, 0.0, -M_PI + 0.1));
-  const double yaw = vectorFromPose(interpolate(begin, end, 0.25))[5];
-  EXPECT_NEAR(std::remainder(yaw - (M_PI - 0.05), 2.0 * M_PI), 0.0, 1e-12);
-}
-
 TEST(Pose, stateVectorRoundTrip) {
   const Vector6d state = vector6(1e4, -2e4, 30.0, 0.1, -0.2, 3.0);
   EXPECT_LT((vectorFromPose(poseFromVector(state)) - state).norm(), 1e-11);
@@ -152,44 +130,6 @@ TEST(Pose, covarianceAfterOffsetMatchesFiniteDifferences) {
   const Matrix6d C = someCovariance();
   const Matrix6d expected = J * C * J.transpose();
   EXPECT_LT((covarianceAfterOffset(C, T_a_b, T_b_c) - expected).norm(), 1e-6 * expected.norm());
-}
-
-TEST(Pose, composedCovarianceMatchesFiniteDifferences) {
-  constexpr double kStep = 1e-6;
-  const Pose T_a_b = somePose(), T_b_c = someOffset();
-  Matrix6d J_ab, J_bc;
-  for (int i = 0; i < 6; ++i) {
-    const Vector6d up = kStep * Vector6d::Unit(i);
-    J_ab.col(i) = errorOf(disturbed(T_a_b, up) * T_b_c, disturbed(T_a_b, -up) * T_b_c) / (2.0 * kStep);
-    J_bc.col(i) = errorOf(T_a_b * disturbed(T_b_c, up), T_a_b * disturbed(T_b_c, -up)) / (2.0 * kStep);
-  }
-  const Matrix6d C_ab = someCovariance(), C_bc = 0.3 * rotateCovariance(C_ab, rotationFromRpy(0.3, 1.0, -2.0));
-  const Matrix6d expected = J_ab * C_ab * J_ab.transpose() + J_bc * C_bc * J_bc.transpose();
-  EXPECT_LT((composeCovariance(C_ab, T_a_b, C_bc, T_b_c) - expected).norm(), 1e-6 * expected.norm());
-}
-
-TEST(Pose, composedCovarianceIsWhatSamplesScatter) {
-  const Pose T_a_b = somePose(), T_b_c = someOffset(), T_a_c = T_a_b * T_b_c;
-  const Matrix6d C_ab = 1e-4 * someCovariance(), C_bc = 4e-4 * Matrix6d::Identity();
-  const Matrix6d expected = composeCovariance(C_ab, T_a_b, C_bc, T_b_c);
-  const Matrix6d root_ab = C_ab.llt().matrixL();
-  std::mt19937 generator(7);
-  std::normal_distribution<double> normal;
-  const auto draw = [&] {
-    Vector6d v;
-    for (int i = 0; i < 6; ++i) v[i] = normal(generator);
-    return v;
-  };
-  constexpr int kSamples = 20000;
-  Matrix6d scatter = Matrix6d::Zero();
-  for (int k = 0; k < kSamples; ++k) {
-    const Vector6d error = errorOf(disturbed(T_a_b, root_ab * draw()) * disturbed(T_b_c, 0.02 * draw()), T_a_c);
-    scatter += error * error.transpose() / kSamples;
-  }
-  const Vector6d sigma = expected.diagonal().cwiseSqrt();
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) EXPECT_NEAR(scatter(i, j), expected(i, j), 0.04 * sigma[i] * sigma[j]) << i << j;
-  }
 }
 
 TEST(Pose, yawErrorMovesAFarPointSideways) {

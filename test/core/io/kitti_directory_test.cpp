@@ -164,15 +164,15 @@ TEST_F(KittiDirectoryTest, OpenNamesWhatIsWrong) {
 
 TEST_F(KittiDirectoryTest, DropsPointsWithTheirStampsAndRings) {
   write<float>("velodyne/000000.bin",
-               {1, 1, 1, 0.1f, kNan, 1, 1, 0, 0, 0, 0, 0, 2, 2, 2, kNan, 1, kInf, 1, 0, 3, 3, 3, 0.3f});
-  write<float>("stamps/000000.f32", {0.00f, 0.01f, 0.02f, 0.03f, 0.04f, 0.05f});
-  write<std::uint16_t>("rings/000000.u16", {0, 1, 2, 3, 4, 63});
+               {1, 1, 1, 0.1f, kNan, 1, 1, 0, 0, 0, 0, 0, 2, 2, 2, kNan, 1, kInf, 1, 0, 3, 3, 3, 0.3f, 1.1e6f, 0, 0, 0});
+  write<float>("stamps/000000.f32", {0.00f, 0.01f, 0.02f, 0.03f, 0.04f, 0.05f, 0.06f});
+  write<std::uint16_t>("rings/000000.u16", {0, 1, 2, 3, 4, 63, 5});
   Sweep sweep;
   sweep.points_lidar.resize(100);
   const ReadResult result = KittiDirectory::open(root_.string()).read(0, sweep);
   EXPECT_EQ(result.status, ReadStatus::kOk) << result.message;
   ASSERT_EQ(sweep.size(), 3u);
-  EXPECT_EQ(sweep.points_dropped, 3u);
+  EXPECT_EQ(sweep.points_dropped, 4u) << "not finite twice, no return, farther than any lidar sees";
   EXPECT_EQ(sweep.points_lidar[1], Eigen::Vector3f(2, 2, 2));
   EXPECT_EQ(sweep.times_s, (std::vector<float>{0.00f, 0.03f, 0.05f}));
   EXPECT_EQ(sweep.rings, (std::vector<std::uint16_t>{0, 3, 63}));

@@ -46,11 +46,11 @@ Pose lidarPlace(const DriveSimulation::Params& params) {
 
 /// Points in the world; `corrected`: each by the pose of its own instant, with a constant twist over the sweep.
 std::vector<Eigen::Vector3d> inWorld(const SimulatedSweep& sweep, const Pose& T_base_lidar, bool corrected) {
-  const Pose T_begin = interpolate(sweep.T_world_base_end, sweep.T_world_base, 2.0);
+  const Vector6d half = logSe3(sweep.T_world_base.inverse() * sweep.T_world_base_end);  // of the sweep's motion
   std::vector<Eigen::Vector3d> points;
   for (std::size_t i = 0; i < sweep.sweep.size(); ++i) {
     const double fraction = corrected ? static_cast<double>(sweep.sweep.times_s[i]) / sweep.period_s : 0.5;
-    const Pose T = interpolate(T_begin, sweep.T_world_base_end, fraction) * T_base_lidar;
+    const Pose T = sweep.T_world_base * expSe3((2.0 * fraction - 1.0) * half) * T_base_lidar;
     points.push_back(T * sweep.sweep.points_lidar[i].cast<double>());
   }
   return points;

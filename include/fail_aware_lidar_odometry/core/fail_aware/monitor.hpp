@@ -1,7 +1,9 @@
 // The fail-aware monitor of one sweep (paper, section "Fail-Aware Odometry System"): eta with its time to failure, the
 // covariance's time to failure, their combination, state and reasons. What the FailAwareMonitor nodelet holds.
 //
-// Before start() (t1, when the odometry begins to serve as the localisation) times are unknown. Cost: < 0.1 ms.
+// Before start() (t1, when the odometry begins to serve as the localisation) times are unknown.
+// Failure: an increment whose uncertainty is no covariance bounds no error any more: FAILED (COVARIANCE_LIMIT) until the
+// next t1. Cost: < 0.1 ms.
 #pragma once
 
 #include <cstdint>
@@ -135,6 +137,7 @@ class FailAwareMonitor {
   MovingMedian intervals_s_{11};  ///< of the last sweeps
   bool has_previous_ = false;
   double speed_wander_ = 0.0;  ///< growth of the speed error's variance in the last sweep, m^2/s^3
+  bool error_unbounded_ = false;  ///< since t1 there was an increment whose uncertainty could not be added
   bool start_pending_ = false;
 };
 

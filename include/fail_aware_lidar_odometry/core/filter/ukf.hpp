@@ -43,9 +43,8 @@ class Ukf {
   const Vector6d& state() const { return state_; }
   const Matrix6d& covariance() const { return covariance_; }
 
-  /// Of the last correction: z - state before it, and its squared Mahalanobis length under P + R (6 degrees of
+  /// Squared Mahalanobis length of the last correction's innovation, z - state before it, under P + R (6 degrees of
   /// freedom). Zero before the first.
-  const Vector6d& innovation() const { return innovation_; }
   double nis() const { return nis_; }
 
  private:
@@ -53,7 +52,6 @@ class Ukf {
   UnscentedWeights weights_;
   Vector6d state_ = Vector6d::Zero();
   Matrix6d covariance_;
-  Vector6d innovation_ = Vector6d::Zero();
   double nis_ = 0.0;
 };
 

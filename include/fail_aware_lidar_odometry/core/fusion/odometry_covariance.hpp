@@ -80,8 +80,6 @@ class OdometryCovariance {
  private:
   void advance(const Pose& T_start_previous, const Pose& T_previous_now, const OdometryIncrement& increment,
                DriftState& state) const;
-  OdometryIncrement sinceGap(const Pose& T_gap_now, const OdometryIncrement& increment) const;
-
   /// From the last pose before a gap.
   struct Gap {
     Pose T_odom_base;
@@ -89,6 +87,7 @@ class OdometryCovariance {
     DriftState since;                    ///< of the motion from there
     int sweeps = 0;
   };
+  static OdometryIncrement sinceGap(const Gap& gap, const Pose& T_gap_now, const OdometryIncrement& increment);
 
   DriftModel drift_;
   DriftState since_start_;

@@ -19,9 +19,6 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 Pose expSe3(const Vector6d& twist);
 Vector6d logSe3(const Pose& T);
 
-/// The constant-twist motion from `begin` to `end`, at `fraction` (0 = begin, 1 = end; outside extrapolates).
-Pose interpolate(const Pose& begin, const Pose& end, double fraction);
-
 /// State vector (x, y, z, roll, pitch, yaw) <-> pose.
 Pose poseFromVector(const Vector6d& x_y_z_roll_pitch_yaw);
 Vector6d vectorFromPose(const Pose& T);
@@ -34,10 +31,6 @@ Matrix6d poseFromStateJacobian(const Eigen::Vector3d& rpy_rad);
 
 /// Covariance of T_a_c = T_a_b T_b_c where only T_a_b is uncertain (covariance_ab in this file's convention).
 Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b, const Pose& T_b_c);
-
-/// Covariance of T_a_c = T_a_b T_b_c with independent errors in both; covariance_bc is about b's axes.
-Matrix6d composeCovariance(const Matrix6d& covariance_ab, const Pose& T_a_b, const Matrix6d& covariance_bc,
-                           const Pose& T_b_c);
 
 /// Rotates a covariance into another frame of axes: blockdiag(R, R) C blockdiag(R, R)^T.
 Matrix6d rotateCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& R);
