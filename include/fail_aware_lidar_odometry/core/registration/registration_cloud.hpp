@@ -38,7 +38,7 @@ class RegistrationCloudBuilder {
     double map_voxel_m = 0.25;
     double plane_voxel_m = 1.0;
     double point_voxel_m = 1.5;
-    int min_points = 500;  ///< a sweep with fewer points in range is not registered
+    int min_points = 500;  ///< a sweep with fewer of map_voxel_m's points is not registered
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

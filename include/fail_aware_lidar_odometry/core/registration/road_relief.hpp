@@ -5,7 +5,7 @@
 // - tens of thousands of points see it, at grazing incidence, where range noise hardly enters the height;
 // - what travels with the sensor (errors of beams, a vehicle ahead, the crown of the road) is the same in every sweep
 //   in the same direction from the sensor; its mean over the last sweeps is taken off, direction by direction.
-// What is left is put on a grid, freed of waves longer than `smoothing_m`, and the sweeps of the last two seconds are
+// What is left is put on a grid, less its mean within `smoothing_m` to each side; the sweeps of the last two seconds are
 // laid over each other for speeds v and accelerations a: E(v, a) = sum over cells of (S^2 - sum_k S_k^2) / (W + 1/s^2),
 // S_k, W_k: sums of w * height and w of sweep k, s: `relief_sigma_m`; products of different sweeps only. The peak is
 // taken if it stands out; the better the opposite motion fits, the less it is trusted: what changes slowly in the
