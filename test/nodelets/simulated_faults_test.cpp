@@ -20,6 +20,7 @@
 #include "fail_aware_lidar_odometry/core/simulation/drive_simulation.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/fault_injector.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/sweep_stamping.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 
 namespace fail_aware {
 namespace {
@@ -28,7 +29,6 @@ using Reason = messages::TimeToFailure;
 
 constexpr int kSeed = 2;
 constexpr double kDuration_s = 2.2, kFaultBegin_s = 1.0;
-constexpr double kMaxReorder_s = 0.5;  ///< fusion_ukf's default: farther back is a new drive
 constexpr double kAlertLimit_m = 0.6;
 
 struct Case {

@@ -74,7 +74,7 @@ class OdometryPipeline {
   /// What has been found of tilt and drift so far.
   const LevelKeeping& levelKeeping() const;
 
-  /// The reference's points in odom, for display and files.
+  /// The reference's points in odom.
   std::vector<Eigen::Vector3d> referencePoints() const;
 
  private:

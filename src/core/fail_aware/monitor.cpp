@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
@@ -109,6 +110,7 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
   CovarianceGrowth growth;
   const DriftState& drift = covariance_.driftSinceMark();
   growth.covariance = horizontalBlock(drift.lasting.topLeftCorner<6, 6>());
+  if (error_unbounded_) growth.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   growth.drivers = drift.lasting.bottomRightCorner<3, 3>();
   growth.cross << drift.lasting.block<2, 3>(0, DriftState::kHeadingBias),
       drift.lasting.block<1, 3>(5, DriftState::kHeadingBias);
@@ -133,6 +135,7 @@ std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutpu
 }
 
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
+  if (has_previous_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
   if (has_previous_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
     const double speed_variance = covariance_.speedVariance();
@@ -179,11 +182,6 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
       output.time_to_failure_covariance = prediction.time_to_failure;
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
-    }
-    if (error_unbounded_) {
-      output.time_to_failure_covariance = time_to_alarm = TimeToFailure::reached();
-      output.protection_level_m = -1.0;
-      output.reasons |= kReasonCovarianceLimit;
     }
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);

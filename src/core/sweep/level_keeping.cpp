@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <iterator>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -82,6 +83,7 @@ void LevelKeeping::reset() {
   x_.setZero();
   P_.setZero();
   P_(2, 2) = std::pow(params_.sigma_drift_deg_per_m * kDegree, 2);
+  static_assert(std::size(kRangeEdges_m) + 1 == kRanges);
   P_.diagonal().segment<kRanges>(5).setConstant(std::pow(params_.sigma_lean_deg * kDegree, 2));
   forgetOdom();
   since_look_m_ = 0.0;

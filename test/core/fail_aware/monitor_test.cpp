@@ -410,22 +410,29 @@ TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
   }
 }
 
-TEST(FailAwareMonitor, AnIncrementThatCannotBeAddedBoundsNoErrorUntilTheNextStart) {
+TEST(FailAwareMonitor, AfterAnIncrementThatCannotBeAddedNothingBoundsTheErrorUntilTheNextStart) {
   FailAwareMonitor monitor{independentSweeps()};
   Road road;
   monitor.start();
   ASSERT_EQ(drive(monitor, road, 20).state, FailAwareState::kOk);
-  FilterState state = road.next();
-  state.increment_covariance.setConstant(kNan);
-  monitor.update(state, {});
-  const MonitorOutput output = drive(monitor, road, 20);
-  EXPECT_EQ(output.state, FailAwareState::kFailed);
-  EXPECT_EQ(output.time_to_failure.status, TimeToFailureStatus::kReached);
-  EXPECT_TRUE(output.reasons & kReasonCovarianceLimit);
-  EXPECT_EQ(output.protection_level_m, -1.0) << "unknown";
-  expectFinite(output);
-  monitor.start();
-  EXPECT_EQ(drive(monitor, road, 20).state, FailAwareState::kOk);
+  const std::function<void(FilterState&)> faults[] = {
+      [](FilterState& s) { s.increment_covariance.setConstant(kNan); },
+      [](FilterState& s) { s.T_odom_cog.matrix()(0, 3) = kNan; },
+      [](FilterState& s) { s.dt_s = kNan; },
+  };
+  for (const auto& fault : faults) {
+    FilterState state = road.next();
+    fault(state);
+    monitor.update(state, {});
+    const MonitorOutput output = drive(monitor, road, 20);
+    EXPECT_EQ(output.state, FailAwareState::kFailed);
+    EXPECT_EQ(output.time_to_failure.status, TimeToFailureStatus::kReached);
+    EXPECT_TRUE(output.reasons & kReasonCovarianceLimit);
+    EXPECT_EQ(output.protection_level_m, 1e6);
+    expectFinite(output);
+    monitor.start();
+    EXPECT_EQ(drive(monitor, road, 20).state, FailAwareState::kOk);
+  }
 }
 
 TEST(FailAwareMonitor, ParametersAreChecked) {

@@ -163,8 +163,8 @@ TEST_F(KittiDirectoryTest, OpenNamesWhatIsWrong) {
 }
 
 TEST_F(KittiDirectoryTest, DropsPointsWithTheirStampsAndRings) {
-  write<float>("velodyne/000000.bin",
-               {1, 1, 1, 0.1f, kNan, 1, 1, 0, 0, 0, 0, 0, 2, 2, 2, kNan, 1, kInf, 1, 0, 3, 3, 3, 0.3f, 1.1e6f, 0, 0, 0});
+  write<float>("velodyne/000000.bin", {1, 1,    1, 0.1f, kNan, 1, 1, 0, 0, 0,    0,      0, 2, 2,
+                                       2, kNan, 1, kInf, 1,    0, 3, 3, 3, 0.3f, 1.1e6f, 0, 0, 0});
   write<float>("stamps/000000.f32", {0.00f, 0.01f, 0.02f, 0.03f, 0.04f, 0.05f, 0.06f});
   write<std::uint16_t>("rings/000000.u16", {0, 1, 2, 3, 4, 63, 5});
   Sweep sweep;

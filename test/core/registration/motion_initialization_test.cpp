@@ -11,6 +11,8 @@
 namespace fail_aware {
 namespace {
 
+constexpr double kMinRange_m = 3.0;
+
 MotionInitialization::Params testParams() {
   MotionInitialization::Params params;
   params.min_speed_mps = -5.0;
@@ -25,7 +27,7 @@ MotionInitialization::Params testParams() {
 
 std::optional<Vector6d> twistFound(const SyntheticDrive& drive, const MotionInitialization::Params& params,
                                    double dt_s = 0.1) {
-  MotionInitialization initialization(params);
+  MotionInitialization initialization(params, kMinRange_m);
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
   return initialization.findTwist(drive.sweep(dt_s, 2), drive.T_cog_lidar, dt_s);
 }
@@ -81,7 +83,7 @@ TEST(MotionInitialization, timeScalesTheMotion) {
 }
 
 TEST(MotionInitialization, findsNothingWithoutAFirstSweep) {
-  MotionInitialization initialization(testParams());
+  MotionInitialization initialization(testParams(), kMinRange_m);
   const SyntheticDrive drive;
   EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
@@ -94,7 +96,7 @@ TEST(MotionInitialization, findsNothingWhereNothingStands) {
   drive.twist_cog = planarTwist(10.0, 0.0);
   drive.scene = {ground(-40.0, -40.0, 40.0, 40.0)};
   EXPECT_FALSE(twistFound(drive, testParams()).has_value());
-  MotionInitialization initialization(testParams());
+  MotionInitialization initialization(testParams(), kMinRange_m);
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
   EXPECT_FALSE(initialization.findTwist(CorrectedSweep(), drive.T_cog_lidar, 0.1).has_value());
 }
@@ -103,7 +105,7 @@ TEST(MotionInitialization, findsNothingWhereTheSweepsDoNotOverlap) {
   SyntheticDrive here, elsewhere;
   here.scene = {wall(-20.0, -10.0, 20.0, -10.0, 4.0)};
   elsewhere.scene = {wall(-20.0, 15.0, 20.0, 15.0, 4.0)};
-  MotionInitialization initialization(testParams());
+  MotionInitialization initialization(testParams(), kMinRange_m);
   initialization.setFirst(here.sweep(0.0, 1), here.T_cog_lidar);
   EXPECT_FALSE(initialization.findTwist(elsewhere.sweep(0.1, 2), elsewhere.T_cog_lidar, 0.1).has_value());
 }
@@ -118,7 +120,7 @@ TEST(MotionInitialization, looksNoFartherThanItsRange) {
 }
 
 TEST(MotionInitialization, findsNothingWithoutTimeBetween) {
-  MotionInitialization initialization(testParams());
+  MotionInitialization initialization(testParams(), kMinRange_m);
   const SyntheticDrive drive;
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
   for (const double dt_s : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) {

@@ -24,7 +24,7 @@ std::optional<double> etaThreshold(const std::vector<FailAwareEpisode>& episodes
 /// Nothing without episodes that did not fail, or if eta did not grow in them.
 std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& episodes, double passed_by);
 
-constexpr double kLargestConfidence = 0.999999;  ///< that the predictor takes
+constexpr double kLargestConfidence = 0.999999;  ///< that is tried, and that can be set in flight
 
 /// `episodes_with(confidence)`: the episodes replayed with that confidence. Found between the limits by bisection of
 /// ln(c / (1 - c)), to 0.02: near 1, to 2 % of what is missing to 1. Nothing if even the largest is late too often, or if no

@@ -2,8 +2,8 @@
 // covariance's time to failure, their combination, state and reasons. What the FailAwareMonitor nodelet holds.
 //
 // Before start() (t1, when the odometry begins to serve as the localisation) times are unknown.
-// Failure: an increment whose uncertainty is no covariance bounds no error any more: FAILED (COVARIANCE_LIMIT) until the
-// next t1. Cost: < 0.1 ms.
+// Failure: an increment that cannot be added (pose, covariance or interval not finite) leaves the error without a bound:
+// FAILED (COVARIANCE_LIMIT) until the next t1. Cost: < 0.1 ms.
 #pragma once
 
 #include <cstdint>
@@ -89,7 +89,8 @@ struct MonitorOutput {
   double sigma_x_m = 0.0;        ///< accumulated since t1, in the frame at t1
   double sigma_y_m = 0.0;
   Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
-  double protection_level_m = -1.0;  ///< bounds the horizontal error, with the predictor's confidence; -1: unknown
+  double protection_level_m =
+      -1.0;  ///< bounds the horizontal error, with the predictor's confidence; 1e6: nothing does; -1: unknown
 };
 
 /// Orders outputs, larger: later. The time (s); where it is 0, which orders no further, minus the protection level (m).
@@ -136,8 +137,8 @@ class FailAwareMonitor {
   int odom_epoch_ = 0;
   MovingMedian intervals_s_{11};  ///< of the last sweeps
   bool has_previous_ = false;
-  double speed_wander_ = 0.0;  ///< growth of the speed error's variance in the last sweep, m^2/s^3
-  bool error_unbounded_ = false;  ///< since t1 there was an increment whose uncertainty could not be added
+  double speed_wander_ = 0.0;     ///< growth of the speed error's variance in the last sweep, m^2/s^3
+  bool error_unbounded_ = false;  ///< since t1 there was an increment that could not be added
   bool start_pending_ = false;
 };
 

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
 /// t1 is that many s after the first sweep, or up to this much less: stamps are seldom round.
-constexpr double kStartTolerance_s = 1e-6;
+constexpr double kStartTolerance_s = kStampTolerance_s;
 
 /// One output an input, in order. t1: the first sweep at or after `start_s` from the first sweep of `log`. An input
 /// with dt_s = 0 after the first is a reset of the filter, and so of the monitor. Throws ParameterError.

@@ -69,7 +69,7 @@ class MotionInitialization {
   static constexpr double kFineStep = 0.25;
 
   /// `min_range_m`: nearer points are the vehicle's own.
-  explicit MotionInitialization(const Params& params, double min_range_m = 3.0);
+  explicit MotionInitialization(const Params& params, double min_range_m);
 
   /// The sweep that later ones are compared with. Points are taken as they are: pass uncorrected ones.
   void setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+
 namespace fail_aware {
 
 enum class FaultKind {
@@ -47,7 +49,9 @@ struct Fault {
   double severity = 0.0;
 
   /// For a sweep that begins at begin_s.
-  bool active(double begin_s) const { return begin_s >= start_s - 1e-6 && begin_s < start_s + duration_s - 1e-6; }
+  bool active(double begin_s) const {
+    return begin_s >= start_s - kStampTolerance_s && begin_s < start_s + duration_s - kStampTolerance_s;
+  }
   static Fault parse(const std::string& text);
 };
 

@@ -23,9 +23,9 @@ struct LateralMotion {
 };
 
 struct LateralLimits {
-  double min_speed_mps = 1.0;
-  double standstill_speed_mps = 0.05;  ///< below it the curvature fades out
-  double max_steering_angle_rad = 0.7;
+  double min_speed_mps = 1.0;           ///< below: kinematic bicycle
+  double standstill_speed_mps = 0.05;   ///< below it the curvature fades out
+  double max_steering_angle_rad = 0.7;  ///< bounds the curvature
 };
 
 struct LateralState {

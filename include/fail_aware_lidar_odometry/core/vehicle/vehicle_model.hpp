@@ -34,9 +34,9 @@ class VehicleModel {
   struct Params {
     bool six_dof = true;
     bool literal = false;
-    double min_speed_mps = 1.0;  ///< below: kinematic bicycle (lateral_dynamics.hpp)
-    double standstill_speed_mps = 0.05;
-    double max_steering_angle_rad = 0.7;
+    double min_speed_mps = LateralLimits().min_speed_mps;
+    double standstill_speed_mps = LateralLimits().standstill_speed_mps;
+    double max_steering_angle_rad = LateralLimits().max_steering_angle_rad;
     double suspension_gain = 0.5;    ///< 0: constant pitch and roll rates
     double lateral_trust_mps = 0.2;  ///< 0: measured v_y only
     // Process noise: the article's standard deviations after 0.1 s; variances grow in proportion to time.
