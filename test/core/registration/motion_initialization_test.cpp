@@ -132,7 +132,7 @@ TEST(MotionInitialization, validatesItsParameters) {
   const auto rejects = [](auto change) {
     MotionInitialization::Params params = testParams();
     change(params);
-    EXPECT_THROW(MotionInitialization{params}, ParameterError);
+    EXPECT_THROW(MotionInitialization(params, kMinRange_m), ParameterError);
   };
   EXPECT_NO_THROW(MotionInitialization::Params().validate());
   rejects([](auto& p) { p.max_speed_mps = -6.0; });
