@@ -401,6 +401,12 @@ TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
   EXPECT_NEAR(lasting[1] - together[1], 0.1 * 0.1, 1e-4) << "it stays";
 }
 
+/// By the two ICPs, which measure the same and fit the map by that share.
+FilterState correctByBoth(PoseFilter& filter, Measurement measurement, double inlier_share) {
+  measurement.inlier_share = inlier_share;
+  return filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+}
+
 /// A drive of 20 good sweeps and 11 odd ones: the state after the last of them.
 FilterState afterOddSweeps(const std::function<Measurement(int sweep, const Pose& T)>& odd,
                            const PoseFilter::Params& params = {}) {
@@ -474,22 +480,18 @@ TEST(PoseFilter, WhatNextToNothingFitsTellsNoSpeed) {
       EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
       return (prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog).translation().x();
     };
-    const auto correct = [&](Measurement measurement, double inlier_share) {
-      measurement.inlier_share = inlier_share;
-      filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
-    };
     for (int i = 0; i < 5; ++i) {
       predictedStep();
-      correct(measured(drive.at(sweep)), 0.9);
+      correctByBoth(filter, measured(drive.at(sweep)), 0.9);
     }
     Steps steps{};
     for (int i = 0; i < 20; ++i) {  // each is measured 5 cm ahead of where it was predicted to be
       steps.drifted_m = predictedStep();
-      correct(measured(prediction.T_odom_cog * pose(0.05, 0, 0, 0, 0, 0)), share);
+      correctByBoth(filter, measured(prediction.T_odom_cog * pose(0.05, 0, 0, 0, 0, 0)), share);
     }
     for (int i = 0; i < 10; ++i) {  // found again: it has braked to 10 m/s
       predictedStep();
-      correct(measured(prediction.T_odom_cog_previous * pose(1.0, 0, 0, 0, 0, 0)), 0.9);
+      correctByBoth(filter, measured(prediction.T_odom_cog_previous * pose(1.0, 0, 0, 0, 0, 0)), 0.9);
     }
     steps.after_m = predictedStep();
     return steps;
@@ -509,13 +511,9 @@ TEST(PoseFilter, WhereTheSpeedIsHeldTheTurnIsFollowed) {
     driveMeasured(filter, drive, 20);
     int sweep = 20;
     SweepPrediction prediction;
-    const auto correct = [&](Measurement measurement, double inlier_share) {
-      measurement.inlier_share = inlier_share;
-      filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
-    };
     for (int i = 0; i < 5; ++i) {
       EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
-      correct(measured(drive.at(sweep)), 0.9);
+      correctByBoth(filter, measured(drive.at(sweep)), 0.9);
     }
     double yaw_rad = 0.0;
     for (const double turn_rad : turns_rad) {
@@ -523,7 +521,7 @@ TEST(PoseFilter, WhereTheSpeedIsHeldTheTurnIsFollowed) {
       yaw_rad += turn_rad;
       Pose T = prediction.T_odom_cog * pose(0.05, 0, 0, 0, 0, 0);
       T.linear() = rotationFromRpy(0.0, 0.0, yaw_rad);
-      correct(measured(T), 0.1);
+      correctByBoth(filter, measured(T), 0.1);
     }
     EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
     const Pose T_previous_next = prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog;
@@ -709,10 +707,10 @@ TEST(PoseFilterReference, TakesInWhatIsMeasuredInAllRotations) {
   EXPECT_EQ(filter.state().reference_epoch, 0);
 }
 
-FilterState stepOfBoth(PoseFilter& filter, double stamp_s, const Measurement& measurement) {
+FilterState stepOfBoth(PoseFilter& filter, double stamp_s, const Measurement& measurement, double inlier_share = 1.0) {
   SweepPrediction prediction;
   EXPECT_TRUE(filter.predict(stamp_s, prediction));
-  return filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
+  return correctByBoth(filter, measurement, inlier_share);
 }
 
 TEST(PoseFilterReference, BeginsAnewWhenNextToNothingHasFittedForASecond) {
@@ -722,13 +720,9 @@ TEST(PoseFilterReference, BeginsAnewWhenNextToNothingHasFittedForASecond) {
   int sweep = 6;
   for (; sweep < 10; ++sweep) stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep)));
   for (int i = 1; i < 10; ++i, ++sweep) {
-    Measurement unfitting = measured(drive.at(sweep));
-    unfitting.inlier_share = 0.1;
-    EXPECT_EQ(stepOfBoth(filter, drive.stamp(sweep), unfitting).reference_epoch, 0) << i;
+    EXPECT_EQ(stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep)), 0.1).reference_epoch, 0) << i;
   }
-  Measurement unfitting = measured(drive.at(sweep));
-  unfitting.inlier_share = 0.1;
-  const FilterState begun = stepOfBoth(filter, drive.stamp(sweep), unfitting);
+  const FilterState begun = stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep)), 0.1);
   EXPECT_EQ(begun.reference_epoch, 1);
   EXPECT_TRUE(begun.placed);
   EXPECT_FALSE(begun.fusion.confirmed) << "it is not believed, and the speed is held";

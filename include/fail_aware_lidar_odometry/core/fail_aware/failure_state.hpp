@@ -37,9 +37,8 @@ enum ReasonBit : std::uint32_t {
   kReasonMissingIcpPlane = 1u << 9,
   kReasonMissingCorners = 1u << 10,  ///< usual away from buildings: information, does not degrade
   kReasonEtaThreshold = 1u << 11,    ///< eta is past its threshold: its time is 0, and so the state FAILED
-  kReasonCovarianceLimit =
-      1u
-      << 12,  ///< the confidence radius is past the alert limit, or nothing bounds the error: explains, the times decide
+  /// The confidence radius is past the alert limit, or nothing bounds the error: explains, the times decide.
+  kReasonCovarianceLimit = 1u << 12,
   kReasonFrozenCloud = 1u << 13,  ///< the sensor repeats itself
   kReasonTimeJump = 1u << 14,
   kReasonDroppedSweeps = 1u << 15,

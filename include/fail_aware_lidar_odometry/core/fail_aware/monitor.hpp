@@ -89,8 +89,8 @@ struct MonitorOutput {
   double sigma_x_m = 0.0;        ///< accumulated since t1, in the frame at t1
   double sigma_y_m = 0.0;
   Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
-  double protection_level_m =
-      -1.0;  ///< bounds the horizontal error, with the predictor's confidence; 1e6: nothing does; -1: unknown
+  /// Bounds the horizontal error, with the predictor's confidence; 1e6: nothing does; -1: unknown.
+  double protection_level_m = -1.0;
 };
 
 /// Orders outputs, larger: later. The time (s); where it is 0, which orders no further, minus the protection level (m).

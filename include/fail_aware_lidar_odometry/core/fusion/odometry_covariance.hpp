@@ -80,6 +80,7 @@ class OdometryCovariance {
  private:
   void advance(const Pose& T_start_previous, const Pose& T_previous_now, const OdometryIncrement& increment,
                DriftState& state) const;
+
   /// From the last pose before a gap.
   struct Gap {
     Pose T_odom_base;
