@@ -238,8 +238,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     const Pose T_odom_cog_previous = filter_->state().T_odom_cog;
     const FilterState& state = filter_->correct(inputs, account.findings ? account.findings->middle_s : 0.0);
-    if (state.dt_s > 0.0) {
-      odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state));
+    if (state.dt_s > 0.0 &&
+        !odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state))) {
+      NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: odometry's covariance goes without it");
     }
     if (pose_setting_.pending() && (state.dt_s <= 0.0 || prediction_.motion_known)) setPose();
     ++counts_.sweeps;

@@ -17,9 +17,7 @@ namespace {
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
-constexpr int kRotationSweeps = 2;      // in which what one leaves open is measured again
-constexpr int kMaxHeldSweeps = 10;      // in a row that told no motion; what was placed of them spoils the reference
-constexpr int kMaxUnplacedSweeps = 10;  // in a row that nothing could place; then the reference is out of sight
+constexpr int kRotationSweeps = 2;  // in which what one leaves open is measured again
 constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
 constexpr double kOpenVariance = 4.0;  // of the prediction's: a measurement that says less leaves it open
 
@@ -35,41 +33,10 @@ bool isAsPredicted(const FilterState& state) {
   return !state.corrected || (state.dt_s > kLongInterval_s && !isConfirmed(state));
 }
 
-// Nothing was there to register against: the first motion will be measured from this sweep on.
-bool beginReference(const std::vector<FusionInput>& measurements) {
-  bool any = false;
-  for (const FusionInput& input : measurements) {
-    if (!input.measurement) continue;
-    if (input.measurement->status != MeasurementStatus::kNoReference) return false;
-    any = true;
-  }
-  return any;
-}
-
 // What leaves them at the prediction (corners are seen from above) must not turn the reference: all that is measured in
 // it later would tilt with it.
 bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
   return fusion.R(3, 3) < kOpenVariance * predicted_P(3, 3) && fusion.R(4, 4) < kOpenVariance * predicted_P(4, 4);
-}
-
-// There was something to register. Who is silent, or was given no points, has not looked.
-bool wasSought(const std::vector<FusionInput>& measurements) {
-  return std::any_of(measurements.begin(), measurements.end(), [](const FusionInput& input) {
-    if (!input.measurement) return false;
-    const MeasurementStatus status = input.measurement->status;
-    return input.measurement->iterations > 0 || status == MeasurementStatus::kNotConverged;
-  });
-}
-
-// A stage that searches a speed by itself began its map anew. One that says so alone is another one that was started.
-bool beganAnew(const std::vector<FusionInput>& measurements) {
-  bool any = false;
-  for (const FusionInput& input : measurements) {
-    if (input.measurement == nullptr || (input.name != kIcpPointToPoint && input.name != kIcpPointToPlane)) continue;
-    if (input.measurement->status != MeasurementStatus::kNoReference) return false;
-    any = true;
-  }
-  return any;
 }
 
 std::optional<double> planesFittingShare(const std::vector<FusionInput>& inputs) {
@@ -132,9 +99,8 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   started_ = false;
   plausibility_.clear();
   last_measured_ = previous_measured_ = false;
-  unplaced_sweeps_ = 0;
-  interval_wrong_ = tells_no_motion_ = told_no_motion_ = pose_set_ = false;
-  held_sweeps_ = 0;
+  placement_.clear();
+  interval_wrong_ = tells_no_motion_ = told_no_motion_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
@@ -177,7 +143,7 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   state_.covariance = ukf_.covariance();
   state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
   ++state_.odom_epoch;
-  pose_set_ = true;
+  placement_.setPose();
   plausibility_.clear();
   return true;
 }
@@ -263,25 +229,16 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     if (next.corrected) tells_no_motion_ = tells_no_motion;
   }
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
-  const bool begins = !started_ || (!prediction_.motion_known && beginReference(measurements));
-  const bool measured = next.corrected || begins;
-  next.placed = begins || (next.corrected && observesTilt(next.fusion, predicted_P));
-  if (next.placed) {
-    unplaced_sweeps_ = 0;
-  } else if (wasSought(measurements) && ++unplaced_sweeps_ > kMaxUnplacedSweeps) {
-    unplaced_sweeps_ = 0;
-    next.placed = true;
-    ++next.reference_epoch;
-    plausibility_.clear();
-  }
-  held_sweeps_ = tells_no_motion_ ? held_sweeps_ + 1 : 0;
-  if (held_sweeps_ >= kMaxHeldSweeps || (prediction_.motion_known && !pose_set_ && beganAnew(measurements))) {
-    held_sweeps_ = 0;
-    next.placed = true;
-    ++next.reference_epoch;
-  }
-  pose_set_ = false;
-  if (begins || interval_wrong_ || (told_no_motion_ && !tells_no_motion_)) history_.clear();
+  ReferencePlacement::Sweep sweep;
+  sweep.motion_known = prediction_.motion_known;
+  sweep.observed = next.corrected && observesTilt(next.fusion, predicted_P);
+  sweep.tells_no_motion = tells_no_motion_;
+  const ReferencePlacement::Placement placement = placement_.add(measurements, sweep);
+  next.placed = placement.placed;
+  if (placement.anew) ++next.reference_epoch;
+  if (placement.out_of_sight) plausibility_.clear();
+  const bool measured = next.corrected || placement.begins;
+  if (placement.begins || interval_wrong_ || (told_no_motion_ && !tells_no_motion_)) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
   last_measured_ = measured;

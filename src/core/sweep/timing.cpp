@@ -15,7 +15,6 @@ namespace {
 constexpr double kShortestPeriod_s = 0.02;   // 50 Hz: no head that turns faster is known
 constexpr double kLongestMeasured_s = 0.22;  // 5 Hz, the slowest that these heads turn: what takes longer holds a gap
 constexpr double kMultipleTolerance = 0.15;  // periods, by which a gap may differ from a whole number of them
-constexpr std::size_t kPeriodWindow = 11;
 constexpr std::size_t kPeriodsNeeded = 3;
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
 constexpr double kFieldLimitPeriods = 2.5;           // two revolutions in one cloud are still timed by their field
@@ -124,7 +123,7 @@ std::optional<double> SweepTiming::measuredPeriod_s() const {
 // A whole number of known periods is so many of them, and all but the last sweep was lost. Known is what a full window
 // tells: a head that begins with a few short sweeps would be held to their period.
 double SweepTiming::withoutGap(double interval_s) const {
-  if (periods_s_.size() < kPeriodWindow) return interval_s;
+  if (periods_s_.size() < kUsualIntervals) return interval_s;
   const double periods = interval_s / *measuredPeriod_s(), whole = std::round(periods);
   return whole >= 2.0 && std::abs(periods - whole) <= kMultipleTolerance ? interval_s / whole : interval_s;
 }
@@ -134,7 +133,7 @@ void SweepTiming::observeStamp(double stamp_s) {
   const double period_s = withoutGap(secondsBetween(last_stamp_s_, stamp_s));
   if (has_stamp_ && period_s >= kShortestPeriod_s && period_s <= kLongestMeasured_s) {
     periods_s_.push_back(period_s);
-    if (periods_s_.size() > kPeriodWindow) periods_s_.pop_front();
+    if (periods_s_.size() > kUsualIntervals) periods_s_.pop_front();
   }
   has_stamp_ = true;
   last_stamp_s_ = stamp_s;

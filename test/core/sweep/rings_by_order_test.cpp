@@ -51,7 +51,8 @@ TEST(RingsByOrder, azimuthsAboutStraightAheadMayComeInAnyOrder) {
   const std::vector<std::uint16_t> rings = ringsByOrder(scan.points_lidar);
   ASSERT_EQ(rings.size(), scan.rings.size());
   for (std::size_t i = 0; i < rings.size(); ++i) {
-    if (i % 8 != 0) EXPECT_EQ(rings[i], scan.rings[i]) << i;
+    if (i % 8 == 0) continue;
+    EXPECT_EQ(rings[i], scan.rings[i]) << i;
   }
 }
 

@@ -15,6 +15,7 @@
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/moving_median.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -135,7 +136,7 @@ class FailAwareMonitor {
   Pose T_odom_mark_ = Pose::Identity();
   double t1_stamp_s_ = -1.0;
   int odom_epoch_ = 0;
-  MovingMedian intervals_s_{11};  ///< of the last sweeps
+  MovingMedian intervals_s_{kUsualIntervals};  ///< of the last sweeps
   bool has_previous_ = false;
   double speed_wander_ = 0.0;     ///< growth of the speed error's variance in the last sweep, m^2/s^3
   bool error_unbounded_ = false;  ///< since t1 there was an increment that could not be added

@@ -21,6 +21,7 @@
 
 #include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
 #include "fail_aware_lidar_odometry/core/filter/motion_plausibility.hpp"
+#include "fail_aware_lidar_odometry/core/filter/reference_placement.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
@@ -58,13 +59,10 @@ struct FilterState {
   /// of rotation what the next one, as good as this, would leave as well; and what is implausible in a vehicle's motion,
   /// whatever R says (motion_plausibility.hpp).
   Matrix6d unobserved_covariance = Matrix6d::Zero();
-  SpeedError speed_error;  ///< along the vehicle, where it coasts
-  int odom_epoch = 0;      ///< counts setPose(): references placed under another number are in another odom
-  /// The references take the sweep in, at this pose: it was measured, roll and pitch, too, or a reference begins with it.
-  bool placed = false;
-  /// Counts references that began because nothing, or next to nothing, had fitted the one before for a while, or because
-  /// the ICPs began theirs anew: at an estimate whose error is in all that is measured from there on.
-  int reference_epoch = 0;
+  SpeedError speed_error;   ///< along the vehicle, where it coasts
+  int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
+  bool placed = false;      ///< the references take the sweep in, at this pose (reference_placement.hpp)
+  int reference_epoch = 0;  ///< counts those that began anew: likewise
 };
 
 OdometryIncrement incrementOf(const FilterState& state);
@@ -147,6 +145,7 @@ class PoseFilter {
   MotionDerivatives motion_;
   Coasting coasting_;
   MotionPlausibility plausibility_;
+  ReferencePlacement placement_;
   SweepPrediction prediction_;
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
@@ -154,10 +153,7 @@ class PoseFilter {
   bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool tells_no_motion_ = false, told_no_motion_ = false;   ///< the last sweep's measurements: it coasts
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
-  bool pose_set_ = false;  ///< since the last sweep: the references begin anew, in another odom
-  int held_sweeps_ = 0;    ///< in a row, that told no motion
   int corrected_sweeps_ = 0;
-  int unplaced_sweeps_ = 0;       ///< in a row, that were sought in the reference
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };
 

@@ -18,6 +18,7 @@
 
 #include "fail_aware_lidar_odometry/core/moving_median.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -52,8 +53,8 @@ class IntervalCheck {
   bool isRight(const Place& place, double dt_s, const std::optional<Place>& by_the_stamps,
                const Pose& T_odom_cog_predicted) const;
 
-  MovingMedian intervals_s_{11};  ///< that were not doubted
-  Place usual_;                   ///< looked at every some sweeps
+  MovingMedian intervals_s_{kUsualIntervals};  ///< that were not doubted
+  Place usual_;                                ///< looked at every some sweeps
   int sweeps_to_usual_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 namespace fail_aware {
 
@@ -15,6 +16,9 @@ inline constexpr double kStampTolerance_s = 1e-6;
 
 /// Of spinning lidars, until their stamps tell.
 inline constexpr double kUsualPeriod_s = 0.1;
+
+/// Intervals, whose median is the usual one.
+inline constexpr std::size_t kUsualIntervals = 11;
 
 /// Longer than this between two sweeps: some are missing, and a search by the prediction alone may fail.
 inline constexpr double kLongInterval_s = 0.25;

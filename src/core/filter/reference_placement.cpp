@@ -1,0 +1,60 @@
+#include "fail_aware_lidar_odometry/core/filter/reference_placement.hpp"
+
+#include <algorithm>
+
+namespace fail_aware {
+
+namespace {
+
+constexpr int kMaxUnplacedSweeps = 10;  // in a row: one more, and the reference is out of sight
+constexpr int kMaxHeldSweeps = 10;      // in a row, at the last of which it begins anew
+
+bool isThere(const FusionInput& input) { return input.measurement != nullptr; }
+
+bool isOfAnIcp(const FusionInput& input) {
+  return isThere(input) && (input.name == kIcpPointToPoint || input.name == kIcpPointToPlane);
+}
+
+// There are some of those, and they had nothing to register against.
+bool haveNoReference(const std::vector<FusionInput>& inputs, bool (*isOfThose)(const FusionInput&)) {
+  bool any = false;
+  for (const FusionInput& input : inputs) {
+    if (!isOfThose(input)) continue;
+    if (input.measurement->status != MeasurementStatus::kNoReference) return false;
+    any = true;
+  }
+  return any;
+}
+
+// Who is silent, or was given no points, has not looked.
+bool wasSought(const FusionInput& input) {
+  return isThere(input) &&
+         (input.measurement->iterations > 0 || input.measurement->status == MeasurementStatus::kNotConverged);
+}
+
+}  // namespace
+
+ReferencePlacement::Placement ReferencePlacement::add(const std::vector<FusionInput>& measurements,
+                                                      const Sweep& sweep) {
+  Placement placement;
+  placement.begins = !started_ || (!sweep.motion_known && haveNoReference(measurements, isThere));
+  placement.placed = placement.begins || sweep.observed;
+  if (placement.placed) {
+    unplaced_sweeps_ = 0;
+  } else if (std::any_of(measurements.begin(), measurements.end(), wasSought) &&
+             ++unplaced_sweeps_ > kMaxUnplacedSweeps) {
+    unplaced_sweeps_ = 0;
+    placement.out_of_sight = true;
+  }
+  held_sweeps_ = sweep.tells_no_motion ? held_sweeps_ + 1 : 0;
+  const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isOfAnIcp);
+  const bool spoilt = held_sweeps_ >= kMaxHeldSweeps;
+  if (spoilt || icps_began) held_sweeps_ = 0;
+  placement.anew = placement.out_of_sight || spoilt || icps_began;
+  placement.placed = placement.placed || placement.anew;
+  started_ = true;
+  pose_set_ = false;
+  return placement;
+}
+
+}  // namespace fail_aware
