@@ -77,7 +77,7 @@ struct OdometryPipeline::Stages {
         corrector(p.sensor.vertical_angle, p.sensor.timing, p.profile.sweep_correction, p.profile.level_keeping),
         filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
                p.profile.road, p.profile.fusion),
-        front(p.profile.registration),
+        front(p.profile.registration, p.sensor.timing),
         multiplex(p.profile.registration.point),
         normal_filtered(p.profile.registration.plane),
         corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,

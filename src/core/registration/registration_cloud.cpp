@@ -4,6 +4,7 @@
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -65,13 +66,21 @@ void RegistrationCloudBuilder::Params::validate() const {
   requireWithin("min_points", min_points, 1, 1e9);
 }
 
-RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params) : params_(params) { params_.validate(); }
+RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params,
+                                                   const std::optional<SweepTimingParams>& compensated_head)
+    : params_(params), compensated_head_(compensated_head) {
+  params_.validate();
+}
 
 void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
                                      const std::vector<float>& too_far_m) {
   cloud.stamp_s = sweep.stamp_s;
   of_sweep_ = filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m);
   gather(sweep.points_lidar, sweep.times_s, of_sweep_, cloud.map_points_cog, cloud.map_times_s);
+  cloud.compensated = compensated_head_ && sweep.times_s.empty();
+  if (cloud.compensated) {
+    timesByAzimuth(*compensated_head_, cloud.map_points_cog, 0.5, kUsualPeriod_s, cloud.map_times_s);
+  }
   cloud.middle_s = middleOf(cloud.map_times_s);
   const bool has_rings = sweep.rings.size() == sweep.points_lidar.size();
   if (has_rings) correctRanges(sweep.rings, of_sweep_, too_far_m, cloud.map_points_cog);

@@ -19,10 +19,17 @@ constexpr double kStaysOpen = 2.0;    // open country ends above so many times t
 constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
 constexpr double kClearlyOpen = 0.5;  // less than that of the limit
 
+// The turn that is left in them is looked for by the azimuth; without that search nobody asks for times.
+std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& params,
+                                                 const SweepTimingParams& timing) {
+  if (timing.source != "none" || !params.turn_search.enabled) return std::nullopt;
+  return timing;
+}
+
 }  // namespace
 
-RegistrationFront::RegistrationFront(const RegistrationParameters& params)
-    : builder_(params.cloud),
+RegistrationFront::RegistrationFront(const RegistrationParameters& params, const SweepTimingParams& timing)
+    : builder_(params.cloud, compensatedHead(params, timing)),
       reference_(params.reference),
       relocalization_(params.relocalization, params.point),
       initialization_(params.initialization, params.cloud.min_range_m),
@@ -206,7 +213,7 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   double places_met = 0.0;
   const std::optional<Vector6d> twist = initialization_.findTwist(sweep, T_cog_lidar, since_first_s, &places_met);
   if (!twist) return;
-  recorrectFor(*twist);
+  if (!cloud_.compensated) recorrectFor(*twist);
   // from the first sweep on: the last estimate may be a prediction at standstill
   T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * since_first_s);
   const double step_m = initialization_.params().step_mps * since_first_s;
@@ -214,7 +221,7 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   start_covariance_.topRows<2>().setZero();
   start_covariance_.leftCols<2>().setZero();
   start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(step_m * step_m);
-  if (!only_first_placed_ || !refine_correction_) return;
+  if (!only_first_placed_ || !refine_correction_ || first_cloud_.compensated) return;
   RegistrationCloud first = first_cloud_;
   first.recorrect(*twist);
   reference_.clear();
@@ -304,7 +311,7 @@ void RegistrationFront::place(const FilterState& state) {
   if (!prepared_) return;
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
-  if (refine_correction_ && tells_speed) {
+  if (refine_correction_ && tells_speed && !cloud_.compensated) {
     Vector6d twist_cog = *measured_twist_cog_;
     // for another turn than the one it was measured with, map and measurement would lead each other astray
     if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();

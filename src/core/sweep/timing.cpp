@@ -177,7 +177,8 @@ TimingResult SweepTiming::assign(const Sweep& sweep, std::vector<float>& times_r
       return result;
     }
   }
-  assignAzimuth(sweep, result, times_relative_to_stamp_s);
+  timesByAzimuth(params_, sweep.points_lidar, positionInSweep(result.reference), result.period_s,
+                 times_relative_to_stamp_s);
   result.status = TimingStatus::kOk;
   result.source = TimingSource::kAzimuth;
   return result;
@@ -211,26 +212,27 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
   return TimeField::kUsed;
 }
 
-void SweepTiming::assignAzimuth(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) const {
+void timesByAzimuth(const SweepTimingParams& params, const std::vector<Eigen::Vector3f>& points_lidar,
+                    double zero_position, double period_s, std::vector<float>& times_s) {
   // Turned (and mirrored, for a counter-clockwise head) so that the sweep runs from yaw pi down to -pi.
-  const double turn = M_PI - params_.start_azimuth_deg * kDegree;
+  const double turn = M_PI - params.start_azimuth_deg * kDegree;
   const float c = static_cast<float>(std::cos(turn)), s = static_cast<float>(std::sin(turn));
-  const float mirror = params_.clockwise ? 1.0f : -1.0f;
-  const float period = static_cast<float>(result.period_s);
-  const float stamp_position = static_cast<float>(positionInSweep(result.reference));
+  const float mirror = params.clockwise ? 1.0f : -1.0f;
+  const float period = static_cast<float>(period_s);
+  const float zero = static_cast<float>(zero_position);
   const float per_rad = static_cast<float>(0.5 / M_PI);
 
-  times_s.resize(sweep.size());
+  times_s.resize(points_lidar.size());
   PointBlock p;
-  forEachBlock(sweep.size(), [&](std::size_t first, std::size_t count) {
-    p.load(&sweep.points_lidar[first], count);
+  forEachBlock(points_lidar.size(), [&](std::size_t first, std::size_t count) {
+    p.load(&points_lidar[first], count);
     const PointBlock::Array x = c * p.x - s * p.y;
     const PointBlock::Array y = mirror * (s * p.x + c * p.y);
     const PointBlock::Array fraction = 0.5f - per_rad * atan2Fast(y, x);
     for (std::size_t i = 0; i < count; ++i) {
       const float f = fraction.data()[i];
       const float bounded = f > 0.0f ? (f < 1.0f ? f : 1.0f) : 0.0f;
-      times_s[first + i] = (bounded - stamp_position) * period;
+      times_s[first + i] = (bounded - zero) * period;
     }
   });
 }

@@ -178,6 +178,35 @@ TEST(RegistrationCloud, withoutTimesRecorrectChangesNothing) {
   EXPECT_EQ(cloud.map_points_cog, before);
 }
 
+// Seen straight ahead in the middle of a sweep that begins at the rear, and at the sides a quarter of it before and after.
+TEST(RegistrationCloud, aSweepThatComesCompensatedIsTimedByItsAzimuth) {
+  SweepTimingParams head;
+  CorrectedSweep sweep;
+  sweep.points_lidar = {{10.0f, 0.0f, 0.0f}, {0.0f, 10.0f, 0.0f}, {0.0f, -10.0f, 0.0f}};
+  RegistrationCloud cloud;
+  const auto timeOf = [&](const Eigen::Vector3f& point) {
+    for (std::size_t i = 0; i < cloud.map_points_cog.size(); ++i) {
+      if ((cloud.map_points_cog[i] - point).norm() < 1e-3f) return cloud.map_times_s[i];
+    }
+    return std::numeric_limits<float>::quiet_NaN();
+  };
+  for (const bool clockwise : {true, false}) {
+    head.clockwise = clockwise;
+    RegistrationCloudBuilder(testParams(), head).build(sweep, Pose::Identity(), cloud);
+    EXPECT_TRUE(cloud.compensated);
+    ASSERT_EQ(cloud.map_times_s.size(), 3u);
+    EXPECT_NEAR(timeOf(sweep.points_lidar[0]), 0.0f, 1e-5f);
+    EXPECT_NEAR(timeOf(sweep.points_lidar[1]), clockwise ? -0.025f : 0.025f, 1e-5f);
+    EXPECT_NEAR(timeOf(sweep.points_lidar[2]), clockwise ? 0.025f : -0.025f, 1e-5f);
+    EXPECT_EQ(cloud.plane_times_s.size(), cloud.plane_points_cog.size());
+    EXPECT_EQ(cloud.point_times_s.size(), cloud.point_points_cog.size());
+  }
+  const CorrectedSweep timed = numberedSweep();
+  RegistrationCloudBuilder(testParams(), head).build(timed, Pose::Identity(), cloud);
+  EXPECT_FALSE(cloud.compensated) << "it has times of its own";
+  expectFromSweep(cloud.map_points_cog, cloud.map_times_s, timed, Pose::Identity());
+}
+
 TEST(RegistrationCloud, validatesItsParameters) {
   const auto rejects = [](auto change) {
     RegistrationCloudBuilder::Params params = testParams();

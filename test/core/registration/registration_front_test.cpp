@@ -21,7 +21,7 @@ using Points = std::vector<Eigen::Vector3f>;
 constexpr double kStraight_m = 0.012, kBent_m = 0.035;
 
 RegistrationFront makeFront(bool refine_correction, int min_points = 500, bool search_turn = true,
-                            bool match_standing = true) {
+                            bool match_standing = true, const SweepTimingParams& timing = {}) {
   RegistrationParameters params;
   params.refine_correction = refine_correction;
   params.turn_search.enabled = search_turn;
@@ -31,7 +31,7 @@ RegistrationFront makeFront(bool refine_correction, int min_points = 500, bool s
   params.cloud.min_points = min_points;
   params.reference.sweeps = 0;
   params.initialization.max_range_m = 40.0;
-  return RegistrationFront(params);
+  return RegistrationFront(params, timing);
 }
 
 SyntheticDrive curve() {
@@ -139,6 +139,46 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
   EXPECT_LT(distances_m[true], 0.7 * distances_m[false]);
   EXPECT_GT(placed_m[false], 1.3 * distances_m[false]);
   EXPECT_LT(placed_m[true], 1.1 * distances_m[true]) << "it joins the map with the turn that it was measured with";
+}
+
+// Somebody else has compensated the sweep, and did not know of a turn of 15 deg/s: it is found, and nothing else is
+// taken out, though the filter knows of 12 m/s.
+TEST(RegistrationFront, ofACompensatedSweepTheTurnThatIsLeftIsTakenOut) {
+  SyntheticDrive drive = curve();
+  drive.points_per_m2 = 20.0;
+  SweepTimingParams timing;
+  timing.source = "none";
+  timing.clockwise = false;  // as SyntheticDrive's head turns
+  double distances_m[2], placed_m[2];
+  for (const bool search_turn : {false, true}) {
+    RegistrationFront front = makeFront(true, 500, search_turn, true, timing);
+    SyntheticDrive standing = drive;
+    standing.twist_cog.setZero();
+    CorrectedSweep first = standing.sweep(0.0, 1);
+    first.times_s.clear();
+    SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
+    ASSERT_TRUE(front.prepare(first, prediction, drive.T_cog_lidar));
+    EXPECT_EQ(front.cloud().compensated, search_turn);
+    front.place(stateOf(prediction, Pose::Identity(), false));
+    Vector6d slower = drive.twist_cog;
+    slower[5] -= 15.0 * kDegree;
+    CorrectedSweep sweep = drive.sweep(0.1, 2);
+    Sweep seen;
+    seen.stamp_s = sweep.stamp_s;
+    seen.points_lidar = sweep.points_lidar;
+    SweepCorrection().correct(seen, std::vector<float>(sweep.times_s), Pose::Identity(), expSe3(0.1 * slower), 0.1,
+                              drive.T_cog_lidar, sweep);
+    sweep.times_s.clear();
+    prediction = predictionOf(0.1, 0.1, Pose::Identity(), drive.pose(0.1), true);
+    ASSERT_TRUE(front.prepare(sweep, prediction, drive.T_cog_lidar));
+    distances_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
+    front.place(stateOf(prediction, drive.pose(0.1), true));
+    placed_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
+  }
+  EXPECT_GT(distances_m[false], 1.5 * kStraight_m);
+  EXPECT_LT(distances_m[true], 0.7 * distances_m[false]);
+  EXPECT_EQ(placed_m[false], distances_m[false]);
+  EXPECT_EQ(placed_m[true], distances_m[true]);
 }
 
 /// A field with five posts, `way_m` along it, and scan lines, which travel with the sensor.

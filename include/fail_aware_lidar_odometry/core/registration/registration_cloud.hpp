@@ -2,21 +2,26 @@
 // gravity, from one pass over the sweep.
 //
 // `map` (finest) goes into the reference; `plane` is registered point to plane, `point` point to point, both are
-// subsets of `map`. Deterministic: of each voxel the point that cloud/voxel_filter takes. Cost: about 10 ns a point.
+// subsets of `map`. A sweep without times, whose motion somebody took out before it came (sensor.timing.source none:
+// KITTI's odometry scans), is timed by its azimuth as if it had taken 0.1 s: for the turn that is left in it.
+// Deterministic: of each voxel the point that cloud/voxel_filter takes. Cost: about 10 ns a point.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
 namespace fail_aware {
 
 struct RegistrationCloud {
   double stamp_s = 0.0;
-  double middle_s = 0.0;  ///< of the points' times, relative to the stamp; 0: no timing
+  double middle_s = 0.0;     ///< of the points' times, relative to the stamp; 0: no timing
+  bool compensated = false;  ///< by somebody else, with a motion that is not known here; its times are the azimuth's
   std::vector<Eigen::Vector3f> map_points_cog;
   std::vector<float> map_times_s;  ///< relative to the stamp; empty: no timing
   std::vector<Eigen::Vector3f> plane_points_cog;
@@ -52,7 +57,9 @@ class RegistrationCloudBuilder {
     void validate() const;
   };
 
-  explicit RegistrationCloudBuilder(const Params& params);
+  /// compensated_head: how the head turns whose sweeps come compensated; none: sweeps without times stay without.
+  explicit RegistrationCloudBuilder(const Params& params,
+                                    const std::optional<SweepTimingParams>& compensated_head = std::nullopt);
 
   /// `cloud` is reused: no allocation once its arrays have grown.
   /// too_far_m: to be taken from each range, by ring (beam_ranges.hpp).
@@ -63,6 +70,7 @@ class RegistrationCloudBuilder {
 
  private:
   Params params_;
+  std::optional<SweepTimingParams> compensated_head_;
   VoxelFilter filter_;
   std::vector<std::uint32_t> of_sweep_, all_, chosen_;  ///< indices into the sweep; into the map's points, twice
 };

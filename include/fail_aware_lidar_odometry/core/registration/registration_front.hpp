@@ -10,8 +10,9 @@
 // join it (FilterState::placed). When nothing has fitted for a while the filter begins another reference
 // (FilterState::reference_epoch), from one sweep at a prediction.
 // Once the motion is known, the sweep is corrected anew for the turn that is found in it (turn_search.hpp) before it is
-// measured, and keeps that turn when it joins the map. The ranges of the ICPs' clouds are corrected for what the beams were found
-// to be off by (beam_ranges.hpp).
+// measured, and keeps that turn when it joins the map. Of sweeps that come compensated (sensor.timing.source none) that
+// turn is all that is taken out: for which motion they were moved is not known. The ranges of the ICPs' clouds are
+// corrected for what the beams were found to be off by (beam_ranges.hpp).
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. Between sweeps 0 and 1 the speed is found
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards; a second later, another sweep is sweep 0.
 #pragma once
@@ -29,7 +30,8 @@ namespace fail_aware {
 
 class RegistrationFront {
  public:
-  explicit RegistrationFront(const RegistrationParameters& params);
+  /// timing: the sensor's; says whether sweeps come compensated, and how the head turns.
+  explicit RegistrationFront(const RegistrationParameters& params, const SweepTimingParams& timing = {});
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
