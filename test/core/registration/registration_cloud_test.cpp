@@ -181,10 +181,12 @@ TEST(RegistrationCloud, withoutTimesRecorrectChangesNothing) {
 // Seen straight ahead in the middle of a sweep that begins at the rear, and at the sides a quarter of it before and after.
 TEST(RegistrationCloud, aSweepThatComesCompensatedIsTimedByItsAzimuth) {
   SweepTimingParams head;
+  const Pose T_cog_lidar = poseOf(1.0, 0.0, 0.5, 0.0, 0.0, 30.0);
   CorrectedSweep sweep;
   sweep.points_lidar = {{10.0f, 0.0f, 0.0f}, {0.0f, 10.0f, 0.0f}, {0.0f, -10.0f, 0.0f}};
   RegistrationCloud cloud;
-  const auto timeOf = [&](const Eigen::Vector3f& point) {
+  const auto timeOf = [&](const Eigen::Vector3f& point_lidar) {
+    const Eigen::Vector3f point = (T_cog_lidar * point_lidar.cast<double>()).cast<float>();
     for (std::size_t i = 0; i < cloud.map_points_cog.size(); ++i) {
       if ((cloud.map_points_cog[i] - point).norm() < 1e-3f) return cloud.map_times_s[i];
     }
@@ -192,7 +194,7 @@ TEST(RegistrationCloud, aSweepThatComesCompensatedIsTimedByItsAzimuth) {
   };
   for (const bool clockwise : {true, false}) {
     head.clockwise = clockwise;
-    RegistrationCloudBuilder(testParams(), head).build(sweep, Pose::Identity(), cloud);
+    RegistrationCloudBuilder(testParams(), head).build(sweep, T_cog_lidar, cloud);
     EXPECT_TRUE(cloud.compensated);
     ASSERT_EQ(cloud.map_times_s.size(), 3u);
     EXPECT_NEAR(timeOf(sweep.points_lidar[0]), 0.0f, 1e-5f);

@@ -141,44 +141,74 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
   EXPECT_LT(placed_m[true], 1.1 * distances_m[true]) << "it joins the map with the turn that it was measured with";
 }
 
-// Somebody else has compensated the sweep, and did not know of a turn of 15 deg/s: it is found, and nothing else is
-// taken out, though the filter knows of 12 m/s.
+/// The drive's sweep as somebody else compensated it, for `twist_cog`: without times.
+CorrectedSweep compensatedSweep(const SyntheticDrive& drive, double stamp_s, unsigned seed, const Vector6d& twist_cog) {
+  CorrectedSweep sweep = drive.sweep(stamp_s, seed);
+  Sweep seen;
+  seen.stamp_s = sweep.stamp_s;
+  seen.points_lidar = sweep.points_lidar;
+  const std::vector<float> times_s = sweep.times_s;
+  SweepCorrection().correct(seen, times_s, Pose::Identity(), expSe3(0.1 * twist_cog), 0.1, drive.T_cog_lidar, sweep);
+  sweep.times_s.clear();
+  return sweep;
+}
+
+SweepTimingParams compensatedTiming() {
+  SweepTimingParams timing;
+  timing.source = "none";
+  return timing;
+}
+
+// Who compensated the sweep did not know of a turn of 15 deg/s: it is found, and nothing else is taken out, though the
+// filter says that the vehicle was 3 m/s faster than predicted.
 TEST(RegistrationFront, ofACompensatedSweepTheTurnThatIsLeftIsTakenOut) {
   SyntheticDrive drive = curve();
   drive.points_per_m2 = 20.0;
-  SweepTimingParams timing;
-  timing.source = "none";
-  timing.clockwise = false;  // as SyntheticDrive's head turns
-  double distances_m[2], placed_m[2];
+  double distances_m[2];
   for (const bool search_turn : {false, true}) {
-    RegistrationFront front = makeFront(true, 500, search_turn, true, timing);
-    SyntheticDrive standing = drive;
-    standing.twist_cog.setZero();
-    CorrectedSweep first = standing.sweep(0.0, 1);
-    first.times_s.clear();
+    RegistrationFront front = makeFront(true, 500, search_turn, true, compensatedTiming());
     SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
-    ASSERT_TRUE(front.prepare(first, prediction, drive.T_cog_lidar));
+    ASSERT_TRUE(front.prepare(compensatedSweep(drive, 0.0, 1, drive.twist_cog), prediction, drive.T_cog_lidar));
     EXPECT_EQ(front.cloud().compensated, search_turn);
     front.place(stateOf(prediction, Pose::Identity(), false));
-    Vector6d slower = drive.twist_cog;
+    Vector6d slower = drive.twist_cog, faster = drive.twist_cog;
     slower[5] -= 15.0 * kDegree;
-    CorrectedSweep sweep = drive.sweep(0.1, 2);
-    Sweep seen;
-    seen.stamp_s = sweep.stamp_s;
-    seen.points_lidar = sweep.points_lidar;
-    SweepCorrection().correct(seen, std::vector<float>(sweep.times_s), Pose::Identity(), expSe3(0.1 * slower), 0.1,
-                              drive.T_cog_lidar, sweep);
-    sweep.times_s.clear();
+    faster[0] += 3.0;
     prediction = predictionOf(0.1, 0.1, Pose::Identity(), drive.pose(0.1), true);
-    ASSERT_TRUE(front.prepare(sweep, prediction, drive.T_cog_lidar));
+    ASSERT_TRUE(front.prepare(compensatedSweep(drive, 0.1, 2, slower), prediction, drive.T_cog_lidar));
     distances_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
-    front.place(stateOf(prediction, drive.pose(0.1), true));
-    placed_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
+    const Points measured = front.cloud().map_points_cog;
+    front.place(stateOf(prediction, expSe3(0.1 * faster), true));
+    EXPECT_EQ(front.cloud().map_points_cog, measured);
   }
   EXPECT_GT(distances_m[false], 1.5 * kStraight_m);
   EXPECT_LT(distances_m[true], 0.7 * distances_m[false]);
-  EXPECT_EQ(placed_m[false], distances_m[false]);
-  EXPECT_EQ(placed_m[true], distances_m[true]);
+}
+
+// The first motion is searched for as ever, and compensated sweeps are not corrected for it.
+TEST(RegistrationFront, compensatedSweepsStayStraightWhenTheFirstMotionIsFound) {
+  RegistrationFront front = makeFront(true, 500, true, true, compensatedTiming());
+  const SyntheticDrive drive = curve();
+  SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(compensatedSweep(drive, 0.0, 1, drive.twist_cog), prediction, drive.T_cog_lidar));
+  front.place(stateOf(prediction, Pose::Identity(), false));
+  prediction = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(compensatedSweep(drive, 0.1, 2, drive.twist_cog), prediction, drive.T_cog_lidar));
+  EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.1)), 0.1);
+  EXPECT_LT(meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene), kStraight_m);
+  EXPECT_LT(meanDistance(front.map().points(), drive.scene), kStraight_m);
+}
+
+// Times that are missing for another reason (correction switched off, broken times) do not make it a compensated one.
+TEST(RegistrationFront, aSweepWithoutTimesIsCompensatedOnlyIfTheSensorSaysSo) {
+  const SyntheticDrive drive = curve();
+  CorrectedSweep sweep = drive.sweep(0.0, 1);
+  sweep.times_s.clear();
+  RegistrationFront front = makeFront(true);
+  ASSERT_TRUE(
+      front.prepare(sweep, predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false), drive.T_cog_lidar));
+  EXPECT_FALSE(front.cloud().compensated);
+  EXPECT_TRUE(front.cloud().map_times_s.empty());
 }
 
 /// A field with five posts, `way_m` along it, and scan lines, which travel with the sensor.

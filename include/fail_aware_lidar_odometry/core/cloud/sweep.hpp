@@ -33,7 +33,7 @@ struct Sweep {
 struct CorrectedSweep {
   double stamp_s = 0.0;
   std::vector<Eigen::Vector3f> points_lidar;  ///< m, sensor frame at the stamp
-  std::vector<float> times_s;                 ///< s relative to the stamp; empty: all zero (no timing)
+  std::vector<float> times_s;                 ///< s relative to the stamp; empty: no timing
   std::vector<std::uint16_t> rings;           ///< as in Sweep; empty: unknown
 
   void clear() {

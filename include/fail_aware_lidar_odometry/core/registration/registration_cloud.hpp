@@ -3,7 +3,8 @@
 //
 // `map` (finest) goes into the reference; `plane` is registered point to plane, `point` point to point, both are
 // subsets of `map`. A sweep without times, whose motion somebody took out before it came (sensor.timing.source none:
-// KITTI's odometry scans), is timed by its azimuth as if it had taken 0.1 s: for the turn that is left in it.
+// KITTI's odometry scans), is timed by its azimuth as if it had taken 0.1 s, from its middle on: for the turn that is
+// left in it, which is assumed to be none in the middle.
 // Deterministic: of each voxel the point that cloud/voxel_filter takes. Cost: about 10 ns a point.
 #pragma once
 
@@ -21,9 +22,9 @@ namespace fail_aware {
 struct RegistrationCloud {
   double stamp_s = 0.0;
   double middle_s = 0.0;     ///< of the points' times, relative to the stamp; 0: no timing
-  bool compensated = false;  ///< by somebody else, with a motion that is not known here; its times are the azimuth's
+  bool compensated = false;  ///< by somebody else, with a motion that is not known here, and timed by its azimuth
   std::vector<Eigen::Vector3f> map_points_cog;
-  std::vector<float> map_times_s;  ///< relative to the stamp; empty: no timing
+  std::vector<float> map_times_s;  ///< relative to the stamp (compensated: to the middle); empty: no timing
   std::vector<Eigen::Vector3f> plane_points_cog;
   std::vector<float> plane_times_s;
   std::vector<std::uint16_t> plane_rings;  ///< empty: unknown

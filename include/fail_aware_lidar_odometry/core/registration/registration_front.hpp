@@ -31,7 +31,7 @@ namespace fail_aware {
 class RegistrationFront {
  public:
   /// timing: the sensor's; says whether sweeps come compensated, and how the head turns.
-  explicit RegistrationFront(const RegistrationParameters& params, const SweepTimingParams& timing = {});
+  explicit RegistrationFront(const RegistrationParameters& params, const SweepTimingParams& timing);
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -46,7 +46,8 @@ class RegistrationFront {
   Measurement align(const MultiplexIcp& icp, std::vector<SeedTrack>* tracks = nullptr) const;
   Measurement align(const NormalFilteredIcp& icp, double sigma_yaw_rad) const;
 
-  /// Takes the prepared sweep into the reference, at the estimate, corrected for the motion that was estimated.
+  /// Takes the prepared sweep into the reference, at the estimate, corrected for the motion that was estimated (but for
+  /// one that came compensated).
   void place(const FilterState& state);
 
   void reset();
@@ -85,7 +86,8 @@ class RegistrationFront {
   Pose T_odom_cog_start_ = Pose::Identity();
   /// Of T_odom_cog_start_: the prediction's, but as sure of the position as the search.
   Matrix6d start_covariance_ = Matrix6d::Identity();
-  Vector6d corrected_twist_cog_ = Vector6d::Zero();  ///< the motion that cloud_ is corrected for, m/s and rad/s
+  Vector6d corrected_twist_cog_ =
+      Vector6d::Zero();  ///< the motion that cloud_ is corrected for (compensated: the predicted one), m/s and rad/s
   bool prepared_ = false;
   bool turn_found_ = false;                        ///< in the prepared sweep: it is corrected for that turn
   std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep

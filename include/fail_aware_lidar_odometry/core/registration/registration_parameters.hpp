@@ -22,7 +22,7 @@ struct RegistrationParameters {
   bool use_plane = true;
   bool use_corners = true;
   bool refine_correction = true;  ///< correct once more, by the registered motion, what joins the reference
-                                  ///< (its turn only where turn_search found none)
+                                  ///< (its turn only where turn_search found none; not what came compensated)
   RegistrationCloudBuilder::Params cloud;
   ReferenceMap::Params reference;
   MotionInitialization::Params initialization;

@@ -3,7 +3,8 @@
 // A sweep is corrected for the motion that the filter predicts. Where a turn begins, that rate is wrong by some degrees
 // a second: the walls seen early in the sweep are turned against those seen late, and registration settles between
 // them. So the sweep is registered point to plane with pose and turn rate free, the rate with the prediction as prior;
-// the registered pose is thrown away.
+// the registered pose is thrown away. A sweep that came compensated was moved by somebody else's motion; what is left in it
+// is found likewise, with no turn as prior.
 //
 // Rates: rad/s about the axes of the centre of gravity, what is to be added to the motion that the sweep was corrected
 // for; what was measured at the sweep's middle stays where it is.
