@@ -407,7 +407,11 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
   const double scale = params_.increment_scale * (coasting_.active() ? params_.coasting_increment_factor : 1.0);
   const auto aboutPrevious = [&](const Matrix6d& C) {
     const Matrix6d scaled = 0.5 * scale * (C + C.transpose());
-    return rotateCovariance(toPoseCovariance(scaled, x), R_previous_odom);
+    Matrix6d turned = rotateCovariance(toPoseCovariance(scaled, x), R_previous_odom);
+    // rounding, where variances differ by many orders of magnitude
+    const double least = turned.diagonal().minCoeff();
+    if (least < 0.0) turned.diagonal().array() -= least;
+    return turned;
   };
   state.unobserved_covariance = aboutPrevious(lasting);
   state.increment_covariance = aboutPrevious(from_prediction) + aboutPrevious(from_measurement);
