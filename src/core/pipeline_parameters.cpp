@@ -26,6 +26,14 @@ void SensorParameters::validate() const {
 
 Pose SensorParameters::T_base_lidar() const { return poseFromVector(Vector6d(lidar_in_base.data())); }
 
+SweepTimingParams SensorParameters::correctedTiming() const {
+  SweepTimingParams corrected = timing;
+  if (azimuth.angle_deg != 0.0) {
+    corrected.start_azimuth_deg = std::remainder(timing.start_azimuth_deg + azimuth.angle_deg, 360.0);
+  }
+  return corrected;
+}
+
 void VehicleFileParameters::validate() const {
   validateNested(*this);
   requireFinite("cog_in_base", cog_in_base, 3);

@@ -21,7 +21,7 @@ class IcpPointToPlaneAlgorithm {
 
   IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : local_map_(node.advertise<sensor_msgs::PointCloud2>(topics::kLocalMap, 1)),
-        front_(params.profile.registration, params.sensor.timing),
+        front_(params.profile.registration, params.sensor.correctedTiming()),
         tuning_{params.profile.registration.plane},
         icp_(tuning_.icp) {}
 

@@ -20,7 +20,7 @@ class IcpPointToPointAlgorithm {
 
   IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
-        front_(params.profile.registration, params.sensor.timing),
+        front_(params.profile.registration, params.sensor.correctedTiming()),
         tuning_{params.profile.registration.point},
         icp_(tuning_.icp) {}
 

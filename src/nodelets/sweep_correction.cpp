@@ -35,8 +35,9 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     NoOwnParams none;
     readPrivateParameters(getPrivateNodeHandle(), none, NoTuning());
     const PipelineParameters params = readPipelineParameters(node);
-    corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.timing,
-                                                  params.profile.sweep_correction, params.profile.level_keeping);
+    corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.azimuth,
+                                                  params.sensor.correctedTiming(), params.profile.sweep_correction,
+                                                  params.profile.level_keeping);
     check_ = std::make_unique<SweepCheck>(params.sensor.check);
     publisher_ = node.advertise<sensor_msgs::PointCloud2>(topics::kSweepPoints, topics::kQueue);
     check_publisher_ = node.advertise<messages::SweepCheck>(topics::kSweepCheck, topics::kQueue);

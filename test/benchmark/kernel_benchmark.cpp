@@ -30,7 +30,7 @@ struct Scene {
     const synthetic::Street street;
     const synthetic::Drive drive;
     RegistrationCloudBuilder builder{RegistrationCloudBuilder::Params()};
-    SweepCorrector corrector({}, timing(), {}, {});
+    SweepCorrector corrector({}, {}, timing(), {}, {});
     for (int i = 0; i < kSweepsInMap; ++i) {
       const double stamp_s = kPeriod_s * i;
       sweep =
@@ -72,7 +72,7 @@ const Scene& scene() {
 }
 
 void sweepCorrection(benchmark::State& state) {
-  SweepCorrector corrector({}, Scene::timing(), {}, {});
+  SweepCorrector corrector({}, {}, Scene::timing(), {}, {});
   CorrectedSweep corrected;
   Sweep sweep = scene().sweep;
   for (auto _ : state) corrector.correct(sweep, scene().prediction, scene().T_cog_lidar, corrected);

@@ -41,9 +41,10 @@ TEST(PipelineParameters, KeysAreUniqueAndTheProfilesStandWithoutAPrefix) {
   std::set<std::string> keys;
   for (const auto& [key, value] : toList(PipelineParameters())) EXPECT_TRUE(keys.insert(key).second) << key;
   for (const char* key :
-       {"sensor.timing.source", "sensor.vertical_angle.angle_deg", "sensor.lidar_in_base", "vehicle.dynamics.mass_kg",
-        "vehicle.cog_in_base", "sweep_correction.enabled", "model.six_dof", "ukf.sigma_points.alpha",
-        "registration.reference.voxels.voxel_size_m", "registration.plane.kernel_m", "monitor.indicator.threshold"}) {
+       {"sensor.timing.source", "sensor.vertical_angle.angle_deg", "sensor.azimuth.angle_deg", "sensor.lidar_in_base",
+        "vehicle.dynamics.mass_kg", "vehicle.cog_in_base", "sweep_correction.enabled", "model.six_dof",
+        "ukf.sigma_points.alpha", "registration.reference.voxels.voxel_size_m", "registration.plane.kernel_m",
+        "monitor.indicator.threshold"}) {
     EXPECT_EQ(keys.count(key), 1u) << key;
   }
   for (const auto& [key, value] : toList(ProfileParameters())) EXPECT_EQ(keys.count(key), 1u) << key;
@@ -52,6 +53,7 @@ TEST(PipelineParameters, KeysAreUniqueAndTheProfilesStandWithoutAPrefix) {
 TEST(PipelineParameters, MessagesCarryTheFullName) {
   for (const char* key : {"sensor.timing.sweep_period_s",
                           "sensor.vertical_angle.angle_deg",
+                          "sensor.azimuth.angle_deg",
                           "vehicle.dynamics.mass_kg",
                           "sweep_correction.max_truncation_m",
                           "model.sigma_x_m",
@@ -123,6 +125,18 @@ TEST(PipelineParameters, AStructAloneNamesWhatItKnows) {
   } catch (const ParameterError& error) {
     EXPECT_TRUE(startsWith(error.what(), "plane.observability.lever_m = -1")) << error.what();
   }
+}
+
+TEST(PipelineParameters, ASweepBeginsWhereTheHeadsOwnZeroSays) {
+  SensorParameters sensor;
+  sensor.timing.start_azimuth_deg = -180.0;
+  EXPECT_EQ(sensor.correctedTiming().start_azimuth_deg, -180.0);
+  sensor.azimuth.angle_deg = -0.5;
+  EXPECT_NEAR(sensor.correctedTiming().start_azimuth_deg, 179.5, 1e-12);
+  sensor.timing.start_azimuth_deg = 360.0;
+  sensor.azimuth.angle_deg = 10.0;
+  EXPECT_NEAR(sensor.correctedTiming().start_azimuth_deg, 10.0, 1e-12);
+  EXPECT_NO_THROW(sensor.correctedTiming().validate());
 }
 
 TEST(PipelineParameters, PlacesInTheBaseFrame) {

@@ -170,8 +170,8 @@ void monitor(FieldSource& source) {
 /// sweep_correction's, over some sweeps of which it learns.
 void predictions(FieldSource& source) {
   static const PipelineParameters params;
-  SweepCorrector corrector(params.sensor.vertical_angle, params.sensor.timing, params.profile.sweep_correction,
-                           params.profile.level_keeping);
+  SweepCorrector corrector(params.sensor.vertical_angle, params.sensor.azimuth, params.sensor.correctedTiming(),
+                           params.profile.sweep_correction, params.profile.level_keeping);
   for (int sweeps = 0; sweeps < 3; ++sweeps) {
     const std::optional<SweepTask> task = fromMessage(source.message<messages::SweepPrediction>());
     if (!task) continue;

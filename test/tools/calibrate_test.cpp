@@ -1,5 +1,5 @@
-// Runs the built calibrators on made-up runs; CALIBRATE_NOISE and CALIBRATE_FAIL_AWARE are their paths (compile
-// definitions).
+// Runs the built calibrators on made-up runs; CALIBRATE_NOISE, CALIBRATE_FAIL_AWARE and CALIBRATE_AZIMUTH are their
+// paths (compile definitions).
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -133,6 +133,82 @@ TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   run(CALIBRATE_FAIL_AWARE, options("tiny") + " --late 2");
   EXPECT_EQ(result_.exit_code, 2);
   EXPECT_NE(result_.err.find("--late"), std::string::npos) << result_.err;
+}
+
+/// A run in which the vehicle travels 0.25 deg to the left of the lidar's x axis, made with points turned by `angle_deg`
+/// already.
+void writeSkewedRun(const fs::path& run, double angle_deg, int sweeps = 200,
+                    const std::vector<double>& lidar_in_base = SensorParameters().lidar_in_base) {
+  fs::create_directories(run);
+  PipelineParameters params;
+  params.sensor.azimuth.angle_deg = angle_deg;
+  params.sensor.lidar_in_base = lidar_in_base;
+  saveYaml((run / "parameters.yaml").string(), params);
+  std::vector<Pose> poses(static_cast<std::size_t>(sweeps), Pose::Identity());
+  for (int i = 0; i < sweeps; ++i) {
+    poses[static_cast<std::size_t>(i)].translation() << i, i * std::tan(0.25 * kDegree), 0.0;
+  }
+  writeKittiTrajectory((run / "trajectory_kitti.txt").string(), poses);
+}
+
+TEST_F(Calibrate, AzimuthIsWhatTheRunsHadLessWhatIsLeft) {
+  writeSkewedRun(folder_ / "a", -0.1);
+  writeSkewedRun(folder_ / "b", -0.1);
+  const std::string runs = " --run '" + (folder_ / "a").string() + "' --run '" + (folder_ / "b").string() + "'";
+  const fs::path yaml = folder_ / "azimuth.yaml";
+  run(CALIBRATE_AZIMUTH, runs + " --output '" + yaml.string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("398 motions, 398 m"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("+0.250 deg"), std::string::npos) << result_.err;
+  EXPECT_EQ(result_.out, contentOf(yaml));
+  PipelineParameters params;
+  loadYaml(yaml.string(), params, MissingKeys::kKeep);
+  EXPECT_NEAR(params.sensor.azimuth.angle_deg, -0.35, 1e-9);
+
+  run(CALIBRATE_AZIMUTH, " --trajectory '" + (folder_ / "a" / "trajectory_kitti.txt").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.out.find("angle_deg: -0.25"), std::string::npos) << result_.out;
+}
+
+TEST_F(Calibrate, AzimuthIsSoughtFromWhereTheLidarIsMounted) {
+  struct Mount {
+    double roll_rad, yaw_rad, angle_deg;
+  };
+  for (const Mount& mount : {Mount{0.0, 0.2 * kDegree, -0.45}, {M_PI, 0.2 * kDegree, -0.05}}) {
+    writeSkewedRun(folder_ / "mounted", 0.0, 200, {1.0, 0.0, 1.7, mount.roll_rad, 0.0, mount.yaw_rad});
+    run(CALIBRATE_AZIMUTH, " --run '" + (folder_ / "mounted").string() + "'");
+    ASSERT_EQ(result_.exit_code, 0) << result_.err;
+    PipelineParameters params;
+    std::ofstream(folder_ / "found.yaml") << result_.out;
+    loadYaml((folder_ / "found.yaml").string(), params, MissingKeys::kKeep);
+    EXPECT_NEAR(params.sensor.azimuth.angle_deg, mount.angle_deg, 2e-3) << mount.roll_rad;
+  }
+  writeSkewedRun(folder_ / "mounted", 0.0, 200, {1.0, 0.0, 1.7, 0.0, 0.0, 15.0 * kDegree});
+  run(CALIBRATE_AZIMUTH, " --run '" + (folder_ / "mounted").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("sensor.lidar_in_base"), std::string::npos) << result_.err;
+}
+
+TEST_F(Calibrate, AzimuthSaysWhatItCannotUse) {
+  writeSkewedRun(folder_ / "short", 0.0, 30);
+  writeSkewedRun(folder_ / "other", 0.2);
+  const std::string of_short = " --run '" + (folder_ / "short").string() + "'";
+  run(CALIBRATE_AZIMUTH, of_short);
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("29 motions"), std::string::npos) << result_.err;
+  run(CALIBRATE_AZIMUTH, of_short + " --run '" + (folder_ / "other").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("other: its sensor.azimuth.angle_deg or sensor.lidar_in_base is not that of"),
+            std::string::npos)
+      << result_.err;
+  run(CALIBRATE_AZIMUTH, " --run '" + (folder_ / "nowhere").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("nowhere"), std::string::npos) << result_.err;
+  for (const std::string arguments : {std::string(), of_short + " --trajectory x.txt"}) {
+    run(CALIBRATE_AZIMUTH, arguments);
+    EXPECT_EQ(result_.exit_code, 2);
+    EXPECT_NE(result_.err.find("--run or --trajectory is needed"), std::string::npos) << result_.err;
+  }
 }
 
 }  // namespace

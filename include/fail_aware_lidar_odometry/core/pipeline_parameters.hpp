@@ -8,6 +8,7 @@
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
@@ -24,6 +25,7 @@ namespace fail_aware {
 struct SensorParameters {
   SweepTimingParams timing;
   VerticalAngleCorrectionParams vertical_angle;
+  AzimuthCorrectionParams azimuth;
   SweepCheckParams check;
   std::vector<double> lidar_in_base = {0, 0, 0, 0, 0, 0};  ///< x y z (m) roll pitch yaw (rad) of the lidar in base_link
 
@@ -31,11 +33,14 @@ struct SensorParameters {
   static void visit(Self& self, Visitor&& v) {
     v("timing", self.timing);
     v("vertical_angle", self.vertical_angle);
+    v("azimuth", self.azimuth);
     v("check", self.check);
     v("lidar_in_base", self.lidar_in_base);
   }
   void validate() const;
   Pose T_base_lidar() const;
+  /// `timing` for points whose azimuth is corrected: the sweep begins at another azimuth of theirs.
+  SweepTimingParams correctedTiming() const;
 };
 
 /// cfg/vehicles/*.yaml

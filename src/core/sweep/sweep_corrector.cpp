@@ -7,10 +7,16 @@
 
 namespace fail_aware {
 
-SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const SweepTimingParams& timing,
+SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle,
+                               const AzimuthCorrectionParams& azimuth, const SweepTimingParams& timing,
                                const SweepCorrectionParams& correction, const LevelKeepingParams& level_keeping)
-    : vertical_angle_(vertical_angle), timing_(timing), correction_(correction), level_keeping_(level_keeping) {
+    : vertical_angle_(vertical_angle),
+      azimuth_(azimuth),
+      timing_(timing),
+      correction_(correction),
+      level_keeping_(level_keeping) {
   vertical_angle_.validate();
+  azimuth_.validate();
 }
 
 SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
@@ -18,6 +24,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   SweepCorrectorReport report;
   if (sweep.rings.empty()) sweep.rings = ringsByOrder(sweep.points_lidar);
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
+  correctAzimuth(azimuth_, sweep.points_lidar);
   level_keeping_.apply(sweep.points_lidar);
   report.timing = timing_.assign(sweep, times_s_);
   report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,

@@ -107,6 +107,17 @@ TEST(RegistrationFront, startsAtThePredictionOnceMotionIsKnown) {
   EXPECT_GT(front.cloud().plane_points_cog.size(), 500u);
 }
 
+/// The drive's sweep, corrected for `twist_cog`, whatever it drove.
+CorrectedSweep correctedSweep(const SyntheticDrive& drive, double stamp_s, unsigned seed, const Vector6d& twist_cog) {
+  CorrectedSweep sweep = drive.sweep(stamp_s, seed);
+  Sweep seen;
+  seen.stamp_s = sweep.stamp_s;
+  seen.points_lidar = sweep.points_lidar;
+  const std::vector<float> times_s = sweep.times_s;
+  SweepCorrection().correct(seen, times_s, Pose::Identity(), expSe3(0.1 * twist_cog), 0.1, drive.T_cog_lidar, sweep);
+  return sweep;
+}
+
 // The filter predicts a turn 15 deg/s slower than it is: the sweep is bent, unless the turn is looked for in it.
 TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
   SyntheticDrive drive = curve();
@@ -121,14 +132,8 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
     front.place(stateOf(prediction, Pose::Identity(), false));
     Vector6d slower = drive.twist_cog;
     slower[5] -= 15.0 * kDegree;
-    CorrectedSweep sweep = drive.sweep(0.1, 2);
-    Sweep seen;
-    seen.stamp_s = sweep.stamp_s;
-    seen.points_lidar = sweep.points_lidar;
-    SweepCorrection().correct(seen, std::vector<float>(sweep.times_s), Pose::Identity(), expSe3(0.1 * slower), 0.1,
-                              drive.T_cog_lidar, sweep);
     prediction = predictionOf(0.1, 0.1, Pose::Identity(), expSe3(0.1 * slower), true);
-    ASSERT_TRUE(front.prepare(sweep, prediction, drive.T_cog_lidar));
+    ASSERT_TRUE(front.prepare(correctedSweep(drive, 0.1, 2, slower), prediction, drive.T_cog_lidar));
     distances_m[search_turn] = meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
     // another turn that the filter makes of it bends the sweep anew only where none was found in it
     const Pose wrong = expSe3(0.1 * slower) * expSe3((Vector6d() << 0, 0, 0, 0, 0, -0.03).finished());
@@ -143,12 +148,7 @@ TEST(RegistrationFront, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
 
 /// The drive's sweep as somebody else compensated it, for `twist_cog`: without times.
 CorrectedSweep compensatedSweep(const SyntheticDrive& drive, double stamp_s, unsigned seed, const Vector6d& twist_cog) {
-  CorrectedSweep sweep = drive.sweep(stamp_s, seed);
-  Sweep seen;
-  seen.stamp_s = sweep.stamp_s;
-  seen.points_lidar = sweep.points_lidar;
-  const std::vector<float> times_s = sweep.times_s;
-  SweepCorrection().correct(seen, times_s, Pose::Identity(), expSe3(0.1 * twist_cog), 0.1, drive.T_cog_lidar, sweep);
+  CorrectedSweep sweep = correctedSweep(drive, stamp_s, seed, twist_cog);
   sweep.times_s.clear();
   return sweep;
 }

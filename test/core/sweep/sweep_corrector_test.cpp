@@ -9,6 +9,7 @@
 #include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 
 namespace fail_aware {
 namespace {
@@ -30,7 +31,7 @@ SweepTimingParams timingParams(const std::string& stamp_reference = "mid", doubl
 }
 
 SweepCorrector makeCorrector(const SweepTimingParams& timing = timingParams(), double angle_deg = 0.0) {
-  return SweepCorrector({angle_deg}, timing, SweepCorrectionParams(), LevelKeepingParams());
+  return SweepCorrector({angle_deg}, {}, timing, SweepCorrectionParams(), LevelKeepingParams());
 }
 
 SweepPrediction predictionAt(double stamp_s, double dt_s) {
@@ -108,6 +109,22 @@ TEST(SweepCorrector, TheVerticalAngleIsCorrectedBeforeTheMotion) {
   EXPECT_LT(worstError(corrected.points_lidar, moving.truth_lidar), 2e-3);
 }
 
+// The head passes its own rear, not the corrected one, when a sweep begins.
+TEST(SweepCorrector, TheAzimuthIsCorrectedAndTimedByTheHeadsOwnZero) {
+  SensorParameters sensor;
+  sensor.azimuth.angle_deg = 8.0;
+  sensor.timing = timingParams();
+  MovingSweep moving = scan(3.0, 0.5);
+  const Pose T_corrected_head = poseFromVector(vector6(0.0, 0.0, 0.0, 0.0, 0.0, sensor.azimuth.angle_deg * kDegree));
+  // what the scan holds is of a lidar whose azimuths are right; the corrected frame is turned against it
+  SweepCorrector corrector({}, sensor.azimuth, sensor.correctedTiming(), SweepCorrectionParams(), LevelKeepingParams());
+  CorrectedSweep corrected;
+  corrector.correct(moving.sweep, predictionAt(3.0, 0.1), kT_cog_lidar * T_corrected_head.inverse(), corrected);
+  for (Eigen::Vector3d& p : moving.truth_lidar) p = T_corrected_head * p;
+  EXPECT_LT(worstError(corrected.points_lidar, moving.truth_lidar), 2e-3);
+  EXPECT_NEAR(corrected.times_s.front(), -0.5 * kPeriod_s, 1e-3);
+}
+
 TEST(SweepCorrector, InTheFirstSweepPointsStayAndTimesAreKept) {
   MovingSweep moving = scan(3.0, 0.5);
   CorrectedSweep corrected;
@@ -174,7 +191,7 @@ TEST(SweepCorrector, ParametersAreChecked) {
   EXPECT_THROW(makeCorrector(timingParams(), 6.0), ParameterError);
   SweepCorrectionParams correction;
   correction.max_truncation_m = 0.0;
-  EXPECT_THROW(SweepCorrector({}, timingParams(), correction, LevelKeepingParams()), ParameterError);
+  EXPECT_THROW(SweepCorrector({}, {}, timingParams(), correction, LevelKeepingParams()), ParameterError);
 }
 
 TEST(SweepCorrector, givesRingsWhereTheyAreMissingAndTheOrderTellsThem) {

@@ -86,8 +86,8 @@ class RegistrationFront {
   Pose T_odom_cog_start_ = Pose::Identity();
   /// Of T_odom_cog_start_: the prediction's, but as sure of the position as the search.
   Matrix6d start_covariance_ = Matrix6d::Identity();
-  Vector6d corrected_twist_cog_ =
-      Vector6d::Zero();  ///< the motion that cloud_ is corrected for (compensated: the predicted one), m/s and rad/s
+  /// The motion that cloud_ is corrected for (compensated: the predicted one), m/s and rad/s.
+  Vector6d corrected_twist_cog_ = Vector6d::Zero();
   bool prepared_ = false;
   bool turn_found_ = false;                        ///< in the prepared sweep: it is corrected for that turn
   std::optional<RoadRelief::Speed> relief_speed_;  ///< of the prepared sweep

@@ -1,5 +1,5 @@
-// From a raw sweep to a corrected one: rings where they have to be found, vertical angle, level keeping, time of each
-// point, constant-twist correction, in this order; then the level keeping looks at what came out.
+// From a raw sweep to a corrected one: rings where they have to be found, vertical angle, azimuth, level keeping, time
+// of each point, constant-twist correction, in this order; then the level keeping looks at what came out.
 // What the SweepCorrection nodelet holds. Cost: about 1 ms for 120 000 points, 2.5 ms with a look.
 #pragma once
 
@@ -7,6 +7,7 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
@@ -24,10 +25,12 @@ struct SweepCorrectorReport {
 
 class SweepCorrector {
  public:
-  SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const SweepTimingParams& timing,
-                 const SweepCorrectionParams& correction, const LevelKeepingParams& level_keeping);
+  /// timing: for points whose azimuth is corrected (SensorParameters::correctedTiming()).
+  SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const AzimuthCorrectionParams& azimuth,
+                 const SweepTimingParams& timing, const SweepCorrectionParams& correction,
+                 const LevelKeepingParams& level_keeping);
 
-  /// `sweep` is changed by the vertical-angle correction and by level keeping, and given rings where it has none and its
+  /// `sweep` is changed by the corrections of its angles and by level keeping, and given rings where it has none and its
   /// order tells them. The motion corrected for is that from the previous estimate to the prediction; in the first
   /// sweep, where there is none, points stay and times are kept.
   SweepCorrectorReport correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
@@ -43,6 +46,7 @@ class SweepCorrector {
 
  private:
   VerticalAngleCorrectionParams vertical_angle_;
+  AzimuthCorrectionParams azimuth_;
   SweepTiming timing_;
   SweepCorrection correction_;
   LevelKeeping level_keeping_;

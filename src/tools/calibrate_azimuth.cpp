@@ -1,0 +1,101 @@
+// Finds the error of the head's azimuth from drives alone: yaml on stdout or in a file.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/evaluation/azimuth_calibration.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "result_files.hpp"
+#include "tool_support.hpp"
+
+namespace {
+
+using namespace fail_aware;
+namespace fs = std::filesystem;
+
+constexpr const char* kName = "calibrate_azimuth";
+constexpr const char* kKey = "sensor.azimuth.angle_deg";
+constexpr double kUsefulSigma_deg = 0.1;
+
+struct Options {
+  std::vector<std::string> runs, trajectories;
+  std::string output;
+};
+
+SensorParameters sensorOf(const fs::path& run) {
+  PipelineParameters params;
+  loadYaml((run / "parameters.yaml").string(), params, MissingKeys::kKeep);
+  return params.sensor;
+}
+
+std::vector<Pose> baseTrajectory(const fs::path& run, const Pose& T_base_lidar) {
+  std::vector<Pose> poses = readKittiTrajectory((run / "trajectory_kitti.txt").string());
+  for (Pose& T : poses) T = T_base_lidar * T * T_base_lidar.inverse();
+  return poses;
+}
+
+int run(const Options& options) {
+  if (options.runs.empty() == options.trajectories.empty()) {
+    throw InputError("--run or --trajectory is needed, and not both (see --help)");
+  }
+  std::vector<std::vector<Pose>> trajectories;
+  for (const std::string& file : options.trajectories) trajectories.push_back(readKittiTrajectory(file));
+  SensorParameters sensor;
+  if (!options.runs.empty()) sensor = sensorOf(options.runs.front());
+  for (const fs::path run : options.runs) {
+    const SensorParameters own = sensorOf(run);
+    if (own.azimuth.angle_deg != sensor.azimuth.angle_deg || own.lidar_in_base != sensor.lidar_in_base) {
+      throw InputError(run.string() + ": its " + kKey + " or sensor.lidar_in_base is not that of " +
+                       options.runs.front() + ": make all runs with the same");
+    }
+    trajectories.push_back(baseTrajectory(run, own.T_base_lidar()));
+  }
+  const DirectionOfTravel found = directionOfTravel(trajectories);
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                "%d motions, %.0f m: the vehicle travels %+.3f deg off base_link's x axis, +- %.3f deg", found.motions,
+                found.way_m, found.azimuth_deg, found.sigma_deg);
+  std::cerr << kName << ": " << text << std::endl;
+  if (found.sigma_deg > kUsefulSigma_deg) {
+    std::cerr << kName << ": warning: that is not known to " << kUsefulSigma_deg
+              << " deg; give more drives, or longer ones" << std::endl;
+  }
+  const double lidar_up = sensor.T_base_lidar().linear()(2, 2) < 0.0 ? -1.0 : 1.0;  // or it hangs
+  const double angle_deg = std::round(1e3 * (sensor.azimuth.angle_deg - lidar_up * found.azimuth_deg)) / 1e3;
+  if (std::abs(angle_deg) > AzimuthCorrectionParams::kMax_deg) {
+    throw InputError("the vehicle travels " + std::to_string(std::lround(found.azimuth_deg)) +
+                     " deg off base_link's x axis: that is how the lidar is mounted, to be told by tf or "
+                     "sensor.lidar_in_base");
+  }
+  printAndKeep(formatYaml({{kKey, angle_deg}}), options.output);
+  return kExitDone;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return runTool(kName, [&] {
+    CLI::App app(
+        "Finds sensor.azimuth.angle_deg from runs of offline_odometry, without ground truth: turned by it, the "
+        "vehicle goes along base_link's x axis when it goes straight on. Use drives on ordinary roads, as many "
+        "bends to the left as to the right, on which the odometry was not lost; use what is printed with "
+        "--parameters.\n"
+        "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+        kName);
+    Options options;
+    app.add_option("--run", options.runs,
+                   "folder that offline_odometry wrote; may be repeated: one lidar, one vehicle");
+    app.add_option(
+        "--trajectory", options.trajectories,
+        "in its place: KITTI rows of the lidar, its x axis ahead; may be repeated. A ground truth tells which "
+        "way it says that the vehicle travels");
+    app.add_option("--output", options.output, "yaml file with the angle, for --parameters");
+    if (!parseArguments(app, argc, argv)) return kExitDone;
+    return run(options);
+  });
+}
