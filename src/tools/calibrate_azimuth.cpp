@@ -1,6 +1,7 @@
 // Finds the error of the head's azimuth from drives alone: yaml on stdout or in a file.
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <string>
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char* kName = "calibrate_azimuth";
 constexpr const char* kKey = "sensor.azimuth.angle_deg";
 constexpr double kUsefulSigma_deg = 0.1;
+constexpr double kMostBends = 0.7;  // psi is known three times as well without them
 
 struct Options {
   std::vector<std::string> runs, trajectories;
@@ -30,6 +32,7 @@ struct Options {
 SensorParameters sensorOf(const fs::path& run) {
   PipelineParameters params;
   loadYaml((run / "parameters.yaml").string(), params, MissingKeys::kKeep);
+  params.validate();
   return params.sensor;
 }
 
@@ -47,30 +50,33 @@ int run(const Options& options) {
   for (const std::string& file : options.trajectories) trajectories.push_back(readKittiTrajectory(file));
   SensorParameters sensor;
   if (!options.runs.empty()) sensor = sensorOf(options.runs.front());
-  for (const fs::path run : options.runs) {
-    const SensorParameters own = sensorOf(run);
+  for (const fs::path folder : options.runs) {
+    const SensorParameters own = sensorOf(folder);
     if (own.azimuth.angle_deg != sensor.azimuth.angle_deg || own.lidar_in_base != sensor.lidar_in_base) {
-      throw InputError(run.string() + ": its " + kKey + " or sensor.lidar_in_base is not that of " +
+      throw InputError(folder.string() + ": its " + kKey + " or sensor.lidar_in_base is not that of " +
                        options.runs.front() + ": make all runs with the same");
     }
-    trajectories.push_back(baseTrajectory(run, own.T_base_lidar()));
+    trajectories.push_back(baseTrajectory(folder, own.T_base_lidar()));
   }
   const DirectionOfTravel found = directionOfTravel(trajectories);
   char text[160];
   std::snprintf(text, sizeof(text),
                 "%d motions, %.0f m: the vehicle travels %+.3f deg off base_link's x axis, +- %.3f deg", found.motions,
-                found.way_m, found.azimuth_deg, found.sigma_deg);
+                found.way_m, found.direction_deg, found.sigma_deg);
   std::cerr << kName << ": " << text << std::endl;
-  if (found.sigma_deg > kUsefulSigma_deg) {
+  if (found.bends_share > kMostBends) {
+    std::cerr << kName << ": warning: nearly all of that may be the bend of these drives; give some with bends to both "
+              << "sides, or straight on" << std::endl;
+  } else if (found.sigma_deg > kUsefulSigma_deg) {
     std::cerr << kName << ": warning: that is not known to " << kUsefulSigma_deg
               << " deg; give more drives, or longer ones" << std::endl;
   }
   const double lidar_up = sensor.T_base_lidar().linear()(2, 2) < 0.0 ? -1.0 : 1.0;  // or it hangs
-  const double angle_deg = std::round(1e3 * (sensor.azimuth.angle_deg - lidar_up * found.azimuth_deg)) / 1e3;
+  const double angle_deg = std::round(1e3 * (sensor.azimuth.angle_deg - lidar_up * found.direction_deg)) / 1e3 + 0.0;
   if (std::abs(angle_deg) > AzimuthCorrectionParams::kMax_deg) {
-    throw InputError("the vehicle travels " + std::to_string(std::lround(found.azimuth_deg)) +
-                     " deg off base_link's x axis: that is how the lidar is mounted, to be told by tf or "
-                     "sensor.lidar_in_base");
+    throw InputError("that is more than " + std::string(kKey) +
+                     " takes (10 deg): it is how the lidar is mounted, to "
+                     "be told by tf or sensor.lidar_in_base");
   }
   printAndKeep(formatYaml({{kKey, angle_deg}}), options.output);
   return kExitDone;

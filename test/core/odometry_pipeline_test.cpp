@@ -336,6 +336,29 @@ TEST(OdometryPipeline, SweepsThatAreCompensatedAlreadyNeedNoTiming) {
   expectNear(results.back(), kDrive.T_odom_base(0.5), 0.05, "without timing");
 }
 
+// A head whose zero is off, and whose clouds begin at its own rear. Compensated clouds are timed by it, too.
+TEST(OdometryPipeline, AnAzimuthThatIsOffIsCorrectedAndTimedByTheHeadsOwnZero) {
+  constexpr double kOff_deg = -6.0;
+  const Eigen::Matrix3f turn = rotationFromRpy(0.0, 0.0, kOff_deg * kDegree).cast<float>();
+  for (const std::string source : {"azimuth", "none"}) {
+    PipelineParameters params = streetParameters();
+    params.sensor.timing.source = source;
+    std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
+    OdometryPipeline straight(params, 1);
+    const std::vector<SweepResult> expected = run(straight, sweeps);
+    for (Sweep& sweep : sweeps) {
+      for (Eigen::Vector3f& p : sweep.points_lidar) p = (turn * p).eval();
+    }
+    params.sensor.azimuth.angle_deg = -kOff_deg;
+    params.sensor.timing.start_azimuth_deg = 180.0 + kOff_deg;
+    OdometryPipeline corrected(params, 1);
+    const std::vector<SweepResult> results = run(corrected, sweeps);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      expectNear(results[i], expected[i].T_odom_base, 1e-4, source + " " + std::to_string(i));
+    }
+  }
+}
+
 TEST(OdometryPipeline, MeasurementsCanBeLeftOut) {
   const std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 5);
   const auto lastWith = [&](bool point, bool plane, bool corners) {

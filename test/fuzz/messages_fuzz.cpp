@@ -169,7 +169,8 @@ void monitor(FieldSource& source) {
 
 /// sweep_correction's, over some sweeps of which it learns.
 void predictions(FieldSource& source) {
-  static const PipelineParameters params;
+  PipelineParameters params;
+  params.sensor.azimuth.angle_deg = params.sensor.vertical_angle.angle_deg = 0.25;
   SweepCorrector corrector(params.sensor.vertical_angle, params.sensor.azimuth, params.sensor.correctedTiming(),
                            params.profile.sweep_correction, params.profile.level_keeping);
   for (int sweeps = 0; sweeps < 3; ++sweeps) {

@@ -189,6 +189,26 @@ TEST_F(Calibrate, AzimuthIsSoughtFromWhereTheLidarIsMounted) {
   EXPECT_NE(result_.err.find("sensor.lidar_in_base"), std::string::npos) << result_.err;
 }
 
+TEST_F(Calibrate, AzimuthSaysWhenItIsNotSure) {
+  std::vector<Pose> bend(200, Pose::Identity()), scatter = bend;
+  for (int i = 0; i < 200; ++i) {
+    const double yaw_rad = 0.02 * i;
+    bend[static_cast<std::size_t>(i)] = poseFromVector(
+        (Vector6d() << 50.0 * std::sin(yaw_rad), 50.0 * (1.0 - std::cos(yaw_rad)), 0.0, 0.0, 0.0, yaw_rad).finished());
+    scatter[static_cast<std::size_t>(i)].translation() << i, i % 20 < 10 ? 0.02 * (i % 20) : 0.0, 0.0;
+  }
+  const std::string file = (folder_ / "poses.txt").string();
+  writeKittiTrajectory(file, bend);
+  run(CALIBRATE_AZIMUTH, " --trajectory '" + file + "'");
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_NE(result_.err.find("may be the bend of these drives"), std::string::npos) << result_.err;
+  scatter.resize(60);
+  writeKittiTrajectory(file, scatter);
+  run(CALIBRATE_AZIMUTH, " --trajectory '" + file + "'");
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_NE(result_.err.find("not known to 0.1 deg"), std::string::npos) << result_.err;
+}
+
 TEST_F(Calibrate, AzimuthSaysWhatItCannotUse) {
   writeSkewedRun(folder_ / "short", 0.0, 30);
   writeSkewedRun(folder_ / "other", 0.2);
@@ -204,6 +224,11 @@ TEST_F(Calibrate, AzimuthSaysWhatItCannotUse) {
   run(CALIBRATE_AZIMUTH, " --run '" + (folder_ / "nowhere").string() + "'");
   EXPECT_EQ(result_.exit_code, 2);
   EXPECT_NE(result_.err.find("nowhere"), std::string::npos) << result_.err;
+  fs::create_directories(folder_ / "broken");
+  std::ofstream(folder_ / "broken" / "parameters.yaml") << "sensor:\n  lidar_in_base: [1.0, 2.0, 3.0]\n";
+  run(CALIBRATE_AZIMUTH, " --run '" + (folder_ / "broken").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("sensor.lidar_in_base: must be 6"), std::string::npos) << result_.err;
   for (const std::string arguments : {std::string(), of_short + " --trajectory x.txt"}) {
     run(CALIBRATE_AZIMUTH, arguments);
     EXPECT_EQ(result_.exit_code, 2);

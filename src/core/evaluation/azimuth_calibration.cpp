@@ -15,43 +15,70 @@ namespace fail_aware {
 namespace {
 
 constexpr double kLeastWay_m = 0.1;
+constexpr double kLargestWay_m = 100.0;  // of any vehicle in a sweep
+constexpr double kJump = 3.0;            // times the median way
 constexpr int kLeastMotions = 50;
+constexpr double kAhead_deg = 45.0;
 constexpr int kStretches = 10;
 constexpr int kIterations = 20;
 constexpr double kMadToSigma = 1.4826;
 constexpr double kCauchy = 2.385;  // 95 % efficient where errors are Gaussian
 constexpr double kLeastSigma_m = 1e-9;
 
-struct Motions {
-  Eigen::MatrixX3d terms;  ///< of psi, b, k
-  Eigen::VectorXd side_m;  ///< y - x w / 2
-  double way_m = 0.0;
-};
-
-Motions motionsOf(const std::vector<std::vector<Pose>>& trajectories) {
-  std::vector<Eigen::Vector4d> rows;
-  Motions motions;
-  for (const std::vector<Pose>& trajectory : trajectories) {
-    for (std::size_t i = 1; i < trajectory.size(); ++i) {
-      const Pose motion = trajectory[i - 1].inverse() * trajectory[i];
-      const double x = motion.translation().x(), y = motion.translation().y();
-      if (!(std::abs(x) >= kLeastWay_m)) continue;
-      const double w = rpyFromRotation(motion.linear()).z();
-      rows.emplace_back(x, w, -w * x * x, y - 0.5 * x * w);
-      motions.way_m += std::abs(x);
-    }
+/// From sweep to sweep, without standing, gaps and jumps.
+std::vector<Pose> motionsOf(const std::vector<Pose>& trajectory) {
+  std::vector<Pose> motions;
+  std::vector<double> ways_m;
+  const auto wayOf_m = [](const Pose& motion) { return motion.translation().head<2>().norm(); };
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    const Pose motion = trajectory[i - 1].inverse() * trajectory[i];
+    const double way_m = wayOf_m(motion);
+    if (!(way_m >= kLeastWay_m && way_m <= kLargestWay_m)) continue;
+    motions.push_back(motion);
+    ways_m.push_back(way_m);
   }
-  const auto size = static_cast<Eigen::Index>(rows.size());
-  motions.terms.resize(size, 3);
-  motions.side_m.resize(size);
-  for (Eigen::Index i = 0; i < size; ++i) {
-    motions.terms.row(i) = rows[static_cast<std::size_t>(i)].head<3>();
-    motions.side_m[i] = rows[static_cast<std::size_t>(i)][3];
-  }
+  if (motions.empty()) return motions;
+  const double longest_m = kJump * quantile(ways_m, 0.5);
+  motions.erase(std::remove_if(motions.begin(), motions.end(), [&](const Pose& m) { return wayOf_m(m) > longest_m; }),
+                motions.end());
   return motions;
 }
 
-/// The fit's psi, rad. At one speed, or straight on, b and k are not determined: the smallest solution serves.
+struct Equations {
+  explicit Equations(const std::vector<Pose>& motions)
+      : terms(static_cast<Eigen::Index>(motions.size()), 3), side_m(terms.rows()) {
+    for (Eigen::Index i = 0; i < terms.rows(); ++i) {
+      const Pose& motion = motions[static_cast<std::size_t>(i)];
+      const double x = motion.translation().x(), y = motion.translation().y();
+      const double w = rpyFromRotation(motion.linear()).z();
+      terms.row(i) << x, w, -w * x * x;
+      side_m[i] = y - 0.5 * x * w;
+    }
+  }
+
+  Eigen::MatrixX3d terms;  ///< of tan psi, b, k
+  Eigen::VectorXd side_m;  ///< y - x w / 2
+};
+
+void requireAhead(const std::vector<Pose>& motions) {
+  Eigen::Vector2d way = Eigen::Vector2d::Zero();
+  for (const Pose& motion : motions) way += motion.translation().head<2>();
+  const double direction_deg = std::atan2(way.y(), way.x()) / kDegree;
+  if (std::abs(direction_deg) <= kAhead_deg) return;
+  throw InputError("the vehicle travels " + std::to_string(std::lround(direction_deg)) +
+                   " deg off base_link's x axis: that is how the lidar is mounted, to be told by tf or "
+                   "sensor.lidar_in_base, or driven in reverse");
+}
+
+/// Share of psi's term that those of b and k span.
+double bendsShare(const Eigen::MatrixX3d& terms) {
+  const Eigen::VectorXd x = terms.col(0);
+  const auto bends = terms.rightCols<2>();
+  const Eigen::VectorXd spanned = bends * bends.completeOrthogonalDecomposition().solve(x);
+  return spanned.squaredNorm() / x.squaredNorm();
+}
+
+/// The fit's psi, rad. Straight on, or at one speed, b and k are not determined: the smallest solution serves.
 double fit_rad(const Eigen::MatrixX3d& terms, const Eigen::VectorXd& side_m) {
   Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(side_m.size());
   Eigen::Vector3d solution = Eigen::Vector3d::Zero();
@@ -70,16 +97,23 @@ double fit_rad(const Eigen::MatrixX3d& terms, const Eigen::VectorXd& side_m) {
 }  // namespace
 
 DirectionOfTravel directionOfTravel(const std::vector<std::vector<Pose>>& trajectories) {
-  const Motions all = motionsOf(trajectories);
-  const auto count = static_cast<int>(all.side_m.size());
+  std::vector<Pose> motions;
+  for (const std::vector<Pose>& trajectory : trajectories) {
+    const std::vector<Pose> of_drive = motionsOf(trajectory);
+    motions.insert(motions.end(), of_drive.begin(), of_drive.end());
+  }
+  const auto count = static_cast<int>(motions.size());
   if (count < kLeastMotions) {
-    throw InputError(std::to_string(count) + " motions of at least 0.1 m from sweep to sweep: " +
+    throw InputError(std::to_string(count) + " motions of 0.1 m and more from sweep to sweep: at least " +
                      std::to_string(kLeastMotions) + " are needed to tell the direction of travel");
   }
+  requireAhead(motions);
+  const Equations all(motions);
   DirectionOfTravel found;
   found.motions = count;
-  found.way_m = all.way_m;
-  found.azimuth_deg = fit_rad(all.terms, all.side_m) / kDegree;
+  for (const Pose& motion : motions) found.way_m += motion.translation().head<2>().norm();
+  found.direction_deg = fit_rad(all.terms, all.side_m) / kDegree;
+  found.bends_share = bendsShare(all.terms);
 
   Eigen::ArrayXd without_deg(kStretches);  // one stretch left out
   for (int k = 0; k < kStretches; ++k) {

@@ -60,7 +60,7 @@ TEST(AzimuthCalibration, FindsTheAzimuthWhateverTheLeverAndTheSlip) {
     for (std::size_t i = 1; i < poses.size(); ++i)
       way_m += (poses[i].translation() - poses[i - 1].translation()).norm();
     const DirectionOfTravel found = directionOfTravel({poses});
-    EXPECT_NEAR(found.azimuth_deg, 0.7, 0.002) << slip_s2_per_m;
+    EXPECT_NEAR(found.direction_deg, 0.7, 0.002) << slip_s2_per_m;
     EXPECT_LT(found.sigma_deg, 0.002);
     EXPECT_EQ(found.motions, drive.sweeps - 1);
     EXPECT_NEAR(found.way_m, way_m, 1.0);
@@ -75,7 +75,7 @@ TEST(AzimuthCalibration, SaysHowSureItIs) {
   constexpr unsigned kDrives = 40;
   for (unsigned seed = 0; seed < kDrives; ++seed) {
     const DirectionOfTravel found = directionOfTravel({drive.trajectory(seed)});
-    squares += std::pow(found.azimuth_deg + 0.3, 2);
+    squares += std::pow(found.direction_deg + 0.3, 2);
     said += found.sigma_deg * found.sigma_deg;
   }
   EXPECT_LT(std::sqrt(squares / kDrives), 0.05);
@@ -90,7 +90,7 @@ TEST(AzimuthCalibration, DrivesAreTakenTogether) {
   const DirectionOfTravel four =
       directionOfTravel({left.trajectory(1), left.trajectory(2), left.trajectory(3), left.trajectory(4)});
   EXPECT_EQ(four.motions, 4 * one.motions) << "none between two drives";
-  EXPECT_NEAR(four.azimuth_deg, 0.4, 4.0 * four.sigma_deg);
+  EXPECT_NEAR(four.direction_deg, 0.4, 0.04);
   EXPECT_LT(four.sigma_deg, one.sigma_deg);
 }
 
@@ -99,7 +99,7 @@ TEST(AzimuthCalibration, StraightOnAtOneSpeedWillDo) {
   straight.azimuth_deg = 0.25;
   straight.bends = 0.0;
   straight.least_mps = straight.most_mps = 10.0;
-  EXPECT_NEAR(directionOfTravel({straight.trajectory(1)}).azimuth_deg, 0.25, 1e-6);
+  EXPECT_NEAR(directionOfTravel({straight.trajectory(1)}).direction_deg, 0.25, 1e-6);
 }
 
 TEST(AzimuthCalibration, FalseMotionsCountLittle) {
@@ -107,11 +107,46 @@ TEST(AzimuthCalibration, FalseMotionsCountLittle) {
   drive.azimuth_deg = 0.25;
   drive.noise_m = 0.005;
   std::vector<Pose> poses = drive.trajectory(1);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (i % 20 == 10) poses[i].translation().y() += 1.0;  // and back, in the next
-    if (i >= 200) poses[i].translation().x() += 7.0;      // once
+  for (std::size_t i = 10; i < poses.size(); i += 20) poses[i].translation().y() += 1.0;  // and back, in the next
+  EXPECT_NEAR(directionOfTravel({poses}).direction_deg, 0.25, 0.06);
+}
+
+TEST(AzimuthCalibration, GapsAndJumpsAreLeftOut) {
+  Drive drive;
+  drive.azimuth_deg = 0.25;
+  drive.noise_m = 0.005;
+  for (const double jump_m : {7.0, 60.0, 200.0}) {
+    std::vector<Pose> poses = drive.trajectory(1);
+    poses.erase(poses.begin() + 100, poses.begin() + 110);
+    const Pose jump = at(jump_m, 0.6 * jump_m, 0.0, 0.3);
+    for (std::size_t i = 200; i < poses.size(); ++i) poses[i] = jump * poses[i];
+    const DirectionOfTravel found = directionOfTravel({poses});
+    EXPECT_NEAR(found.direction_deg, 0.25, 0.03) << jump_m;
+    EXPECT_LT(found.sigma_deg, 0.04) << jump_m;
+    EXPECT_EQ(found.motions, static_cast<int>(poses.size()) - 3) << jump_m;
   }
-  EXPECT_NEAR(directionOfTravel({poses}).azimuth_deg, 0.25, 0.06);
+}
+
+TEST(AzimuthCalibration, HugeMotionsAreNoMotions) {
+  std::vector<Pose> poses = {Pose::Identity()};
+  for (int i = 1; i < 100; ++i) poses.push_back(at(1e200 * i, 1e150 * i));
+  EXPECT_THROW(directionOfTravel({poses}), InputError);
+}
+
+TEST(AzimuthCalibration, ASteadyBendIsSaidToTellNothing) {
+  std::vector<Pose> circle = {Pose::Identity()};
+  for (int i = 0; i < 200; ++i) circle.push_back(circle.back() * at(1.0, 0.0, 0.0, 0.02));
+  EXPECT_GT(directionOfTravel({circle}).bends_share, 0.99);
+  Drive both_sides;
+  EXPECT_LT(directionOfTravel({both_sides.trajectory(1)}).bends_share, 0.2);
+}
+
+TEST(AzimuthCalibration, AWayThatIsNotAheadIsRefused) {
+  for (const double yaw_deg : {60.0, 90.0, 180.0, -120.0}) {
+    Drive drive;
+    drive.azimuth_deg = yaw_deg;
+    EXPECT_THROW(directionOfTravel({drive.trajectory(1)}), InputError) << yaw_deg;
+  }
 }
 
 TEST(AzimuthCalibration, StandingTellsNothing) {

@@ -7,10 +7,12 @@
 //
 // with psi the direction of travel against the x axis (rad, counter-clockwise), b the distance of the frame's origin
 // ahead of the rear axle (m) and k the tyres' part (1/m, for sweeps of equal length in time). The three are fitted to all
-// motions at once, iteratively reweighted (Cauchy), so that single false motions count little.
+// motions at once, iteratively reweighted (Cauchy). Motions over gaps and jumps (longer than three times the drive's
+// median) are left out.
 //
-// What it cannot tell from psi: a road that falls to one side all the way, on which a vehicle travels a little askew;
-// a side wind; wheels out of line. Motions of several drives, both ways along the same roads, take most of that out.
+// A steady bend looks like psi: drives with bends to both sides, or straight on, are needed. Stays in psi, and is not in
+// its sigma: wheels that are out of line, and a road that falls to one side all the way (0.05 deg or so); a side wind, if
+// the way is not driven back.
 #pragma once
 
 #include <vector>
@@ -20,14 +22,15 @@
 namespace fail_aware {
 
 struct DirectionOfTravel {
-  double azimuth_deg = 0.0;  ///< psi
-  double sigma_deg = 0.0;    ///< jackknife over ten stretches: what follows from one another is not counted twice
-  int motions = 0;           ///< of at least 0.1 m
+  double direction_deg = 0.0;  ///< psi
+  double sigma_deg = 0.0;      ///< jackknife over ten stretches: what follows from one another is not counted twice
+  double bends_share = 0.0;  ///< of psi's part of the fit that b and k could take; 1: one steady bend, psi is not known
+  int motions = 0;           ///< that were used
   double way_m = 0.0;        ///< of them
 };
 
 /// Trajectories: T_base0_base sweep by sweep, each of one drive, all of one lidar on one vehicle. Throws InputError for
-/// fewer than 50 motions.
+/// fewer than 50 motions of at least 0.1 m, and where most of the way is not ahead (more than 45 deg off).
 DirectionOfTravel directionOfTravel(const std::vector<std::vector<Pose>>& trajectories);
 
 }  // namespace fail_aware

@@ -30,7 +30,7 @@ namespace fail_aware {
 
 class RegistrationFront {
  public:
-  /// timing: the sensor's; says whether sweeps come compensated, and how the head turns.
+  /// timing: SensorParameters::correctedTiming(); says whether sweeps come compensated, and how the head turns.
   explicit RegistrationFront(const RegistrationParameters& params, const SweepTimingParams& timing);
 
   /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).

@@ -1,7 +1,7 @@
 // Corrects a constant error of the head's azimuth: its zero does not point where the lidar's x axis should.
 //
-// As a rotation about z it changes nothing of what is matched; it turns the lidar frame in which the odometry speaks.
-// Off by one degree, each metre driven straight on ends 17 mm to the side. From drives alone it is found by
+// A rotation about z: what is matched keeps its shape, and the lidar frame in which the odometry speaks is turned. Off by
+// one degree, each metre driven straight on ends 17 mm to the side. From drives alone it is found by
 // evaluation/azimuth_calibration.hpp. A head that is mounted at another yaw is for sensor.lidar_in_base (tf), not this.
 //
 // The instant at which the head passes an azimuth is told by its own zero: SensorParameters::correctedTiming() gives
@@ -18,7 +18,7 @@ namespace fail_aware {
 struct AzimuthCorrectionParams {
   static constexpr double kMax_deg = 10.0;
 
-  double angle_deg = 0.0;  ///< added to each point's azimuth, counter-clockwise from above; 0: off
+  double angle_deg = 0.0;  ///< added to each point's azimuth, counter-clockwise about the lidar's z axis; 0: off
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
