@@ -10,6 +10,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kMaxAngle_rad = 6.3;  // once around
+
 void requireFinite(const char* name, const std::vector<double>& values, std::size_t count) {
   const bool finite = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
   if (values.size() == count && finite) return;
@@ -22,6 +24,11 @@ void requireFinite(const char* name, const std::vector<double>& values, std::siz
 void SensorParameters::validate() const {
   validateNested(*this);
   requireFinite("lidar_in_base", lidar_in_base, 6);
+  for (std::size_t i = 0; i < 3; ++i) requireWithin("lidar_in_base", lidar_in_base[i], -100.0, 100.0);
+  for (std::size_t i = 3; i < 6; ++i) {
+    requireParameter(std::abs(lidar_in_base[i]) <= kMaxAngle_rad, "lidar_in_base", lidar_in_base[i],
+                     "in [-6.3, 6.3] where it is an angle: rad, not deg");
+  }
 }
 
 Pose SensorParameters::T_base_lidar() const { return poseFromVector(Vector6d(lidar_in_base.data())); }

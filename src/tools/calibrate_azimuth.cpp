@@ -47,7 +47,13 @@ int run(const Options& options) {
     throw InputError("--run or --trajectory is needed, and not both (see --help)");
   }
   std::vector<std::vector<Pose>> trajectories;
-  for (const std::string& file : options.trajectories) trajectories.push_back(readKittiTrajectory(file));
+  for (const std::string& file : options.trajectories) {
+    trajectories.push_back(readKittiTrajectory(file));
+    if (movesLikeACamera(trajectories.back())) {
+      throw InputError(file +
+                       ": it moves along its z axis, as KITTI's poses of the camera do; those of the lidar are needed");
+    }
+  }
   SensorParameters sensor;
   if (!options.runs.empty()) sensor = sensorOf(options.runs.front());
   for (const fs::path folder : options.runs) {

@@ -67,6 +67,10 @@ Trajectories load(const Options& options) {
   in.estimate = readKittiTrajectory(options.estimate);
   if (!options.calib.empty()) in.truth = lidarFromCameraTrajectory(in.truth, readLidarToCamera(options.calib));
   requirePosePairs(in.truth, in.estimate);
+  if (movesLikeACamera(in.truth) && !movesLikeACamera(in.estimate)) {
+    std::cerr << kName << ": warning: " << options.ground_truth
+              << " moves along its z axis, as KITTI's poses of the camera do: give --calib calib.txt" << std::endl;
+  }
   if (!options.times.empty()) {
     in.stamps_s = readTimes(options.times);
   } else {

@@ -229,6 +229,11 @@ TEST_F(Calibrate, AzimuthSaysWhatItCannotUse) {
   run(CALIBRATE_AZIMUTH, " --run '" + (folder_ / "broken").string() + "'");
   EXPECT_EQ(result_.exit_code, 2);
   EXPECT_NE(result_.err.find("sensor.lidar_in_base: must be 6"), std::string::npos) << result_.err;
+  const std::string camera = (folder_ / "camera.txt").string();
+  std::ofstream(camera) << "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 2\n";
+  run(CALIBRATE_AZIMUTH, " --trajectory '" + camera + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("it moves along its z axis"), std::string::npos) << result_.err;
   for (const std::string arguments : {std::string(), of_short + " --trajectory x.txt"}) {
     run(CALIBRATE_AZIMUTH, arguments);
     EXPECT_EQ(result_.exit_code, 2);

@@ -98,6 +98,11 @@ TEST_F(EvaluateTrajectory, CalibrationAppliesToTheGroundTruth) {
       " --estimate " + straight("estimate", 31, 1.0));
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_NEAR(nlohmann::json::parse(result_.out)["ate_max_m"].get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(result_.err.find("--calib"), std::string::npos) << result_.err;
+
+  run("--ground-truth " + (folder_ / "camera").string() + " --estimate " + straight("estimate", 31, 1.0));
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_NE(result_.err.find("camera moves along its z axis"), std::string::npos) << result_.err;
 }
 
 TEST_F(EvaluateTrajectory, UnusableInputIsRefusedInOneLine) {

@@ -183,4 +183,15 @@ std::vector<Pose> lidarFromCameraTrajectory(const std::vector<Pose>& camera_pose
   return lidar_poses;
 }
 
+bool movesLikeACamera(const std::vector<Pose>& poses) {
+  double across_m = 0.0, along_z_m = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Eigen::Vector3d way =
+        poses[i - 1].linear().transpose() * (poses[i].translation() - poses[i - 1].translation());
+    across_m += way.head<2>().norm();
+    along_z_m += std::abs(way.z());
+  }
+  return along_z_m > across_m;
+}
+
 }  // namespace fail_aware

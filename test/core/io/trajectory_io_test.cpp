@@ -137,6 +137,21 @@ TEST_F(TrajectoryIo, CalibrationTurnsCameraMotionIntoLidarMotion) {
   EXPECT_TRUE(lidar[2].translation().isApprox(Eigen::Vector3d(0.27, -0.27, 0), 1e-12)) << lidar[2].translation();
 }
 
+TEST_F(TrajectoryIo, ACameraMovesAlongItsZAxis) {
+  std::vector<Pose> lidar(20, Pose::Identity()), camera;
+  Pose T_camera_lidar = Pose::Identity();
+  T_camera_lidar.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  for (int i = 0; i < 20; ++i) {  // a quarter of a circle
+    lidar[static_cast<std::size_t>(i)].linear() = rotationFromRpy(0.0, 0.0, 0.08 * i);
+    lidar[static_cast<std::size_t>(i)].translation() << 10.0 * std::sin(0.08 * i), 10.0 - 10.0 * std::cos(0.08 * i),
+        0.1 * i;
+  }
+  for (const Pose& T : lidar) camera.push_back(T_camera_lidar * T * T_camera_lidar.inverse());
+  EXPECT_FALSE(movesLikeACamera(lidar));
+  EXPECT_TRUE(movesLikeACamera(camera));
+  EXPECT_FALSE(movesLikeACamera({}));
+}
+
 TEST_F(TrajectoryIo, CalibrationWithoutTrIsRefused) {
   EXPECT_EQ(errorOf([&] { readLidarToCamera(file("P0: 1 2 3\n")); }),
             path_ + ": has no line 'Tr:' (12 numbers, lidar to camera)");

@@ -36,4 +36,7 @@ Pose readLidarToCamera(const std::string& path);
 /// KITTI's ground truth is that of the camera: T_lidar0_lidar = Tr^-1 T_camera0_camera Tr.
 std::vector<Pose> lidarFromCameraTrajectory(const std::vector<Pose>& camera_poses, const Pose& T_camera_lidar);
 
+/// Most of the way from pose to pose is along z: the frame is a camera's (z ahead), not a lidar's.
+bool movesLikeACamera(const std::vector<Pose>& poses);
+
 }  // namespace fail_aware
