@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char* kName = "calibrate_azimuth";
 constexpr const char* kKey = "sensor.azimuth.angle_deg";
 constexpr double kUsefulSigma_deg = 0.1;
-constexpr double kMostBends = 0.7;  // psi is known three times as well without them
+constexpr double kMostBends = 0.7;  // from here on they make its variance 3 times as large, and more
 
 struct Options {
   std::vector<std::string> runs, trajectories;
@@ -55,9 +55,9 @@ int run(const Options& options) {
     }
   }
   SensorParameters sensor;
-  if (!options.runs.empty()) sensor = sensorOf(options.runs.front());
   for (const fs::path folder : options.runs) {
     const SensorParameters own = sensorOf(folder);
+    if (trajectories.empty()) sensor = own;
     if (own.azimuth.angle_deg != sensor.azimuth.angle_deg || own.lidar_in_base != sensor.lidar_in_base) {
       throw InputError(folder.string() + ": its " + kKey + " or sensor.lidar_in_base is not that of " +
                        options.runs.front() + ": make all runs with the same");
@@ -80,9 +80,9 @@ int run(const Options& options) {
   const double lidar_up = sensor.T_base_lidar().linear()(2, 2) < 0.0 ? -1.0 : 1.0;  // or it hangs
   const double angle_deg = std::round(1e3 * (sensor.azimuth.angle_deg - lidar_up * found.direction_deg)) / 1e3 + 0.0;
   if (std::abs(angle_deg) > AzimuthCorrectionParams::kMax_deg) {
-    throw InputError("that is more than " + std::string(kKey) +
-                     " takes (10 deg): it is how the lidar is mounted, to "
-                     "be told by tf or sensor.lidar_in_base");
+    throw InputError("that is more than " + std::string(kKey) + " takes (" +
+                     std::to_string(std::lround(AzimuthCorrectionParams::kMax_deg)) +
+                     " deg): it is how the lidar is mounted, to be told by tf or sensor.lidar_in_base");
   }
   printAndKeep(formatYaml({{kKey, angle_deg}}), options.output);
   return kExitDone;
