@@ -78,7 +78,7 @@ class DriveSimulator {
   }
 
   void run() {
-    transforms_.sendTransform(lidarPlace(lidarInBase(parameters_.simulation), parameters_.names, ros::Time::now()));
+    transforms_.sendTransform(lidarPlace(parameters_.simulation.T_base_lidar(), parameters_.names, ros::Time::now()));
     while (ros::ok() && parameters_.wait_for_subscriber && clouds_.getNumSubscribers() == 0) {
       ros::WallDuration(0.05).sleep();
     }

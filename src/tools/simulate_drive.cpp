@@ -94,7 +94,7 @@ bool isBag(const std::string& output) { return fs::path(output).extension() == "
 std::unique_ptr<Output> openOutput(const Options& options) {
   if (!isBag(options.output)) return std::make_unique<KittiOutput>(options.output);
 #ifdef FAIL_AWARE_WITH_BAGS
-  return std::make_unique<BagOutput>(options.output, lidarInBase(options.simulation));
+  return std::make_unique<BagOutput>(options.output, options.simulation.T_base_lidar());
 #else
   throw InputError(options.output + ": this build has no ROS and writes no bags; give a folder");
 #endif

@@ -21,8 +21,4 @@ inline std::vector<Fault> parseFaults(const std::vector<std::string>& texts, dou
   return faults;
 }
 
-inline Pose lidarInBase(const DriveSimulation::Params& params) {
-  return poseFromVector(Eigen::Map<const Vector6d>(params.lidar_in_base.data()));
-}
-
 }  // namespace fail_aware

@@ -149,7 +149,7 @@ class SimulatedFaults : public testing::TestWithParam<Case> {
     watch<visualization_msgs::MarkerArray>("markers");
     watch<sensor_msgs::PointCloud2>("local_map");
     watch<tf2_msgs::TFMessage>("/tf");
-    graph_->sendTransform(poseFromVector(Eigen::Map<const Vector6d>(DriveSimulation::Params().lidar_in_base.data())));
+    graph_->sendTransform(DriveSimulation::Params().T_base_lidar());
     ASSERT_TRUE(graph_->waitUntilLinked());
     ASSERT_TRUE(graph_->start(cloudOf(cleanDrive({})[0])));
   }

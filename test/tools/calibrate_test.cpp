@@ -234,7 +234,7 @@ TEST_F(Calibrate, AzimuthSaysWhatItCannotUse) {
   run(CALIBRATE_AZIMUTH, " --trajectory '" + camera + "'");
   EXPECT_EQ(result_.exit_code, 2);
   EXPECT_NE(result_.err.find("it moves along its z axis"), std::string::npos) << result_.err;
-  for (const std::string arguments : {std::string(), of_short + " --trajectory x.txt"}) {
+  for (const std::string& arguments : {std::string(), of_short + " --trajectory x.txt"}) {
     run(CALIBRATE_AZIMUTH, arguments);
     EXPECT_EQ(result_.exit_code, 2);
     EXPECT_NE(result_.err.find("--run or --trajectory is needed"), std::string::npos) << result_.err;

@@ -321,6 +321,18 @@ TEST_F(OfflineOdometry, TheMonitorsLogReplaysToTheSameOutputForAnyStart) {
   }
 }
 
+TEST_F(OfflineOdometry, TellsHowManyStampsItRefused) {
+  const fs::path drive = copyOfDrive();
+  std::ofstream times(drive / "times.txt");
+  for (int i = 0; i < kScans; ++i) times << 0.1 * (i == 4 || i == 7 ? i - 1 : i) << "\n";
+  times.close();
+  run(drive);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(summary()["by_status"]["stamp_not_advancing"], 2);
+  EXPECT_EQ(result_.err.rfind("offline_odometry: warning: 2 of 10 sweeps refused", 0), 0u) << result_.err;
+  EXPECT_EQ(linesOf(result_.err).size(), 1u) << result_.err;
+}
+
 TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
   const fs::path drive = copyOfDrive();
   fs::resize_file(scan(drive, 3), fs::file_size(scan(drive, 3)) - 7);

@@ -7,6 +7,7 @@
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
 #include "fail_aware_lidar_odometry/core/parallel.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/scene.hpp"
 #include "fail_aware_lidar_odometry/core/simulation/traffic.hpp"
@@ -60,17 +61,18 @@ void DriveSimulation::Params::validate() const {
   requireWithin("duration_s", duration_s, 0.1, 1e6);
   ScenePlan::parse(scene, duration_s);
   requireParameter(seed >= 0, "seed", seed, ">= 0");
-  requireParameter(lidar_in_base.size() == 6, "lidar_in_base", lidar_in_base.size(), "six numbers");
-  for (double value : lidar_in_base) requireWithin("lidar_in_base", value, -100.0, 100.0);
+  requireMounting("lidar_in_base", lidar_in_base);
   drive.validate();
   lidar.validate();
 }
+
+Pose DriveSimulation::Params::T_base_lidar() const { return mountingPose(lidar_in_base); }
 
 struct DriveSimulation::Impl {
   Impl(const Params& p, int threads)
       : params((p.validate(), p)),
         seed(mixBits(static_cast<std::uint64_t>(p.seed))),
-        T_base_lidar(poseFromVector(Eigen::Map<const Vector6d>(p.lidar_in_base.data()))),
+        T_base_lidar(p.T_base_lidar()),
         scene(seed, ScenePlan::parse(p.scene, p.duration_s)),
         lidar(seed, p.lidar),
         traffic(seed),

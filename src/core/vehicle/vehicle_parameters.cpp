@@ -14,6 +14,7 @@ void VehicleParameters::validate() const {
       requirePositive(name, value);
     }
   });
+  requireParameter(mass_kg >= 50.0, "mass_kg", mass_kg, "at least 50: kg, not t");
 }
 
 }  // namespace fail_aware

@@ -40,10 +40,6 @@ std::vector<SimulatedSweep> simulate(const DriveSimulation::Params& params, int 
   return sweeps;
 }
 
-Pose lidarPlace(const DriveSimulation::Params& params) {
-  return poseFromVector(Eigen::Map<const Vector6d>(params.lidar_in_base.data()));
-}
-
 /// Points in the world; `corrected`: each by the pose of its own instant, with a constant twist over the sweep.
 std::vector<Eigen::Vector3d> inWorld(const SimulatedSweep& sweep, const Pose& T_base_lidar, bool corrected) {
   const Vector6d half = logSe3(sweep.T_world_base.inverse() * sweep.T_world_base_end);  // of the sweep's motion
@@ -123,7 +119,7 @@ TEST(DriveSimulation, truthFitsTheClouds) {
   // two sweeps 0.3 s apart, each point placed by the truth: they lie on the same surfaces, and 10 cm off they do not
   for (const char* scene : {"town", "country"}) {
     const DriveSimulation::Params params = perfectDrive(scene, 0.8, 1200);
-    const Pose T_base_lidar = lidarPlace(params);
+    const Pose T_base_lidar = params.T_base_lidar();
     const auto sweeps = simulate(params);
     SimulatedSweep shifted = sweeps[7];
     for (Pose* T : {&shifted.T_world_base, &shifted.T_world_base_end}) T->pretranslate(Eigen::Vector3d(0.1, 0.1, 0.1));
@@ -139,7 +135,7 @@ TEST(DriveSimulation, theGroundIsAtBaseLinksHeight) {
   for (const SimulatedSweep& sweep : simulate(params)) {
     std::vector<double> heights_m;
     for (const Eigen::Vector3f& p : sweep.sweep.points_lidar) {
-      const Eigen::Vector3d in_base = lidarPlace(params) * p.cast<double>();
+      const Eigen::Vector3d in_base = params.T_base_lidar() * p.cast<double>();
       const bool on_road = std::abs(in_base.y()) < 1.5 && std::abs(in_base.x()) > 3.0 && std::abs(in_base.x()) < 8.0;
       if (on_road) heights_m.push_back(in_base.z());
     }
@@ -152,7 +148,7 @@ TEST(DriveSimulation, theGroundIsAtBaseLinksHeight) {
 
 TEST(DriveSimulation, withoutRollingShutterPointsBelongToTheMiddle) {
   DriveSimulation::Params params = perfectDrive("town", 0.8, 1200);
-  const Pose T_base_lidar = lidarPlace(params);
+  const Pose T_base_lidar = params.T_base_lidar();
   const auto rolling = simulate(params);
   params.rolling_shutter = false;
   const auto global = simulate(params);
@@ -200,6 +196,7 @@ TEST(DriveSimulation, refusesBadParameters) {
   refused([](auto& p) { p.duration_s = 0.0; });
   refused([](auto& p) { p.seed = -1; });
   refused([](auto& p) { p.lidar_in_base = {1, 2}; });
+  refused([](auto& p) { p.lidar_in_base = {-0.6, 0, 1.73, 0, 0, 90}; });
   refused([](auto& p) { p.lidar.columns = 0; });
   refused([](auto& p) { p.lidar.period_s = 0.1004; });
   refused([](auto& p) { p.drive.start_speed_mps = 100.0; });

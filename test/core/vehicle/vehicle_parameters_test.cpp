@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "../parameters/error_of.hpp"
 
 namespace fail_aware {
 namespace {
@@ -58,6 +58,12 @@ TEST(VehicleParameters, onlyDampersAndLeverArmsMayBeZero) {
   EXPECT_NO_THROW(vehicle.validate());
   vehicle.cornering_stiffness_rear_n_per_rad = 0.0;
   EXPECT_THROW(vehicle.validate(), ParameterError);
+}
+
+TEST(VehicleParameters, aMassInTonnesIsRefused) {
+  VehicleParameters vehicle;
+  vehicle.mass_kg = 1.75;
+  EXPECT_EQ(errorOf([&] { vehicle.validate(); }), "mass_kg = 1.75: must be at least 50: kg, not t");
 }
 
 }  // namespace

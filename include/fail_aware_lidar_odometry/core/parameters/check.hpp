@@ -1,10 +1,13 @@
 // Checks for the `validate()` of parameter structs: they throw, naming field, value and rule.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace fail_aware {
 
@@ -36,6 +39,13 @@ inline void requireAtMost(const char* name, double value, double high) {
   std::ostringstream rule;
   rule << "<= " << high;
   requireParameter(false, name, value, rule.str().c_str());
+}
+
+inline void requireFiniteNumbers(const char* name, const std::vector<double>& values, std::size_t count) {
+  const bool finite = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  if (values.size() == count && finite) return;
+  throw ParameterError(std::string(name) + ": must be " + std::to_string(count) + " finite numbers, has " +
+                       std::to_string(values.size()));
 }
 
 // Whatever a number means: its square and its inverse are numbers, too.

@@ -54,6 +54,7 @@ class DriveSimulation {
       v("lidar", self.lidar);
     }
     void validate() const;
+    Pose T_base_lidar() const;
   };
 
   DriveSimulation(const Params& params, int threads);

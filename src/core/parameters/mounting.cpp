@@ -1,0 +1,28 @@
+#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
+
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kFarthest_m = 100.0, kMaxAngle_rad = 6.3;  // once around
+
+}  // namespace
+
+void requireMounting(const char* name, const std::vector<double>& x_y_z_roll_pitch_yaw) {
+  requireFiniteNumbers(name, x_y_z_roll_pitch_yaw, 6);
+  for (std::size_t i = 0; i < 3; ++i) requireWithin(name, x_y_z_roll_pitch_yaw[i], -kFarthest_m, kFarthest_m);
+  for (std::size_t i = 3; i < 6; ++i) {
+    requireParameter(std::abs(x_y_z_roll_pitch_yaw[i]) <= kMaxAngle_rad, name, x_y_z_roll_pitch_yaw[i],
+                     "in [-6.3, 6.3] where it is an angle: rad, not deg");
+  }
+}
+
+Pose mountingPose(const std::vector<double>& x_y_z_roll_pitch_yaw) {
+  return poseFromVector(Vector6d(x_y_z_roll_pitch_yaw.data()));
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,32 @@
+#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "error_of.hpp"
+
+namespace fail_aware {
+namespace {
+
+std::string refusal(const std::vector<double>& mounting) {
+  return errorOf([&] { requireMounting("place", mounting); });
+}
+
+TEST(Mounting, IsSixNumbersInMetresAndRadians) {
+  EXPECT_EQ(refusal({-0.6, 0.1, 1.73, 0.01, -0.02, 6.283}), kNoError);
+  EXPECT_EQ(refusal({-0.6, 0.1, 1.73}), "place: must be 6 finite numbers, has 3");
+  EXPECT_EQ(refusal({-0.6, 0.1, 1730, 0, 0, 0}), "place = 1730: must be in [-100, 100]");
+  EXPECT_EQ(refusal({0, 0, 0, 0, 0, -90}), "place = -90: must be in [-6.3, 6.3] where it is an angle: rad, not deg");
+  EXPECT_EQ(refusal({0, 0, 0, 0, 0, std::numeric_limits<double>::quiet_NaN()}),
+            "place: must be 6 finite numbers, has 6");
+}
+
+TEST(Mounting, IsThePoseOfItsNumbers) {
+  const Pose T = mountingPose({1, 2, 3, 0, 0, 0.5});
+  EXPECT_TRUE(T.translation().isApprox(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_TRUE(T.linear().isApprox(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix(), 1e-12));
+}
+
+}  // namespace
+}  // namespace fail_aware
