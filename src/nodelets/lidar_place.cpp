@@ -1,9 +1,25 @@
 #include "lidar_place.hpp"
 
+#include <vector>
+
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
 
 namespace fail_aware {
+
+namespace {
+
+Pose asMounting(const std::optional<Pose>& T) {
+  if (!T) throw ParameterError("the transform's numbers are no pose");
+  const Vector6d place = vectorFromPose(*T);
+  const std::vector<double> numbers(place.data(), place.data() + place.size());
+  requireMounting("the transform in m and rad", numbers);
+  return mountingPose(numbers);
+}
+
+}  // namespace
 
 void LidarPlace::useTransforms(const std::string& base_frame) {
   base_frame_ = withoutSlash(base_frame);
@@ -22,11 +38,11 @@ LidarPlace::Answer LidarPlace::find(const std::string& cloud_frame) {
     T_base_lidar_ = Pose::Identity();
   } else {
     try {
-      T_base_lidar_ = fromMessage(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform);
-      if (!T_base_lidar_) error_ = "the transform's numbers are no pose";
       // by way of the parameter's six numbers, as offline: the same to the last bit
-      if (T_base_lidar_) T_base_lidar_ = poseFromVector(vectorFromPose(*T_base_lidar_));
+      T_base_lidar_ = asMounting(fromMessage(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform));
     } catch (const tf2::TransformException& error) {
+      error_ = error.what();
+    } catch (const ParameterError& error) {
       error_ = error.what();
     }
   }

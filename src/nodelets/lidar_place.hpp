@@ -26,7 +26,7 @@ class LidarPlace {
   bool known() const { return T_base_lidar_.has_value(); }
   const Pose& T_base_lidar() const { return *T_base_lidar_; }
   const std::string& lidarFrame() const { return lidar_frame_; }
-  /// tf's own words about the transform that is missing.
+  /// tf's own words about the transform that is missing, or what is wrong with it.
   const std::string& error() const { return error_; }
 
  private:

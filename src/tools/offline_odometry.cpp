@@ -171,7 +171,7 @@ int run(const Options& options) {
   std::vector<StampedPose> base_trajectory;
   SweepLog log(output);
   std::vector<BadScan> bad_scans;
-  std::size_t side_file_problems = 0, points_dropped = 0, stamps_refused = 0;
+  std::size_t side_file_problems = 0, points_dropped = 0;
   Pose T_odom_lidar_first = Pose::Identity();
   std::optional<double> t1_stamp_s;
   Sweep sweep;
@@ -188,7 +188,6 @@ int run(const Options& options) {
       points_dropped += sweep.points_dropped;
       const double stamp_s = sweep.stamp_s;
       const SweepResult result = pipeline.step(sweep);
-      if (result.status == SweepStatus::kStampNotAdvancing) ++stamps_refused;
       if (!t1_stamp_s && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s = result.monitor.t1_stamp_s;
       const Pose T_odom_lidar = result.T_odom_base * T_base_lidar;
       if (i == options.first) T_odom_lidar_first = T_odom_lidar;
@@ -201,10 +200,9 @@ int run(const Options& options) {
   for (const BadScan& bad : bad_scans) {
     std::cerr << kName << ": warning: " << bad.reason << "; carried on as over a dropped sweep" << std::endl;
   }
-  if (stamps_refused > 0) {
-    std::cerr << kName << ": warning: " << stamps_refused << " of " << lidar_trajectory.size()
-              << " sweeps refused, their "
-              << "stamps are duplicate, out of order or far ahead: they are "
+  if (const std::size_t refused = log.count(SweepStatus::kStampNotAdvancing)) {
+    std::cerr << kName << ": warning: the stamps of " << refused << " of " << lidar_trajectory.size()
+              << " sweeps were refused (duplicate, out of order, far ahead): "
               << toString(SweepStatus::kStampNotAdvancing) << " in per_sweep.csv" << std::endl;
   }
   if (!t1_stamp_s) {

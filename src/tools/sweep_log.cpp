@@ -103,7 +103,7 @@ Json SweepLog::summary() const {
   json["p99_ms"] = quantileOrZero(0.99);
   for (const SweepStatus status :
        {SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
-    json["by_status"][toString(status)] = by_status_[static_cast<std::size_t>(status)];
+    json["by_status"][toString(status)] = count(status);
   }
   return json;
 }

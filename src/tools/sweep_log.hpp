@@ -21,6 +21,8 @@ class SweepLog {
 
   void add(double stamp_s, const SweepResult& result);
 
+  std::size_t count(SweepStatus status) const { return by_status_[static_cast<std::size_t>(status)]; }
+
   /// mean_ms, median_ms, p95_ms, p99_ms and counts by status.
   Json summary() const;
 

@@ -64,6 +64,15 @@ class Faults : public testing::Test {
     for (const std::string& name : names) topics.push_back(graph_.topic(name));
     EXPECT_TRUE(waitFor([&] { return allLinked(topics); }));
   }
+  /// Keeps in `said` what the filter says in /diagnostics.
+  ros::Subscriber listenToFilter(std::string& said) {
+    return graph_.node().subscribe<diagnostic_msgs::DiagnosticArray>(
+        "/diagnostics", 50, [&said](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
+          for (const auto& status : array->status) {
+            if (status.name.find("fusion_ukf") != std::string::npos) said = status.message;
+          }
+        });
+  }
   void start() {
     graph_.sendTransform();
     waitForLinks({kCloudTopic, "filter_state", "odometry"});
@@ -330,6 +339,20 @@ TEST_F(Faults, AStageThatAnswersLateIsGivenMoreTime) {
   }));
 }
 
+TEST_F(Faults, ATransformInMillimetresIsToldAndNotUsed) {
+  Pose in_mm = synthetic::Lidar().T_base_lidar;
+  in_mm.translation() *= 1000.0;
+  graph_.sendTransform(in_mm);
+  std::string said;
+  const ros::Subscriber listener = listenToFilter(said);
+  loadAllBut("");
+  ASSERT_TRUE(graph_.waitUntilLinked());
+  graph_.publish(streetCloud(next_++));
+  EXPECT_TRUE(waitFor([&] { return said.find("must be in [-100, 100]") != std::string::npos; })) << said;
+  graph_.sendTransform();
+  EXPECT_TRUE(graph_.start(streetCloud(next_)));
+}
+
 TEST_F(Faults, AStageThatIsAlwaysTooLateIsWaitedForNoLonger) {
   setDeadline(0.2);
   graph_.node().setParam("fusion_ukf/late_deadline_s", 0.2);
@@ -338,12 +361,7 @@ TEST_F(Faults, AStageThatIsAlwaysTooLateIsWaitedForNoLonger) {
   graph_.node().deleteParam("fusion_ukf/late_deadline_s");
   ros::Publisher slow = graph_.node().advertise<messages::PoseMeasurement>("measurement/corner_svd", 10);
   std::string said;
-  ros::Subscriber listener = graph_.node().subscribe<diagnostic_msgs::DiagnosticArray>(
-      "/diagnostics", 50, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& array) {
-        for (const auto& status : array->status) {
-          if (status.name.find("fusion_ukf") != std::string::npos) said = status.message;
-        }
-      });
+  const ros::Subscriber listener = listenToFilter(said);
   ASSERT_TRUE(graph_.waitUntilLinked());
   start();
   if (HasFatalFailure()) return;

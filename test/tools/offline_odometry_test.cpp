@@ -329,7 +329,9 @@ TEST_F(OfflineOdometry, TellsHowManyStampsItRefused) {
   run(drive);
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(summary()["by_status"]["stamp_not_advancing"], 2);
-  EXPECT_EQ(result_.err.rfind("offline_odometry: warning: 2 of 10 sweeps refused", 0), 0u) << result_.err;
+  EXPECT_EQ(result_.err.rfind("offline_odometry: warning: the stamps of 2 of 10 sweeps were refused", 0), 0u)
+      << result_.err;
+  EXPECT_NE(result_.err.find("stamp_not_advancing in per_sweep.csv"), std::string::npos) << result_.err;
   EXPECT_EQ(linesOf(result_.err).size(), 1u) << result_.err;
 }
 

@@ -11,10 +11,7 @@ namespace fail_aware {
 namespace {
 
 constexpr float kNowhere = 1e18f;  // a coordinate of what is no point, m; its distance is finite and beyond any limit
-// Of a map of 100 m around, with false returns in the air, too. Address space, not memory, as long as nothing is there:
-// growth that copies a map makes the sweep that it meets wait for a tenth of a second.
-constexpr std::size_t kReservedVoxels = std::size_t{1} << 18;
-constexpr double kUpright = 0.8;  // cosine of a post's tilt; a single scan line, thin too, lies flatter
+constexpr double kUpright = 0.8;   // cosine of a post's tilt; a single scan line, thin too, lies flatter
 
 /// False for what is not finite or has no voxel: |v| >= 1e9.
 bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e18; }
@@ -34,9 +31,12 @@ void VoxelMap::Params::validate() const {
 VoxelMap::VoxelMap(const Params& params) : params_(params), inverse_size_(1.0 / params.voxel_size_m) {
   params_.validate();
   slots_ = (static_cast<std::size_t>(params_.max_points) + kLane - 1) / kLane * kLane;
-  voxels_.reserve(kReservedVoxels);
-  points_.reserve(kReservedVoxels * 3 * slots_);
-  point_counts_.reserve(kReservedVoxels);
+}
+
+void VoxelMap::reserve(std::size_t voxels) {
+  voxels_.reserve(voxels);
+  points_.reserve(voxels * 3 * slots_);
+  point_counts_.reserve(voxels);
 }
 
 std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z) {

@@ -4,13 +4,23 @@
 
 namespace fail_aware {
 
+namespace {
+
+// Of 100 m around, with false returns in the air, too: a map that is copied makes the sweep that it meets wait for 0.1 s.
+constexpr std::size_t kReservedVoxels = std::size_t{1} << 18;
+
+}  // namespace
+
 void ReferenceMap::Params::validate() const {
   requireWithin("sweeps", sweeps, 0, 1000);
   requireWithin("range_m", range_m, 0.1, 2000.0);
   voxels.validate();
 }
 
-ReferenceMap::ReferenceMap(const Params& params) : params_(params), map_(params.voxels) { params_.validate(); }
+ReferenceMap::ReferenceMap(const Params& params) : params_(params), map_(params.voxels) {
+  params_.validate();
+  map_.reserve(kReservedVoxels);
+}
 
 void ReferenceMap::add(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog) {
   if (params_.sweeps == 0) {

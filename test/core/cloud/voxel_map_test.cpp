@@ -413,6 +413,16 @@ TEST(VoxelMap, isEmptyAfterClear) {
   EXPECT_FALSE(map.findNearest(Eigen::Vector3d::Zero(), 1.0, match));
 }
 
+TEST(VoxelMap, whatIsReservedStaysWhereItIs) {
+  VoxelMap map(testParams());
+  map.reserve(5000);
+  map.insert(randomPoints(1, 100.0f, 25), Pose::Identity());
+  const PlanePatch* const first = &map.surface(0);
+  map.insert(randomPoints(4000, 100.0f, 26), Pose::Identity());
+  EXPECT_GT(map.size(), 3000u);
+  EXPECT_EQ(&map.surface(0), first);
+}
+
 TEST(VoxelMap, validatesItsParameters) {
   const auto rejects = [](auto change) {
     VoxelMap::Params params = testParams();

@@ -59,6 +59,10 @@ class VoxelMap {
   VoxelMap() : VoxelMap(Params{}) {}
   explicit VoxelMap(const Params& params);
 
+  /// Room for so many voxels, whose growth copies no points and planes then (the index grows as it does). A page that
+  /// nothing was written to is no memory yet: 200 bytes of address space a voxel.
+  void reserve(std::size_t voxels);
+
   /// Adds points, moved into odom by T_odom_points, and refits the planes that changed. What is not finite is left out.
   void insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_odom_points);
 

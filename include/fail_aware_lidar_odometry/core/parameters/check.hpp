@@ -44,8 +44,8 @@ inline void requireAtMost(const char* name, double value, double high) {
 inline void requireFiniteNumbers(const char* name, const std::vector<double>& values, std::size_t count) {
   const bool finite = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
   if (values.size() == count && finite) return;
-  throw ParameterError(std::string(name) + ": must be " + std::to_string(count) + " finite numbers, has " +
-                       std::to_string(values.size()));
+  throw ParameterError(std::string(name) + ": must be " + std::to_string(count) + " finite numbers, " +
+                       (finite ? "has " + std::to_string(values.size()) : "has one that is not"));
 }
 
 // Whatever a number means: its square and its inverse are numbers, too.

@@ -7,7 +7,8 @@
 
 namespace fail_aware {
 
-/// Throws ParameterError: each number finite, within 100 m and once around (a mounting in mm or in deg is neither).
+/// Throws ParameterError unless each number is finite, and within 100 m and one turn: of mountings in mm or deg most are
+/// not.
 void requireMounting(const char* name, const std::vector<double>& x_y_z_roll_pitch_yaw);
 
 /// Of a list that requireMounting() takes.

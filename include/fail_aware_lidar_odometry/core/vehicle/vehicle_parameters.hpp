@@ -52,8 +52,8 @@ struct VehicleParameters {
     v("cornering_stiffness_rear_n_per_rad", self.cornering_stiffness_rear_n_per_rad);
   }
 
-  /// Throws ParameterError. Everything is > 0 but the dampers and the two lever arms, which may be 0; no vehicle
-  /// weighs less than 50 kg.
+  /// Throws ParameterError. Everything is > 0 but the dampers and the two lever arms, which may be 0; a mass
+  /// below 50 kg is taken for tonnes.
   void validate() const;
 };
 
