@@ -86,7 +86,7 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
     }
     const std::size_t count = point_counts_[i];
     if (count < max_points) {
-      float* const xs = &points_[i * 3 * slots_];
+      float* const xs = &points_[3 * slots_ * i];
       float *const ys = xs + slots_, *const zs = ys + slots_;
       bool spaced = true;
       for (std::size_t k = 0; k < count && spaced; ++k) {
@@ -226,7 +226,7 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
     const auto it = index_.find(packVoxel(vx, vy, vz));
     if (it == index_.end()) continue;
     const Eigen::Vector3f local = (query_odom - centreOf(vx, vy, vz)).cast<float>();
-    const float* const x = &points_[it->second * 3 * slots_];
+    const float* const x = &points_[3 * slots_ * it->second];
     const float *const y = x + slots_, *const z = y + slots_;
     const std::size_t count = point_counts_[it->second];
     for (std::size_t k = 0; k < count; k += kLane) {
@@ -247,7 +247,7 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
 std::vector<Eigen::Vector3d> VoxelMap::points() const {
   std::vector<Eigen::Vector3d> all;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
-    const float* const x = &points_[i * 3 * slots_];
+    const float* const x = &points_[3 * slots_ * i];
     for (std::size_t k = 0; k < point_counts_[i]; ++k) {
       all.push_back(centreOf(voxels_[i]) + Eigen::Vector3f(x[k], x[k + slots_], x[k + 2 * slots_]).cast<double>());
     }
