@@ -136,7 +136,7 @@ TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
 TEST_F(SimulateDrive, faultMatrixJudgesEverySeverity) {
   setenv("PATH", (fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH")).c_str(), 1);
   const auto matrix = [this](const std::string& arguments) {
-    return runProgram(FAULT_MATRIX, "-j 1 --output '" + path("matrix") + "' " + arguments, folder_);
+    return runProgram(FAULT_MATRIX, "-j 3 --output '" + path("matrix") + "' " + arguments, folder_);
   };
   const ToolRun run = matrix("--scenes town --faults empty_cloud");
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
@@ -177,7 +177,7 @@ esac
              .c_str(),
          1);
   const ToolRun run =
-      runProgram(FAULT_MATRIX, "-j 1 --scenes town --faults empty_cloud --output '" + path("matrix") + "'", folder_);
+      runProgram(FAULT_MATRIX, "-j 3 --scenes town --faults empty_cloud --output '" + path("matrix") + "'", folder_);
   EXPECT_EQ(run.exit_code, 1) << run.out << run.err;
   EXPECT_NE(run.out.find("0 passed, 3 failed"), std::string::npos) << run.out;
   for (const char* told : {"| not finite: measurements.csv |", "worst state not in FAILED to FAILED",

@@ -2,28 +2,27 @@
 
 #include <algorithm>
 
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-using Eigen6 = Eigen::SelfAdjointEigenSolver<Matrix6d>;
-
 Matrix6d symmetrized(const Matrix6d& C) { return 0.5 * (C + C.transpose()); }
 
 // Finite and, but for rounding, positive semi-definite.
 bool isCovariance(const Matrix6d& C) {
   if (!C.allFinite()) return false;
-  const Eigen6 eigen(symmetrized(C), Eigen::EigenvaluesOnly);
-  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 0.0);
-  return eigen.eigenvalues().minCoeff() >= -1e-9 * largest;
+  const Vector6d eigenvalues = symmetricEigenvalues(symmetrized(C));
+  const double largest = std::max(eigenvalues.maxCoeff(), 0.0);
+  return eigenvalues.minCoeff() >= -1e-9 * largest;
 }
 
 // Symmetric, eigenvalues raised to the floor (relative to the largest one too, so that a Cholesky root exists).
 Matrix6d floored(const Matrix6d& C, double min_variance) {
   Matrix6d symmetric = symmetrized(C);
-  const Eigen6 eigen(symmetric);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric);
   const double floor = std::max(min_variance, 1e-13 * eigen.eigenvalues().maxCoeff());
   if (eigen.eigenvalues().minCoeff() >= floor) return symmetric;
   return symmetrized(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
@@ -79,7 +78,7 @@ bool Ukf::correct(const Vector6d& z, const Matrix6d& R) {
   const Matrix6d half_whitened_transposed = half_whitened.transpose();
   const Matrix6d whitened_R = root.matrixL().solve(half_whitened_transposed);
   if (!whitened_R.allFinite()) return false;
-  const Eigen6 eigen(symmetrized(whitened_R));
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetrized(whitened_R));
   const Vector6d d = eigen.eigenvalues().cwiseMax(0.0);
   const Matrix6d A = root.matrixL() * eigen.eigenvectors();
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
+
 namespace fail_aware {
 
 namespace {
@@ -28,7 +30,7 @@ std::string unusableReason(const ExternalPose& pose) {
     return "the position's covariance is not positive";
   }
   if (!rotationMeasured(C)) return "";
-  if (!(Eigen::SelfAdjointEigenSolver<Matrix6d>(C).eigenvalues()[0] > 0.0)) return "the covariance is not positive";
+  if (!(symmetricEigenvalues(C)[0] > 0.0)) return "the covariance is not positive";
   return "";
 }
 

@@ -8,6 +8,7 @@
 #include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -42,7 +43,7 @@ std::optional<Matrix6d> inverseOfCovariance(const Matrix6d& C) {
   const Vector6d inverse_scale = scale.cwiseInverse();
   Matrix6d correlation = inverse_scale.asDiagonal() * (0.5 * C + 0.5 * C.transpose()) * inverse_scale.asDiagonal();
   correlation.diagonal().setOnes();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(correlation);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(correlation);
   if (eigen.info() != Eigen::Success || !(eigen.eigenvalues()[0] >= kIndefinite)) return std::nullopt;
   const Vector6d values = eigen.eigenvalues().cwiseMax(kSmallestEigenvalue);
   const Matrix6d half =

@@ -1,10 +1,11 @@
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 
@@ -19,7 +20,7 @@ typename Matrix::PlainObject symmetric(const Matrix& C) {
 // The nearest positive semidefinite matrix.
 Matrix6d positiveSemidefinite(const Matrix6d& C) {
   Matrix6d S = symmetric(C);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(S);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(S);
   if (eigen.eigenvalues()[0] >= 0.0) return S;
   const Matrix6d half = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
   return half * half.transpose();

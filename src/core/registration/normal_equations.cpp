@@ -6,6 +6,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -23,7 +24,7 @@ Spectrum spectrumOf(const Matrix6d& H, const ObservabilityParams& params) {
   Spectrum s;
   s.scale << 1.0, 1.0, 1.0, 1.0 / params.lever_m, 1.0 / params.lever_m, 1.0 / params.lever_m;
   const Matrix6d scaled = s.scale.asDiagonal() * H * s.scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver = symmetricEigen(scaled);
   s.eigenvalues = solver.eigenvalues();
   s.eigenvectors = solver.eigenvectors();
   return s;

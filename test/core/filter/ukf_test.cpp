@@ -6,19 +6,17 @@
 #include <limits>
 #include <random>
 
+#include "../../support/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
 
 Matrix6d randomCovariance(std::mt19937& random, double log10_low, double log10_high) {
-  std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> exponent(log10_low, log10_high);
-  Matrix6d A;
-  for (int i = 0; i < 36; ++i) A(i / 6, i % 6) = normal(random);
-  const Eigen::HouseholderQR<Matrix6d> qr(A);
-  const Matrix6d Q = qr.householderQ();
+  const Matrix6d Q = randomOrthogonal(random);
   Vector6d variances;
   for (int i = 0; i < 6; ++i) variances[i] = std::pow(10.0, exponent(random));
   const Matrix6d C = Q * variances.asDiagonal() * Q.transpose();
@@ -28,8 +26,7 @@ Matrix6d randomCovariance(std::mt19937& random, double log10_low, double log10_h
 void expectSymmetricPositiveDefinite(const Matrix6d& P) {
   ASSERT_TRUE(P.allFinite());
   ASSERT_EQ((P - P.transpose()).cwiseAbs().maxCoeff(), 0.0);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(P, Eigen::EigenvaluesOnly);
-  ASSERT_GT(eigen.eigenvalues().minCoeff(), 0.0);
+  ASSERT_GT(symmetricEigenvalues(P)[0], 0.0);
 }
 
 TEST(Ukf, equalsTheClosedFormKalmanFilterOnALinearCase) {
@@ -58,8 +55,9 @@ TEST(Ukf, equalsTheClosedFormKalmanFilterOnALinearCase) {
     for (int i = 0; i < 6; ++i) z[i] += 0.05 * normal(random);
     ASSERT_TRUE(ukf.correct(z, R));
     const Matrix6d S = P + R;
-    const Matrix6d K = P * S.inverse();
-    EXPECT_NEAR(ukf.nis(), (z - x).dot(S.inverse() * (z - x)), 1e-6);
+    const Matrix6d S_inverse = inverseOf(S);
+    const Matrix6d K = P * S_inverse;
+    EXPECT_NEAR(ukf.nis(), (z - x).dot(S_inverse * (z - x)), 1e-6);
     x += K * (z - x);
     P = (Matrix6d::Identity() - K) * P;
     ASSERT_LT((ukf.state() - x).norm(), 1e-8) << step;

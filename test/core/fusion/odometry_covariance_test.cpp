@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -10,6 +10,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 namespace {
@@ -28,7 +29,7 @@ Matrix6d incrementCovariance() {
   return C;
 }
 
-double smallestEigenvalue(const Matrix6d& C) { return Eigen::SelfAdjointEigenSolver<Matrix6d>(C).eigenvalues()[0]; }
+double smallestEigenvalue(const Matrix6d& C) { return symmetricEigenvalues(C)[0]; }
 
 // The pose's right error (dt, dr) in geometry/pose.hpp's convention between a true pose and an estimate.
 Vector6d poseError(const Pose& T_true, const Pose& T_estimate) {

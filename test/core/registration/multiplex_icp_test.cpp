@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "../../support/matrix6.hpp"
 #include "expect_usable.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -237,11 +237,11 @@ TEST(MultiplexIcp, aStepIsThatOfFiniteDifferences) {
   }
   EXPECT_EQ(m.inliers, used);
   EXPECT_NEAR(m.rms_residual_m, std::sqrt(squares / weights), 1e-6);
-  const Vector6d dx = H.ldlt().solve(b);
+  const Vector6d dx = solutionOf(H, b);
   EXPECT_GT(dx.norm(), 0.02);
   EXPECT_LT(translationError(m.T_odom_cog, applyStep(T0, dx)), 1e-6);
   EXPECT_LT(rotationErrorDeg(m.T_odom_cog, applyStep(T0, dx)), 1e-5);
-  const Matrix6d information = H.inverse() * params.correlation_inflation * squares / weights / 3.0;
+  const Matrix6d information = inverseOf(H) * params.correlation_inflation * squares / weights / 3.0;
   EXPECT_LT((m.covariance - dx * dx.transpose() - information).norm(), 1e-5 * information.norm());
 }
 

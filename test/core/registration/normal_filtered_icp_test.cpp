@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
 
+#include "../../support/matrix6.hpp"
 #include "expect_usable.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -129,12 +129,12 @@ TEST(NormalFilteredIcp, aStepIsThatOfFiniteDifferences) {
     b -= weight * r * J;
   }
   EXPECT_EQ(m.inliers, used);
-  const Vector6d dx = H.ldlt().solve(b);
+  const Vector6d dx = solutionOf(H, b);
   EXPECT_GT(dx.norm(), 0.05);
   const Pose expected = applyStep(T0, dx);
   EXPECT_LT(translationError(m.T_odom_cog, expected), 1e-6);
   EXPECT_LT(rotationErrorDeg(m.T_odom_cog, expected), 1e-5);
-  const Matrix6d information = H.inverse() * params.correlation_inflation;
+  const Matrix6d information = inverseOf(H) * params.correlation_inflation;
   EXPECT_LT((m.covariance - dx * dx.transpose() - information).norm(), 1e-6 * information.norm());
 }
 

@@ -9,12 +9,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
 #include <cstddef>
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 
@@ -66,7 +66,7 @@ using SigmaPoints = std::array<Eigen::Matrix<double, N, 1>, static_cast<std::siz
 template <int N>
 Eigen::Matrix<double, N, N> symmetricSquareRoot(const Eigen::Matrix<double, N, N>& C) {
   const Eigen::Matrix<double, N, N> symmetric = 0.5 * (C + C.transpose());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> eigen(symmetric);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> eigen = symmetricEigen(symmetric);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
          eigen.eigenvectors().transpose();
 }

@@ -1,0 +1,18 @@
+#include "matrix6.hpp"
+
+#include <Eigen/Dense>
+
+namespace fail_aware {
+
+Matrix6d inverseOf(const Matrix6d& A) { return A.inverse(); }
+
+Vector6d solutionOf(const Matrix6d& H, const Vector6d& b) { return H.ldlt().solve(b); }
+
+Matrix6d randomOrthogonal(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  Matrix6d A;
+  for (int i = 0; i < 36; ++i) A(i / 6, i % 6) = normal(random);
+  return Eigen::HouseholderQR<Matrix6d>(A).householderQ();
+}
+
+}  // namespace fail_aware
