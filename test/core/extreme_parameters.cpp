@@ -49,7 +49,7 @@ std::string faultOfDrive(const PipelineParameters& params, const std::vector<Swe
       if (!finite) return "not finite at " + std::to_string(sweep.stamp_s) + " s";
     }
   } catch (const std::exception& error) {
-    return error.what();
+    return std::string("threw: ") + error.what();
   }
   return "";
 }

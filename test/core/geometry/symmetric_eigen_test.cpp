@@ -1,0 +1,34 @@
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "../../support/matrix6.hpp"
+#include "../../support/poses.hpp"
+
+namespace fail_aware {
+namespace {
+
+TEST(SymmetricEigen, FindsTheAxesAMatrixWasMadeOf) {
+  std::mt19937 random(7);
+  const Vector6d values = vector6(-2.0, 1e-6, 0.5, 0.5, 3.0, 1e4);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Matrix6d Q = randomOrthogonal(random);
+    const Matrix6d C = Q * values.asDiagonal() * Q.transpose();
+    const auto eigen = symmetricEigen(C);
+    EXPECT_LT((eigen.eigenvalues() - values).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT((C * eigen.eigenvectors() - eigen.eigenvectors() * values.asDiagonal()).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_LT((symmetricEigenvalues(C) - values).cwiseAbs().maxCoeff(), 1e-9);
+  }
+}
+
+TEST(SymmetricEigen, ReadsTheLowerTriangleOnly) {
+  Matrix6d C = Vector6d::LinSpaced(1.0, 6.0).asDiagonal();
+  C(0, 5) = 100.0;
+  EXPECT_LT((symmetricEigenvalues(C) - Vector6d::LinSpaced(1.0, 6.0)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((symmetricEigen(C).eigenvalues() - Vector6d::LinSpaced(1.0, 6.0)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+}  // namespace
+}  // namespace fail_aware
