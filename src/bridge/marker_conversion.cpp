@@ -1,6 +1,5 @@
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 
@@ -203,7 +203,7 @@ MarkerArray uncertaintyMarkers(const Eigen::Matrix2d& covariance_odom, const Eig
   };
   Eigen::Matrix2d root = Eigen::Matrix2d::Constant(std::nan(""));
   if (covariance_odom.allFinite()) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance_odom);
+    const auto eigen = symmetricEigen(covariance_odom);
     root = eigen.eigenvectors() * eigen.eigenvalues().cwiseSqrt().asDiagonal();  // NaN if there is a negative one
   }
   for (const int sigmas : {1, 2, 3}) addRing("uncertainty", sigmas, kBlue, sigmas * root);

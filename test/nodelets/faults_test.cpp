@@ -6,6 +6,7 @@
 #include <rosgraph_msgs/Log.h>
 #include <std_srvs/Trigger.h>
 
+#include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 
 namespace fail_aware {

@@ -8,6 +8,8 @@
 
 #include "../support/graph_driver.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 

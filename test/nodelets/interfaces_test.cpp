@@ -10,8 +10,10 @@
 #include <filesystem>
 #include <set>
 
+#include "../support/bus_links.hpp"
 #include "../support/driver_clouds.hpp"
 #include "../support/graph_driver.hpp"
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 
 namespace fail_aware {

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 
 namespace fail_aware {

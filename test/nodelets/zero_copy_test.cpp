@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 
 namespace fail_aware {

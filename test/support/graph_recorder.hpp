@@ -33,10 +33,7 @@ inline bool waitFor(const std::function<bool()>& condition, double patience_s = 
 template <class Message>
 class Recorder {
  public:
-  Recorder(ros::NodeHandle& node, const std::string& topic)
-      : subscriber_(node.subscribe<Message>(topic, 100, [this](const typename Message::ConstPtr& message) {
-          messages_[message->header.stamp].push_back(message);
-        })) {}
+  Recorder(ros::NodeHandle& node, const std::string& topic);
 
   bool connected() const { return subscriber_.getNumPublishers() > 0; }
   std::size_t count(const ros::Time& stamp) const {
@@ -50,5 +47,11 @@ class Recorder {
   std::map<ros::Time, std::vector<typename Message::ConstPtr>> messages_;
   ros::Subscriber subscriber_;
 };
+
+template <class Message>
+Recorder<Message>::Recorder(ros::NodeHandle& node, const std::string& topic)
+    : subscriber_(node.subscribe<Message>(topic, 100, [this](const typename Message::ConstPtr& message) {
+        messages_[message->header.stamp].push_back(message);
+      })) {}
 
 }  // namespace fail_aware

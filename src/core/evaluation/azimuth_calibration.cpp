@@ -70,11 +70,16 @@ void requireAhead(const std::vector<Pose>& motions) {
                    "sensor.lidar_in_base, or driven in reverse");
 }
 
+/// x of A x = b in the sense of least squares; of several the smallest.
+Eigen::VectorXd smallestSolution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  return A.completeOrthogonalDecomposition().solve(b);
+}
+
 /// Share of psi's term that those of b and k span.
 double bendsShare(const Eigen::MatrixX3d& terms) {
   const Eigen::VectorXd x = terms.col(0);
-  const auto bends = terms.rightCols<2>();
-  const Eigen::VectorXd spanned = bends * bends.completeOrthogonalDecomposition().solve(x);
+  const Eigen::MatrixXd bends = terms.rightCols<2>();
+  const Eigen::VectorXd spanned = bends * smallestSolution(bends, x);
   return spanned.squaredNorm() / x.squaredNorm();
 }
 
@@ -83,8 +88,7 @@ double fit_rad(const Eigen::MatrixX3d& terms, const Eigen::VectorXd& side_m) {
   Eigen::VectorXd root_weights = Eigen::VectorXd::Ones(side_m.size());
   Eigen::Vector3d solution = Eigen::Vector3d::Zero();
   for (int i = 0; i < kIterations; ++i) {
-    solution =
-        (root_weights.asDiagonal() * terms).completeOrthogonalDecomposition().solve(root_weights.cwiseProduct(side_m));
+    solution = smallestSolution(root_weights.asDiagonal() * terms, root_weights.cwiseProduct(side_m));
     const Eigen::ArrayXd error_m = (side_m - terms * solution).array();
     const Eigen::ArrayXd size_m = error_m.abs();
     const double median_m = quantile(std::vector<double>(size_m.data(), size_m.data() + size_m.size()), 0.5);

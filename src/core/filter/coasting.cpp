@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -93,7 +94,7 @@ Coasting::Motion Coasting::begin(const Motion& before, double dt_s) {
 
 void Coasting::correctVelocity(const Measured& measured, double dt_s, Motion& motion) {
   // along R's own axes, so that what is not measured can be left out altogether
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(measured.R);
+  const auto eigen = symmetricEigen(measured.R);
   for (int i = 0; i < 3; ++i) {
     const double variance = eigen.eigenvalues()[i];
     if (variance > params_.max_measured_sigma_m * params_.max_measured_sigma_m) continue;

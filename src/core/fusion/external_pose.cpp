@@ -1,6 +1,5 @@
 #include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +25,7 @@ std::string unusableReason(const ExternalPose& pose) {
   if (scale == 0.0) return "the covariance is all zero: it must say how good the pose is";
   if (!(C - C.transpose()).isZero(1e-6 * scale)) return "the covariance is not symmetric";
   const Eigen::Matrix3d position = C.topLeftCorner<3, 3>();
-  if (!(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(position).eigenvalues()[0] > 0.0)) {
+  if (!(symmetricEigen(position).eigenvalues()[0] > 0.0)) {
     return "the position's covariance is not positive";
   }
   if (!rotationMeasured(C)) return "";

@@ -1,6 +1,5 @@
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -52,7 +51,7 @@ std::optional<Matrix6d> inverseOfCovariance(const Matrix6d& C) {
 }
 
 double mahalanobis2d(const Eigen::Vector2d& d, const Eigen::Matrix2d& C) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(C);
+  const auto eigen = symmetricEigen(C);
   const Eigen::Vector2d sigmas = eigen.eigenvalues().cwiseMax(kSmallestVariance).cwiseSqrt();
   return (eigen.eigenvectors().transpose() * d).cwiseQuotient(sigmas).norm();
 }

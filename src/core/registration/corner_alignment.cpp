@@ -8,6 +8,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rigid_alignment.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -193,8 +194,7 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
   measurement.weak_directions = 3;
   measurement.rms_residual_m = std::sqrt(squares_m2 / corners);
   // Of good_corners all around at the mean weight: information about a horizontal direction = their summed weight.
-  const Eigen::Vector2d variances =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(planar.topLeftCorner<2, 2>()).eigenvalues();
+  const Eigen::Vector2d variances = symmetricEigen(Eigen::Matrix2d(planar.topLeftCorner<2, 2>())).eigenvalues();
   const double good_information = total_weight / corners * static_cast<double>(params_.good_corners);
   measurement.min_information_share = std::min(1.0, 1.0 / (variances(1) * good_information));
 }

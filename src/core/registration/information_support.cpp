@@ -1,9 +1,9 @@
 #include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -41,8 +41,7 @@ double InformationSupport::countedShare() const {
 }
 
 Eigen::Vector2d weakestHorizontal(const Eigen::Matrix2d& information) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(information);
-  return eigen.eigenvectors().col(0);
+  return symmetricEigen(information).eigenvectors().col(0);
 }
 
 }  // namespace fail_aware

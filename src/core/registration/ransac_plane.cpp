@@ -1,6 +1,5 @@
 #include "fail_aware_lidar_odometry/core/registration/ransac_plane.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -8,6 +7,7 @@
 #include <random>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -77,7 +77,7 @@ double fitPlane(const std::vector<Eigen::Vector3f>& points, const std::vector<in
   Eigen::Matrix3d covariance;
   covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
   covariance = covariance / n - mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance);
+  const auto eigen = symmetricEigen(covariance);
   plane.normal = eigen.eigenvectors().col(0);
   plane.d_m = -plane.normal.dot(origin + mean);
   return std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));

@@ -1,11 +1,11 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -271,7 +271,7 @@ void RegistrationFront::addStanding(Measurement& measurement) const {
   measurement.covariance(5, 5) += surface_sigma_rad * surface_sigma_rad;
   if (!standing_pose_) return;
   const Pose& T = standing_pose_->T_odom_cog;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(standing_pose_->covariance);
+  const auto eigen = symmetricEigen(standing_pose_->covariance);
   for (int i = 0; i < 3; ++i) {  // along these the errors are independent
     Vector6d direction = Vector6d::Zero();
     direction.head<2>() = eigen.eigenvectors().col(i).head<2>();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "../../support/matrix6.hpp"
@@ -28,6 +29,19 @@ TEST(SymmetricEigen, ReadsTheLowerTriangleOnly) {
   C(0, 5) = 100.0;
   EXPECT_LT((symmetricEigenvalues(C) - Vector6d::LinSpaced(1.0, 6.0)).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((symmetricEigen(C).eigenvalues() - Vector6d::LinSpaced(1.0, 6.0)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(SymmetricEigen, OfAPlaneAndOfSpace) {
+  Eigen::Matrix2d plane;
+  plane << 2.0, 100.0, 1.0, 2.0;  // its upper triangle is not read
+  const auto in_plane = symmetricEigen(plane);
+  EXPECT_LT((in_plane.eigenvalues() - Eigen::Vector2d(1.0, 3.0)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_NEAR(std::abs(in_plane.eigenvectors().col(1).dot(Eigen::Vector2d(1.0, 1.0))), std::sqrt(2.0), 1e-12);
+  Eigen::Matrix3d space;
+  space << 2.0, 100.0, 100.0, 1.0, 2.0, 100.0, 0.0, 0.0, 5.0;
+  const auto in_space = symmetricEigen(space);
+  EXPECT_LT((in_space.eigenvalues() - Eigen::Vector3d(1.0, 3.0, 5.0)).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_NEAR(std::abs(in_space.eigenvectors()(2, 2)), 1.0, 1e-12);
 }
 
 }  // namespace
