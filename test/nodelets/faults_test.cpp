@@ -6,6 +6,10 @@
 #include <rosgraph_msgs/Log.h>
 #include <std_srvs/Trigger.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 

@@ -7,8 +7,12 @@
 #include <std_srvs/Trigger.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <functional>
 #include <set>
+#include <vector>
 
 #include "../support/bus_links.hpp"
 #include "../support/driver_clouds.hpp"

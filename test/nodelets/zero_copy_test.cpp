@@ -5,6 +5,7 @@
 
 #include <set>
 #include <string>
+#include <vector>
 
 #include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"

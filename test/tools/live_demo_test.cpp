@@ -1,6 +1,6 @@
 // Runs scripts/live_demo: the live graph on a made-up drive, on a ROS master of its own. LIVE_DEMO is its path,
 // DRIVE_SIMULATOR that of its node (compile definitions); the workspace's setup.bash must be sourced, as it is under
-// catkin's tests.
+// ctest in a catkin workspace.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>

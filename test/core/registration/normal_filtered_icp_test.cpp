@@ -1,17 +1,18 @@
-
-
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
 #include "../../support/matrix6.hpp"
 #include "expect_usable.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
-#include <cmath>
-#include <gtest/gtest.h>
-#include <limits>
-#include <random>
-#include <vector>
 
 namespace fail_aware {
 namespace {
