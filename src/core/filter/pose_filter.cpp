@@ -7,6 +7,7 @@
 
 #include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
@@ -116,7 +117,7 @@ namespace {
 /// A state covariance at `from`, turned with odom by R_new_old to the same body at `to`.
 Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
   const Matrix6d pose_covariance = rotateCovariance(toPoseCovariance(P, from), R_new_old);
-  const Matrix6d J_inverse = poseFromStateJacobian(to.tail<3>()).inverse();
+  const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
   const Matrix6d turned = J_inverse * pose_covariance * J_inverse.transpose();
   return 0.5 * (turned + turned.transpose());
 }
@@ -392,7 +393,7 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
     from_measurement = state.fusion.R;
   } else if (!isAsPredicted(state)) {
     const Matrix6d sum = Q + state.fusion.R;
-    const Matrix6d K = sum.ldlt().solve(Q).transpose();
+    const Matrix6d K = solutionOf(sum, Q).transpose();
     const Matrix6d left = Matrix6d::Identity() - K;
     from_prediction = left * Q * left.transpose();
     from_measurement = K * state.fusion.R * K.transpose();

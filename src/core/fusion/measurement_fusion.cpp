@@ -6,6 +6,7 @@
 
 #include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -66,7 +67,7 @@ std::optional<Candidate> makeCandidate(std::size_t input, const Measurement& mea
   candidate.input = input;
   candidate.z = vectorFromPose(T);
   if (!candidate.z.allFinite() || std::abs(std::cos(candidate.z[4])) < kGimbalLockCosine) return std::nullopt;
-  const Matrix6d state_from_pose = poseFromStateJacobian(candidate.z.tail<3>()).inverse();
+  const Matrix6d state_from_pose = inverseOf(poseFromStateJacobian(candidate.z.tail<3>()));
   const Matrix6d bounded = withBoundedVariances(0.5 * C + 0.5 * C.transpose());
   const Matrix6d R = state_from_pose * bounded * state_from_pose.transpose();
   candidate.R = 0.5 * (R + R.transpose());

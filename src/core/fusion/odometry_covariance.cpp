@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
@@ -71,7 +72,7 @@ OdometryIncrement OdometryCovariance::sinceGap(const Gap& gap, const Pose& T_gap
                                                const OdometryIncrement& increment) {
   const Matrix6d P = gap.since.lasting.topLeftCorner<6, 6>();
   const Matrix6d R = symmetric(rotateCovariance(*increment.confirmed, gap.T_odom_base.linear().transpose()));
-  const Matrix6d left = Matrix6d::Identity() - Matrix6d((P + R).ldlt().solve(P).transpose());
+  const Matrix6d left = Matrix6d::Identity() - Matrix6d(solutionOf(P + R, P).transpose());
   OdometryIncrement whole = increment;
   whole.dt_s = 0.0;  // what the speed's error has done is in P
   whole.unobserved = positiveSemidefinite(left * P * left.transpose());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
@@ -135,7 +136,7 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   return covariance;
 }
 
-bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance) { return dx.dot(covariance.ldlt().solve(dx)) < 1.0; }
+bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance) { return dx.dot(solutionOf(covariance, dx)) < 1.0; }
 
 Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx) {
   Pose T = T_odom_cog;

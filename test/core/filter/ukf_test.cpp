@@ -6,7 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "../../support/matrix6.hpp"
+#include "../../support/random_orthogonal.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "../../support/matrix6.hpp"
 #include "../../support/poses.hpp"
+#include "../../support/random_orthogonal.hpp"
 
 namespace fail_aware {
 namespace {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
-#include "../../support/matrix6.hpp"
 #include "expect_usable.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 

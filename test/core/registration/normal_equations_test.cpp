@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "../../support/matrix6.hpp"
 #include "../../support/poses.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"

@@ -1,12 +1,8 @@
-#include "matrix6.hpp"
+#include "random_orthogonal.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 
 namespace fail_aware {
-
-Matrix6d inverseOf(const Matrix6d& A) { return A.inverse(); }
-
-Vector6d solutionOf(const Matrix6d& H, const Vector6d& b) { return H.ldlt().solve(b); }
 
 Matrix6d randomOrthogonal(std::mt19937& random) {
   std::normal_distribution<double> normal;
