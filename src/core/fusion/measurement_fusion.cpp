@@ -134,6 +134,7 @@ void fuseByInformation(const std::vector<Candidate>& candidates, FusionResult* r
     total += w;
     ++used;
   }
+  if (!heaviest) return;
   result->z = heaviest->z;
   result->R = heaviest->R;
   result->has_measurement = true;
