@@ -124,19 +124,19 @@ void fuseLiteral(const std::vector<Candidate>& candidates, const Vector6d& predi
 }
 
 void fuseByInformation(const std::vector<Candidate>& candidates, FusionResult* result) {
-  const Candidate* heaviest = nullptr;
+  const Candidate& heaviest = *std::max_element(
+      candidates.begin(), candidates.end(),
+      [&](const Candidate& a, const Candidate& b) { return result->weights[a.input] < result->weights[b.input]; });
   double total = 0.0;
   int used = 0;
   for (const Candidate& c : candidates) {
     const double w = result->weights[c.input];
     if (w <= 0.0) continue;
-    if (!heaviest || w > result->weights[heaviest->input]) heaviest = &c;
     total += w;
     ++used;
   }
-  if (!heaviest) return;
-  result->z = heaviest->z;
-  result->R = heaviest->R;
+  result->z = heaviest.z;
+  result->R = heaviest.R;
   result->has_measurement = true;
   if (used == 1) return;
 
@@ -146,7 +146,7 @@ void fuseByInformation(const std::vector<Candidate>& candidates, FusionResult* r
   for (const Candidate& c : candidates) {
     const Matrix6d weighted = (result->weights[c.input] / total) * c.information;
     information += weighted;
-    information_d += weighted * stateDifference(c.z, heaviest->z);
+    information_d += weighted * stateDifference(c.z, heaviest.z);
   }
   const std::optional<Matrix6d> R = inverseOfCovariance(information);
   if (!R) return;
