@@ -23,8 +23,8 @@ std::vector<Sweep> shortDrive() {
   const synthetic::Street street;
   const synthetic::Drive drive;
   synthetic::Lidar lidar;
-  lidar.beams = 48;
-  lidar.columns = 120;
+  lidar.beams = 32;
+  lidar.columns = 90;
   std::vector<Sweep> sweeps;
   for (const int i : {0, 1, 2, 3, 4, 5, 12, 13}) {
     sweeps.push_back(

@@ -9,11 +9,11 @@
 namespace fail_aware {
 namespace {
 
-Pose at(double x_m) { return Pose(Eigen::Translation3d(x_m, 0.0, 0.0)); }
+Pose ahead(double x_m) { return Pose(Eigen::Translation3d(x_m, 0.0, 0.0)); }
 
 TEST(TrajectoryRecord, WritesWhatItKeepsAndTheOldestGiveWay) {
   TrajectoryRecord record(3);
-  for (int i = 0; i < 5; ++i) record.add(100.0 + i, at(i));
+  for (int i = 0; i < 5; ++i) record.add(100.0 + i, ahead(i));
   EXPECT_EQ(record.size(), 3u);
   EXPECT_EQ(record.forgotten(), 2u);
   const std::string path = (std::filesystem::temp_directory_path() / "trajectory_record_test.txt").string();

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kScans = 8;
+constexpr int kScansOfTheBag = 8;
 
 std::string numbered(const char* format, int number) {
   char name[32];
@@ -50,7 +50,7 @@ class BagTools : public ::testing::Test {
     lidar.columns = 150;
     std::ofstream times(drive / "times.txt");
     std::vector<Pose> truth;
-    for (int i = 0; i < kScans; ++i) {
+    for (int i = 0; i < kScansOfTheBag; ++i) {
       const double stamp_s = 0.103288 * i + 1e-6 * (i % 3);
       times << std::to_string(stamp_s) << "\n";  // six decimals
       const Sweep sweep =
@@ -108,7 +108,7 @@ TEST_F(BagTools, theBagGivesTheFoldersTrajectory) {
   ASSERT_FALSE(trajectory("folder").empty());
   EXPECT_TRUE(trajectory("bag") == trajectory("folder"));
   const std::vector<Pose> lidar = readKittiTrajectory((folder_ / "bag" / "trajectory_kitti.txt").string());
-  ASSERT_EQ(lidar.size(), static_cast<std::size_t>(kScans));
+  ASSERT_EQ(lidar.size(), static_cast<std::size_t>(kScansOfTheBag));
   const std::vector<Pose> truth = readKittiTrajectory(drive + "/poses.txt");
   EXPECT_LT((lidar.back().translation() - truth.back().translation()).norm(), 0.1);
 }

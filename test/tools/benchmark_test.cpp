@@ -1,18 +1,15 @@
 // benchmark_odometry and scripts/kitti_benchmark on a made-up KITTI tree. Times are printed, not judged.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "../support/synthetic_street.hpp"
+#include "../support/tool_run.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 
 namespace fail_aware {
@@ -20,22 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kScans = 12;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string output;
-};
-
-Outcome run(const std::string& command) {
-  Outcome outcome;
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
-  std::array<char, 4096> buffer;
-  while (std::fgets(buffer.data(), buffer.size(), pipe)) outcome.output += buffer.data();
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) outcome.exit_code = WEXITSTATUS(status);
-  return outcome;
-}
+constexpr int kScansOfASequence = 12;
 
 nlohmann::json readJson(const fs::path& path) {
   std::ifstream file(path);
@@ -44,6 +26,9 @@ nlohmann::json readJson(const fs::path& path) {
 
 class Benchmark : public ::testing::Test {
  protected:
+  static ToolRun run(const char* program, const std::string& arguments) {
+    return runProgram(program, arguments, root());
+  }
   static fs::path root() { return fs::path(::testing::TempDir()) / ("kitti_tree_" + std::to_string(getpid())); }
 
   // Sequences 04 (in the article) and 55 (not), both as KITTI distributes them; the street has no beam errors.
@@ -58,7 +43,7 @@ class Benchmark : public ::testing::Test {
       fs::create_directories(sequence / "stamps");
       std::ofstream(sequence / "calib.txt") << "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n";
       std::vector<Pose> truth;
-      for (int i = 0; i < kScans; ++i) {
+      for (int i = 0; i < kScansOfASequence; ++i) {
         const double stamp_s = 0.1 * i;
         const Sweep sweep = street.scan([&](double t) { return drive.T_street_base(t); }, stamp_s,
                                         static_cast<std::uint32_t>(i), lidar);
@@ -85,51 +70,53 @@ class Benchmark : public ::testing::Test {
 
 TEST_F(Benchmark, kittiBenchmarkScoresEverySequenceBesideTheArticle) {
   const fs::path output = root() / "out";
-  const Outcome outcome =
-      run(std::string(KITTI_BENCHMARK) + " " + root().string() + " --profile default --variants all,2measurements" +
-          " --set sensor.vertical_angle.angle_deg=0.0 --lengths 3,5 --step 1 --output " + output.string());
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("| 04 | country | 12 |"), std::string::npos) << outcome.output;
-  EXPECT_NE(outcome.output.find("0.98 % 0.0033"), std::string::npos) << "the article's figure";
-  EXPECT_NE(outcome.output.find("| mean of 1 |"), std::string::npos) << "55 is not in the article";
+  const ToolRun outcome =
+      run(KITTI_BENCHMARK, root().string() +
+                               " --profile default --variants all,2measurements --set "
+                               "sensor.vertical_angle.angle_deg=0.0 --lengths 3,5 --step 1 --output " +
+                               output.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("| 04 | country | 12 |"), std::string::npos) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("0.98 % 0.0033"), std::string::npos) << "the article's figure";
+  EXPECT_NE(outcome.out.find("| mean of 1 |"), std::string::npos) << "55 is not in the article";
   const nlohmann::json results = readJson(output / "results.json");
   for (const char* name : {"04", "55"}) {
     for (const char* variant : {"all", "2measurements"}) {
       EXPECT_LT(results["sequences"][name][variant]["t_err_percent"].get<double>(), 3.0) << name << ' ' << variant;
-      EXPECT_EQ(results["sequences"][name][variant]["sweeps"].get<int>(), kScans);
+      EXPECT_EQ(results["sequences"][name][variant]["sweeps"].get<int>(), kScansOfASequence);
     }
     EXPECT_TRUE(fs::exists(output / (std::string(name) + ".png")));
   }
 }
 
 TEST_F(Benchmark, kittiBenchmarkGoesOnOverASequenceThatFails) {
-  const Outcome outcome =
-      run(std::string(KITTI_BENCHMARK) + " " + root().string() +
-          " --profile default --variants all --set no.such.key=1 --output " + (root() / "failed").string());
+  const ToolRun outcome =
+      run(KITTI_BENCHMARK, root().string() + " --profile default --variants all --set no.such.key=1 --output " +
+                               (root() / "failed").string());
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.output.find("no.such.key"), std::string::npos) << outcome.output;
-  EXPECT_NE(outcome.output.find("failed"), std::string::npos);
+  EXPECT_NE(outcome.err.find("no.such.key"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.out.find("failed"), std::string::npos) << outcome.out;
 }
 
 TEST_F(Benchmark, kittiBenchmarkRefusesBadInputInOneLine) {
-  const std::string tool = KITTI_BENCHMARK, tree = root().string();
+  const std::string tree = root().string();
   const std::vector<std::string> bad = {"/does/not/exist", tree + " --sequences 77", tree + " --variants some",
                                         tree + " -j 0"};
   for (const std::string& arguments : bad) {
-    const Outcome outcome = run(tool + " " + arguments);
+    const ToolRun outcome = run(KITTI_BENCHMARK, arguments);
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
-    EXPECT_EQ(outcome.output.find("kitti_benchmark: error: "), 0u) << outcome.output;
-    EXPECT_EQ(outcome.output.find('\n'), outcome.output.size() - 1) << outcome.output;
+    EXPECT_EQ(outcome.err.find("kitti_benchmark: error: "), 0u) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
   }
 }
 
 #ifdef BENCHMARK_ODOMETRY
 TEST_F(Benchmark, benchmarkOdometryPrintsBothAndTheirRatio) {
   const fs::path json = root() / "times.json";
-  const Outcome outcome = run(std::string(BENCHMARK_ODOMETRY) + " --kitti " + (root() / "sequences/04").string() +
-                              " --count 6 --json " + json.string());
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_NE(outcome.output.find("ratio of the means"), std::string::npos);
+  const ToolRun outcome =
+      run(BENCHMARK_ODOMETRY, "--kitti " + (root() / "sequences/04").string() + " --count 6 --json " + json.string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("ratio of the means"), std::string::npos);
   const nlohmann::json times = readJson(json);
   EXPECT_EQ(times["sweeps"].get<int>(), 6);
   EXPECT_EQ(times["quarters"].size(), 4u);
@@ -138,9 +125,9 @@ TEST_F(Benchmark, benchmarkOdometryPrintsBothAndTheirRatio) {
 }
 
 TEST_F(Benchmark, benchmarkOdometryRefusesBadInputInOneLine) {
-  const Outcome outcome = run(std::string(BENCHMARK_ODOMETRY) + " --kitti /does/not/exist");
+  const ToolRun outcome = run(BENCHMARK_ODOMETRY, "--kitti /does/not/exist");
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(outcome.output.find("benchmark_odometry: error: "), 0u) << outcome.output;
+  EXPECT_EQ(outcome.err.find("benchmark_odometry: error: "), 0u) << outcome.err;
 }
 #endif
 

@@ -133,20 +133,6 @@ TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
   EXPECT_EQ(benchmark("--seeds x").exit_code, 2);
 }
 
-TEST_F(SimulateDrive, faultMatrixJudgesEverySeverity) {
-  setenv("PATH", (fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH")).c_str(), 1);
-  const auto matrix = [this](const std::string& arguments) {
-    return runProgram(FAULT_MATRIX, "-j 3 --output '" + path("matrix") + "' " + arguments, folder_);
-  };
-  const ToolRun run = matrix("--scenes town --faults empty_cloud");
-  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
-  EXPECT_NE(run.out.find("3 passed, 0 failed"), std::string::npos) << run.out;
-  EXPECT_NE(contentOf(folder_ / "matrix/matrix.csv").find("SWEEP_EMPTY"), std::string::npos);
-  EXPECT_FALSE(fs::exists(folder_ / "matrix/town_empty_cloud_8_1")) << "drives are removed";
-  EXPECT_EQ(matrix("--scenes moon --faults nan").exit_code, 1);
-  EXPECT_EQ(matrix("--faults fog").exit_code, 2);
-}
-
 TEST_F(SimulateDrive, faultMatrixsTableIsTheReadmesAndHasEveryFault) {
   const ToolRun run = runProgram(FAULT_MATRIX, "--table", folder_);
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -157,33 +143,48 @@ TEST_F(SimulateDrive, faultMatrixsTableIsTheReadmesAndHasEveryFault) {
   }
 }
 
-/// In place of offline_odometry: spoils what it writes, each time in another way.
-TEST_F(SimulateDrive, faultMatrixFailsWhatIsWrong) {
-  const fs::path liar = folder_ / "bin/offline_odometry";
-  fs::create_directories(liar.parent_path());
-  std::ofstream(liar) << "#!/bin/sh\n'" FAIL_AWARE_OFFLINE_ODOMETRY "' \"$@\" || exit\n"
-                      << R"(while [ "$1" != --output ]; do shift; done
-cd "$2"
-case "$2" in
+TEST_F(SimulateDrive, faultMatrixJudgesEverySeverityAndFailsWhatIsWrong) {
+  // The tools as the matrix finds them: what they make is kept, and the next time taken from there.
+  const fs::path bin = folder_ / "bin", kept = folder_ / "kept";
+  fs::create_directories(bin);
+  fs::create_directories(kept);
+  const auto inPlaceOf = [&](const fs::path& tool, const std::string& then = "") {
+    const fs::path script = bin / tool.filename();
+    std::ofstream(script) << "#!/bin/sh\nall=\"$*\"; while [ \"$1\" != --output ]; do shift; done; "
+                          << "kept='" + kept.string() + "'/\"${2##*/}\"\n"
+                          << "[ -e \"$kept\" ] || { '" + tool.string() + "' $all && cp -r \"$2\" \"$kept\"; exit; }\n"
+                          << "cp -r \"$kept\" \"$2\" && cd \"$2\"\n"
+                          << then;
+    fs::permissions(script, fs::perms::owner_all);
+  };
+  inPlaceOf(SIMULATE_DRIVE);
+  inPlaceOf(FAIL_AWARE_OFFLINE_ODOMETRY);
+  setenv("PATH", (bin.string() + ":" + getenv("PATH")).c_str(), 1);
+  const auto matrix = [this](const std::string& arguments) {
+    return runProgram(FAULT_MATRIX, "-j 3 --output '" + path("matrix") + "' " + arguments, folder_);
+  };
+  const ToolRun run = matrix("--scenes town --faults empty_cloud");
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_NE(run.out.find("3 passed, 0 failed"), std::string::npos) << run.out;
+  EXPECT_NE(contentOf(folder_ / "matrix/matrix.csv").find("SWEEP_EMPTY"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ / "matrix/town_empty_cloud_8_1")) << "drives are removed";
+
+  inPlaceOf(FAIL_AWARE_OFFLINE_ODOMETRY, R"(case "$2" in
   *_0.2_run) echo 1,0,nan >> measurements.csv ;;
   *_1_run) sed -i 's/,FAIL[A-Z]*,/,OK,/' per_sweep.csv
     awk 'NR > 150 { $4 += 2 } { print }' trajectory_kitti.txt > moved && mv moved trajectory_kitti.txt ;;
   *_2_run) sed -i 's/SWEEP_EMPTY/TIME_JUMP/' per_sweep.csv ;;
 esac
-)";
-  fs::permissions(liar, fs::perms::owner_all);
-  setenv("PATH",
-         (liar.parent_path().string() + ":" + fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH"))
-             .c_str(),
-         1);
-  const ToolRun run =
-      runProgram(FAULT_MATRIX, "-j 3 --scenes town --faults empty_cloud --output '" + path("matrix") + "'", folder_);
-  EXPECT_EQ(run.exit_code, 1) << run.out << run.err;
-  EXPECT_NE(run.out.find("0 passed, 3 failed"), std::string::npos) << run.out;
+)");
+  const ToolRun spoilt = matrix("--scenes town --faults empty_cloud");
+  EXPECT_EQ(spoilt.exit_code, 1) << spoilt.out << spoilt.err;
+  EXPECT_NE(spoilt.out.find("0 passed, 3 failed"), std::string::npos) << spoilt.out;
   for (const char* told : {"| not finite: measurements.csv |", "worst state not in FAILED to FAILED",
                            "sweeps OK and off by ", "m at the end", "| not told: SWEEP_EMPTY |"}) {
-    EXPECT_NE(run.out.find(told), std::string::npos) << told << " is not in\n" << run.out;
+    EXPECT_NE(spoilt.out.find(told), std::string::npos) << told << " is not in\n" << spoilt.out;
   }
+  EXPECT_EQ(matrix("--scenes moon --faults nan").exit_code, 1);
+  EXPECT_EQ(matrix("--faults fog").exit_code, 2);
 }
 
 TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {

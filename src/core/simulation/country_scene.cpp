@@ -6,7 +6,7 @@ namespace fail_aware {
 
 namespace {
 
-enum Sort : std::uint64_t { kTrees = 200, kWoods, kHedges, kFarms, kBushes, kFences };
+enum CountrySort : std::uint64_t { kTrees = 200, kWoods, kHedges, kFarms, kBushes, kFences };
 
 constexpr double kStretch_m = 60.0;  // of hedge, fence or wood, or nothing
 

@@ -6,7 +6,7 @@ namespace fail_aware {
 
 namespace {
 
-enum Sort : std::uint64_t { kBank = 300, kNoiseWall, kSigns };
+enum HighwaySort : std::uint64_t { kBank = 300, kNoiseWall, kSigns };
 
 constexpr double kNoiseWallStretch_m = 240.0;
 

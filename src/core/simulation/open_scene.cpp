@@ -4,7 +4,7 @@ namespace fail_aware {
 
 namespace {
 
-enum Sort : std::uint64_t { kTrees = 500, kBales };
+enum OpenSort : std::uint64_t { kLoneTrees = 500, kBales };
 
 }  // namespace
 
@@ -15,7 +15,7 @@ void buildOpen(SceneChunk& chunk) {
     });
   }
   chunk.every(90.0, [&](double s, std::int64_t index) {
-    RandomStream random = chunk.random(kTrees, index);
+    RandomStream random = chunk.random(kLoneTrees, index);
     const double lateral = random.sign() * random.uniform(30.0, 80.0);
     if (chunk.isClear(s, lateral, 20.0)) {
       addTree(chunk.mesh, chunk.place(s, lateral), random.uniform(6.0, 10.0), 2.0, 80, random);

@@ -7,7 +7,7 @@ namespace fail_aware {
 
 namespace {
 
-enum Sort : std::uint64_t { kHouses = 100, kParked, kLamps, kTrees, kSigns, kBins, kHouseHeight };
+enum TownSort : std::uint64_t { kHouses = 100, kParked, kLamps, kStreetTrees, kStreetSigns, kBins, kHouseHeight };
 
 constexpr double kSlot_m = 19.0;  // a house and its gap
 constexpr double kPavement_m = 2.6;
@@ -83,14 +83,14 @@ void buildTown(SceneChunk& chunk) {
     if (chunk.isClear(s, lateral, 0.2)) addLamp(chunk.mesh, chunk.place(s, lateral), 6.5, -side * 1.6);
   });
   chunk.every(15.0, [&](double s, std::int64_t index) {
-    RandomStream random = chunk.random(kTrees, index);
+    RandomStream random = chunk.random(kStreetTrees, index);
     const double side = random.sign();
     const double lateral = side * (chunk.halfWidth(s) + 1.1);
     if (!random.chance(0.35) || !chunk.isClear(s, lateral, 0.8)) return;
     addTree(chunk.mesh, chunk.place(s, lateral), random.uniform(5.0, 8.0), random.uniform(1.2, 1.9), 70, random);
   });
   chunk.every(40.0, [&](double s, std::int64_t index) {
-    RandomStream random = chunk.random(kSigns, index);
+    RandomStream random = chunk.random(kStreetSigns, index);
     const double side = random.sign();
     const double lateral = side * (chunk.halfWidth(s + 7.0) + 0.4);
     if (!chunk.isClear(s + 7.0, lateral, 0.1)) return;

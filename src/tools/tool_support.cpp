@@ -1,0 +1,75 @@
+#include "tool_support.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <sstream>
+
+namespace fail_aware {
+
+int reportError(const std::string& name, std::string message, int exit_code) {
+  while (!message.empty() && message.back() == '\n') message.pop_back();
+  for (char& c : message) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::cerr << name << ": error: " << message << std::endl;
+  return exit_code;
+}
+
+bool parseArguments(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+    return true;
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help() << std::flush;
+    return false;
+  } catch (const CLI::ParseError& error) {
+    throw InputError(std::string(error.what()) + " (see --help)");
+  }
+}
+
+std::string progressText(std::size_t done, std::size_t total, double elapsed_s) {
+  const double rate = elapsed_s > 0.0 ? static_cast<double>(done) / elapsed_s : 0.0;
+  std::ostringstream text;
+  text << done << '/' << total << " (" << (total == 0 ? 100 : done * 100 / total) << " %)";
+  if (rate > 0.0) {
+    const long left_s = done >= total ? 0 : std::lround(static_cast<double>(total - done) / rate);
+    char rate_and_left[96];
+    std::snprintf(rate_and_left, sizeof(rate_and_left), ", %.1f per s, %ld:%02ld left", rate, left_s / 60, left_s % 60);
+    text << rate_and_left;
+  }
+  return text.str();
+}
+
+ProgressBar::ProgressBar(std::size_t total) : ProgressBar(total, std::cerr, isatty(STDERR_FILENO) != 0) {}
+
+ProgressBar::ProgressBar(std::size_t total, std::ostream& out, bool visible)
+    : total_(total), out_(out), visible_(visible), begin_(Clock::now()) {}
+
+ProgressBar::~ProgressBar() { finish(); }
+
+void ProgressBar::update(std::size_t done) {
+  if (!visible_) return;
+  const Clock::time_point now = Clock::now();
+  if (drawn_ && done < total_ && now - last_draw_ < std::chrono::milliseconds(100)) return;
+  drawn_ = true;
+  last_draw_ = now;
+  draw(done, std::chrono::duration<double>(now - begin_).count());
+}
+
+void ProgressBar::finish() {
+  if (drawn_ && visible_) out_ << std::endl;
+  visible_ = false;
+}
+
+void ProgressBar::draw(std::size_t done, double elapsed_s) {
+  constexpr std::size_t kWidth = 24;
+  const std::size_t filled = total_ == 0 ? kWidth : std::min(kWidth, done * kWidth / total_);
+  const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+  out_ << "\r[" << bar << "] " << progressText(done, total_, elapsed_s) << "\033[K" << std::flush;
+}
+
+}  // namespace fail_aware
