@@ -1,8 +1,9 @@
-// The smallest and the largest value of every number that validate() takes, one at a time, over a short drive with an
-// empty sweep and a gap in a street: it ends, and what comes out is finite.
+// The smallest and the largest power of ten, or zero, that validate() takes for every number, one at a time, over a short
+// drive with an empty sweep and a gap in a street: it ends, and what comes out is finite.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -78,10 +79,17 @@ void drive(std::vector<Extreme>& extremes) {
 TEST(ExtremeParameters, TheDriveMeasuresBeforeAndAfterItsGap) {
   OdometryPipeline pipeline(synthetic::streetParameters(), 1);
   std::vector<SweepStatus> statuses;
-  for (Sweep sweep : shortDrive()) statuses.push_back(pipeline.step(sweep).status);
+  std::vector<std::array<bool, 2>> measured;  // by points, by planes; corners: too few points for any
+  for (Sweep sweep : shortDrive()) {
+    const SweepResult r = pipeline.step(sweep);
+    statuses.push_back(r.status);
+    measured.push_back({r.point.ok(), r.plane.ok()});
+  }
   using S = SweepStatus;
   EXPECT_EQ(statuses, (std::vector<S>{S::kFirst, S::kCorrected, S::kCorrected, S::kCorrected, S::kPredicted,
                                       S::kCorrected, S::kCorrected, S::kCorrected}));
+  EXPECT_EQ(measured[3], (std::array<bool, 2>{true, true})) << "points, planes";
+  EXPECT_EQ(measured[7], (std::array<bool, 2>{true, true})) << "points, planes";
 }
 
 TEST(ExtremeParameters, EveryDriveEndsAndIsFinite) {

@@ -2,6 +2,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -28,6 +32,12 @@ class Benchmark : public ::testing::Test {
  protected:
   static ToolRun run(const char* program, const std::string& arguments) {
     return runProgram(program, arguments, root());
+  }
+  static void expectOneLine(const ToolRun& outcome, const std::string& begin) {
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err.find(begin), 0u) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
   }
   static fs::path root() { return fs::path(::testing::TempDir()) / ("kitti_tree_" + std::to_string(getpid())); }
 
@@ -104,9 +114,7 @@ TEST_F(Benchmark, kittiBenchmarkRefusesBadInputInOneLine) {
                                         tree + " -j 0"};
   for (const std::string& arguments : bad) {
     const ToolRun outcome = run(KITTI_BENCHMARK, arguments);
-    EXPECT_EQ(outcome.exit_code, 2) << arguments;
-    EXPECT_EQ(outcome.err.find("kitti_benchmark: error: "), 0u) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    expectOneLine(outcome, "kitti_benchmark: error: ");
   }
 }
 
@@ -126,8 +134,7 @@ TEST_F(Benchmark, benchmarkOdometryPrintsBothAndTheirRatio) {
 
 TEST_F(Benchmark, benchmarkOdometryRefusesBadInputInOneLine) {
   const ToolRun outcome = run(BENCHMARK_ODOMETRY, "--kitti /does/not/exist");
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(outcome.err.find("benchmark_odometry: error: "), 0u) << outcome.err;
+  expectOneLine(outcome, "benchmark_odometry: error: ");
 }
 #endif
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kSectors = 72;
 constexpr int kMinPointsInSector = 3;
-constexpr std::size_t kLookedAt = 20000;
+constexpr std::size_t kComparedPoints = 20000;
 
 std::size_t sectorOf(const Eigen::Vector3f& p) {
   const float turns = (std::atan2(p.y(), p.x()) + static_cast<float>(M_PI)) / static_cast<float>(2.0 * M_PI);
@@ -23,7 +23,7 @@ std::size_t sectorOf(const Eigen::Vector3f& p) {
 void look(const std::vector<Eigen::Vector3f>& points, double visible_range_m, SweepFindings& findings) {
   const auto far = static_cast<float>(visible_range_m * visible_range_m);
   // A stride that shares no factor with a column's beams would do as well; an odd one sees all of 64 or 128.
-  const std::size_t stride = (points.size() / kLookedAt) | 1u;
+  const std::size_t stride = (points.size() / kComparedPoints) | 1u;
   std::array<int, kSectors> counts{};
   std::size_t looked_at = 0, beyond = 0;
   for (std::size_t i = 0; i < points.size(); i += stride) {
