@@ -1,6 +1,7 @@
 // Runs a built program in a shell, for tests of the tools.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -38,6 +39,13 @@ inline ToolRun runProgram(const std::string& program, const std::string& argumen
       environment + " '" + program + "' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "'";
   const int status = std::system(command.c_str());
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contentOf(out), contentOf(err)};
+}
+
+/// One line "TOOL: error: ..." with `part` in it.
+inline void expectOneErrorLine(const ToolRun& run, const std::string& tool, const std::string& part = "") {
+  EXPECT_EQ(run.err.rfind(tool + ": error: ", 0), 0u) << run.err;
+  EXPECT_NE(run.err.find(part), std::string::npos) << "'" << part << "' not in: " << run.err;
+  EXPECT_EQ(run.err.find('\n'), run.err.size() - 1) << run.err;
 }
 
 }  // namespace fail_aware

@@ -86,9 +86,7 @@ class BagTools : public ::testing::Test {
 
   void expectRefused(const ToolRun& run, const std::string& tool, const std::string& part) const {
     EXPECT_EQ(run.exit_code, 2) << part;
-    EXPECT_EQ(run.err.rfind(tool + ": error: ", 0), 0u) << run.err;
-    EXPECT_NE(run.err.find(part), std::string::npos) << "'" << part << "' not in: " << run.err;
-    EXPECT_EQ(run.err.find('\n'), run.err.size() - 1) << run.err;
+    expectOneErrorLine(run, tool, part);
   }
 
   fs::path folder_;

@@ -36,9 +36,7 @@ class EvaluateTrajectory : public ::testing::Test {
     run(arguments);
     EXPECT_EQ(result_.exit_code, 2) << arguments;
     EXPECT_EQ(result_.out, "");
-    EXPECT_EQ(result_.err.rfind("evaluate_trajectory: error: ", 0), 0u) << result_.err;
-    EXPECT_NE(result_.err.find(reason), std::string::npos) << result_.err;
-    EXPECT_EQ(result_.err.find('\n'), result_.err.size() - 1) << result_.err;
+    expectOneErrorLine(result_, "evaluate_trajectory", reason);
   }
 
   fs::path folder_ = fs::path(::testing::TempDir()) / ("evaluate_trajectory_" + std::to_string(getpid()));

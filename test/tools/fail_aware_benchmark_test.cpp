@@ -69,8 +69,7 @@ TEST_F(FailAwareBenchmark, BadInputIsRefusedInOneLine) {
                                        std::string("--drives /does/not/exist"), "--drives " + quoted("drives")}) {
     const ToolRun outcome = run(arguments + " --output " + quoted("out"));
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
-    EXPECT_EQ(outcome.err.find("fail_aware_benchmark: error: "), 0u) << outcome.err;
-    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    expectOneErrorLine(outcome, "fail_aware_benchmark");
   }
 }
 

@@ -132,11 +132,7 @@ class OfflineOdometry : public ::testing::Test {
     EXPECT_EQ(summary()["sweeps"], rows);
   }
 
-  void expectOneLine(const std::string& part) const {
-    EXPECT_EQ(result_.err.rfind("offline_odometry: error: ", 0), 0u) << result_.err;
-    EXPECT_NE(result_.err.find(part), std::string::npos) << "'" << part << "' not in: " << result_.err;
-    EXPECT_EQ(result_.err.find('\n'), result_.err.size() - 1) << result_.err;
-  }
+  void expectOneLine(const std::string& part) const { expectOneErrorLine(result_, "offline_odometry", part); }
 
   void expectRefused(const std::string& arguments, const std::string& part) {
     runPlain(arguments);
