@@ -280,6 +280,21 @@ TEST_P(OdometryPipelineClock, ThatIsSetForAWhileDoesNotMoveTheCar) {
 
 INSTANTIATE_TEST_SUITE_P(Set, OdometryPipelineClock, testing::Values(0.4, -0.4));
 
+TEST(OdometryPipeline, WhereTheSweepAfterAJumpOfTheClockIsNotMeasuredTheNextOneTells) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 20);
+  for (std::size_t i = 10; i < sweeps.size(); ++i) sweeps[i].stamp_s += 5.0;
+  sweeps[10].points_lidar.clear();
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_EQ(results[10].status, SweepStatus::kPredicted);
+  EXPECT_TRUE(results[11].monitor.reasons & kReasonPredictionOverruled);
+  for (std::size_t i = 11; i < sweeps.size(); ++i) {
+    EXPECT_EQ(results[i].status, SweepStatus::kCorrected) << i;
+    expectNear(results[i], kDrive.T_odom_base(kPeriod_s * static_cast<double>(i)), 0.06, std::to_string(i));
+  }
+}
+
 TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kSurePlaces = 10.0;  // the search for the first motion is as good as its last step if so many agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
+constexpr std::size_t kMaxUnmeasured = 10;  // intervals; after them what the car does now is not known well enough
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
 constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
 constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
@@ -53,6 +55,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   }
   T_odom_cog_previous_ = prediction.T_odom_cog_previous;
   dt_s_ = prediction.dt_s;
+  set_back_s_ = prediction.set_back_s;
   searched_sigma_m_ = 0.0;
   interval_doubted_ = false;
   standing_pose_.reset();
@@ -189,11 +192,11 @@ void RegistrationFront::relocalize() {
 }
 
 void RegistrationFront::checkInterval(const SweepPrediction& prediction) {
-  if (!last_measured_ || map().empty()) return;
+  if (map().empty() || unmeasured_.size() >= kMaxUnmeasured) return;
   IntervalCheck::Interval interval;
-  interval.dt_s = dt_s_;
-  interval.set_back_s = prediction.set_back_s;
-  interval.T_odom_cog_previous = T_odom_cog_previous_;
+  interval.stamps = {dt_s_, prediction.set_back_s};
+  interval.unmeasured = unmeasured_;
+  interval.T_odom_cog_previous = T_odom_cog_measured_;
   interval.twist_cog = measured_twist_cog_.value_or(corrected_twist_cog_);
   interval.T_odom_cog_predicted = prediction.T_odom_cog;
   if (!lost_) interval.T_odom_cog_by_the_stamps = T_odom_cog_start_;
@@ -296,6 +299,12 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s)
 void RegistrationFront::place(const FilterState& state) {
   const bool between_measured = last_measured_ && state.corrected && state.placed;
   last_measured_ = state.placed;
+  const IntervalCheck::Stamps stamps{state.dt_s, std::exchange(set_back_s_, 0.0)};
+  if (state.placed) {
+    setMeasured(state.T_odom_cog);
+  } else if (unmeasured_.size() < kMaxUnmeasured) {
+    unmeasured_.push_back(stamps);
+  }
   enterOdom(state.odom_epoch);
   enterReference(state.reference_epoch);
   relief_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
@@ -305,7 +314,7 @@ void RegistrationFront::place(const FilterState& state) {
   const bool tells_speed = between_measured && !interval_doubted_ && state.dt_s > 0.0;
   if (tells_speed) {
     measured_twist_cog_ = logSe3(state.T_previous_now) / state.dt_s;
-  } else if (!interval_doubted_) {
+  } else if (state.placed && !interval_doubted_) {
     measured_twist_cog_.reset();
   }
   if (!prepared_) return;
@@ -325,6 +334,7 @@ void RegistrationFront::place(const FilterState& state) {
   only_first_placed_ = map().empty();
   if (only_first_placed_) {
     last_measured_ = true;  // by definition: the first motion is measured from here
+    setMeasured(state.T_odom_cog);
     first_cloud_ = cloud_;
     T_odom_cog_first_ = state.T_odom_cog;
   }
@@ -332,6 +342,11 @@ void RegistrationFront::place(const FilterState& state) {
   placed_stamp_s_ = state.stamp_s;
   placed_odom_ = state.T_odom_cog.translation();
   keepStanding(state);
+}
+
+void RegistrationFront::setMeasured(const Pose& T_odom_cog) {
+  T_odom_cog_measured_ = T_odom_cog;
+  unmeasured_.clear();
 }
 
 void RegistrationFront::enterOdom(int epoch) {
@@ -361,7 +376,9 @@ void RegistrationFront::reset() {
   speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;
   interval_check_.reset();
+  setMeasured(Pose::Identity());
   measured_twist_cog_.reset();
+  set_back_s_ = 0.0;
   interval_doubted_ = false;
   prepared_ = false;
   last_measured_ = false;

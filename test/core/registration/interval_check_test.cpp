@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace fail_aware {
 namespace {
@@ -46,14 +48,14 @@ struct Car {
   /// From here on, by the stamps.
   IntervalCheck::Interval interval(double dt_s, double set_back_s = 0.0) const {
     IntervalCheck::Interval interval;
-    interval.dt_s = dt_s;
-    interval.set_back_s = set_back_s;
+    interval.stamps = {dt_s, set_back_s};
     interval.T_odom_cog_previous = at(x_m);
     interval.twist_cog << kSpeed_mps, 0.0, 0.0, 0.0, 0.0, 0.0;
     interval.T_odom_cog_predicted = at(x_m + kSpeed_mps * dt_s);
     interval.T_odom_cog_by_the_stamps = interval.T_odom_cog_predicted;
     return interval;
   }
+  Pose odom(double driven_s) const { return at(x_m + kSpeed_mps * driven_s); }
   /// Drives on for driven_s while the stamps say dt_s.
   std::optional<Pose> drive(double driven_s, double dt_s, double set_back_s = 0.0, bool found_there = true) {
     IntervalCheck::Interval interval = this->interval(dt_s, set_back_s);
@@ -97,7 +99,7 @@ TEST(IntervalCheck, WhereNoPlaceIsKnownTheOtherOneMustBeAsGoodAsUsual) {
   car.world.share_here = 0.8;
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "too little fits";
   car.world.share_here = 0.95;
-  car.world.information_here = 0.06;
+  car.world.information_here = 0.03;
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "what fits is the road";
 }
 
@@ -118,6 +120,28 @@ TEST(IntervalCheck, WhereNothingFitsAtThePlaceOfTheStampsLessOfTheSweepWillDo) {
   car.expectHere(car.drive(kPeriod_s, 0.5));
   car.world.information_here = 0.06;
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5)) << "what fits is the road";
+}
+
+TEST(IntervalCheck, WhereTheSweepWasNotMeasuredTheNextOnesAreAsked) {
+  const auto next = [](Car& car, std::vector<IntervalCheck::Stamps> unmeasured, double driven_s) {
+    IntervalCheck::Interval interval = car.interval(kPeriod_s);
+    interval.unmeasured = std::move(unmeasured);
+    interval.T_odom_cog_by_the_stamps.reset();
+    const Pose T = car.odom(driven_s);
+    const std::optional<Pose> found = car.check.findOther(interval, car.world.at(T.translation().x()));
+    return found && found->isApprox(T, 1e-9);
+  };
+  for (const double dt_s : {5.1, 0.5, 0.02}) {
+    Car car;
+    EXPECT_TRUE(next(car, {{dt_s}}, 2.0 * kPeriod_s)) << dt_s;
+    EXPECT_TRUE(next(car, {{kPeriod_s}, {dt_s}, {kPeriod_s}}, 4.0 * kPeriod_s)) << dt_s;
+    EXPECT_FALSE(next(car, {{dt_s}}, dt_s + kPeriod_s)) << "sweeps were lost: " << dt_s;
+  }
+  Car car;
+  EXPECT_TRUE(next(car, {{kPeriod_s, 0.3}}, 0.6)) << "set back by 0.4 s";
+  car.world.fits = 0;
+  EXPECT_FALSE(next(car, {{kPeriod_s}, {kPeriod_s}}, 5.0 * kPeriod_s));
+  EXPECT_EQ(car.world.fits, 0) << "nothing is unusual";
 }
 
 TEST(IntervalCheck, WhereNothingIsUsualNothingIsDoubted) {
@@ -200,7 +224,7 @@ TEST(IntervalCheck, BeforeTheFirstUsualIntervalNothingIsKnown) {
   IntervalCheck check;
   IntervalCheck::Interval interval;
   EXPECT_FALSE(check.findOther(interval, world.at(0.0))) << "the first sweep";
-  interval.dt_s = 0.5;
+  interval.stamps.dt_s = 0.5;
   interval.T_odom_cog_by_the_stamps = at(5.0);
   EXPECT_FALSE(check.findOther(interval, world.at(1.0)));
   Car car;

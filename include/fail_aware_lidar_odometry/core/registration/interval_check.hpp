@@ -9,12 +9,15 @@
 // nearer to it is right.
 //
 // Where the places cannot be told from each other (tunnels, open country) the stamps are believed. A clock that is set
-// by less than half an interval is not looked for: registration bears that.
+// by less than half an interval is not looked for: registration bears that. Where the sweep after the doubtful interval
+// was not measured (empty, or answered too late) the next one is asked: the way since the last measured pose is that of
+// all intervals since.
 // Cost: a registration from one seed every tenth sweep, and two or three after an unusual interval.
 #pragma once
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "fail_aware_lidar_odometry/core/moving_median.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
@@ -24,11 +27,15 @@ namespace fail_aware {
 
 class IntervalCheck {
  public:
+  struct Stamps {
+    double dt_s = 0.0;        ///< between them
+    double set_back_s = 0.0;  ///< one was refused meanwhile that was so much older than the first; 0: none was
+  };
   struct Interval {
-    double dt_s = 0.0;        ///< by the stamps
-    double set_back_s = 0.0;  ///< a stamp was refused in it that was so much older than the last one; 0: none was
-    Pose T_odom_cog_previous = Pose::Identity();
-    Vector6d twist_cog = Vector6d::Zero();  ///< m/s and rad/s
+    Stamps stamps;
+    std::vector<Stamps> unmeasured{};             ///< of the sweeps before it, since the last measured one
+    Pose T_odom_cog_previous = Pose::Identity();  ///< of that one
+    Vector6d twist_cog = Vector6d::Zero();        ///< m/s and rad/s
     Pose T_odom_cog_predicted = Pose::Identity();
     std::optional<Pose> T_odom_cog_by_the_stamps{};  ///< what was found from there; none: nothing was
   };
@@ -49,8 +56,13 @@ class IntervalCheck {
     double moved_m = 0.0;      ///< by registration
     Pose T_odom_cog = Pose::Identity();
   };
+  struct Driven {
+    bool is_unusual = false, is_set_back = false;  ///< an interval
+    double if_usual_s = 0.0, if_set_back_s = 0.0;  ///< in all, if the clock was set there
+  };
+  static Driven drivenIn(const Interval& interval, double usual_s);
   static Place placeFrom(const Pose& T_odom_cog, const Fit& fit);
-  bool isRight(const Place& place, double dt_s, const std::optional<Place>& by_the_stamps,
+  bool isRight(const Place& place, double driven_s, const std::optional<Place>& by_the_stamps,
                const Pose& T_odom_cog_predicted) const;
 
   MovingMedian intervals_s_{kUsualIntervals};  ///< that were not doubted
