@@ -35,6 +35,7 @@ class CornerSvdAlgorithm {
     return measurement;
   }
   void place(const FilterState& state) { corners_.place(state); }
+  void skip(const FilterState&) {}
   void reset() { corners_.reset(); }
   void show(const std_msgs::Header& header) {
     if (markers_.getNumSubscribers() == 0) return;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <deque>
 #include <utility>
+#include <vector>
 
 namespace fail_aware {
 
@@ -40,6 +41,15 @@ class ExactStampBuffer {
       entries_.pop_front();
       if (found) break;
       ++before;
+    }
+    return before;
+  }
+
+  /// Forgets those that came before it, and gives them, oldest first.
+  std::vector<Value> takeBefore(const ros::Time& stamp) {
+    std::vector<Value> before;
+    for (; !entries_.empty() && entries_.front().first < stamp; entries_.pop_front()) {
+      before.push_back(std::move(entries_.front().second));
     }
     return before;
   }

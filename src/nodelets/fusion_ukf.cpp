@@ -256,7 +256,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     output_->record(state);  // before anybody hears of it, and asks for it
     state_publisher_.publish(
         messages::FilterStateConstPtr(boost::make_shared<messages::FilterState>(toMessage(state, account, header))));
-    output_->publish(state, odometry_covariance_.covariance(), header);
+    output_->publish(filter_->stateAsDriven(), odometry_covariance_.covariance(), header);
   }
 
   // ---- set_pose -----------------------------------------------------------------------------------------------------
@@ -274,7 +274,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void setPose() {
     const std::string outdated = pose_setting_.outdated(filter_->state());
     if (!outdated.empty()) return refusePose(outdated);
-    const PoseSetting::AtEstimate set = pose_setting_.take(filter_->state(), T_base_cog_);
+    const PoseSetting::AtEstimate set = pose_setting_.take(filter_->stateAsDriven(), T_base_cog_);
     if (!filter_->setPose(set.T_odom_cog)) return refusePose("the filter cannot stand there");
     odometry_covariance_.reset(set.covariance);
     sources_->forgetPoses();

@@ -36,6 +36,7 @@ class IcpPointToPlaneAlgorithm {
     return front_.align(icp_, task.prediction.sigma_yaw_rad);
   }
   void place(const FilterState& state) { front_.place(state); }
+  void skip(const FilterState& state) { front_.skip(state); }
   void reset() { front_.reset(); }
   void show(const std_msgs::Header& header) {
     const double since_s = secondsFrom(shown_stamp_, header.stamp);

@@ -35,6 +35,7 @@ class IcpPointToPointAlgorithm {
     return front_.align(icp_, &tracks_);
   }
   void place(const FilterState& state) { front_.place(state); }
+  void skip(const FilterState& state) { front_.skip(state); }
   void reset() { front_.reset(); }
   void show(const std_msgs::Header& header) {
     if (markers_.getNumSubscribers() == 0) return;

@@ -5,7 +5,7 @@
 // state. The filter state of a measured sweep places it in the reference, also when the measurement came too late. A
 // nodelet that is overloaded skips to the newest sweep.
 // Algorithm: Algorithm(node, const PipelineParameters&), static name(), Config and Tuning (reconfiguration.hpp) with
-// tuning() and tune(tuning), measure(corrected, task), place(state), reset(),
+// tuning() and tune(tuning), measure(corrected, task), place(state), skip(state), reset(),
 // and show(header), which publishes what it has for rviz once its measurement is out (header: stamp of the sweep, frame
 // of the odometry).
 #pragma once
@@ -76,6 +76,9 @@ class MeasurementNodelet : public nodelet::Nodelet {
     const std::optional<SweepMatcher::Job> job = matcher_.next();
     if (!job) return;
     if (job->begins) algorithm_->reset();
+    for (const messages::FilterStateConstPtr& message : job->skipped) {
+      if (const std::optional<FilterState> state = fromMessage(*message)) algorithm_->skip(*state);
+    }
     measure(*job->prediction, *job->cloud);
     work_->request();  // its filter state may be here already
   }

@@ -1,5 +1,6 @@
 // Brings together what a measurement nodelet needs of one sweep, by exact stamp: its points, its prediction, and, for
-// the sweep measured before it, the filter state that places that one in the reference.
+// the sweep measured before it, the filter state that places that one in the reference; with it the states of those
+// that were skipped between the two.
 //
 // Only the newest predicted sweep is ever measured: who falls behind skips, the filter has closed the others already.
 #pragma once
@@ -10,6 +11,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "exact_stamp_buffer.hpp"
 
@@ -23,7 +25,8 @@ class SweepMatcher {
   struct Job {
     Prediction prediction;
     sensor_msgs::PointCloud2ConstPtr cloud;
-    bool begins = false;  ///< a drive began with this sweep, or with one that was skipped before it
+    bool begins = false;           ///< a drive began with this sweep, or with one that was skipped before it
+    std::vector<State> skipped{};  ///< of the sweeps since the one measured last
   };
 
   void add(const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds_.push(cloud->header.stamp, cloud); }
@@ -59,7 +62,7 @@ class SweepMatcher {
     const sensor_msgs::PointCloud2ConstPtr* cloud = clouds_.find(stamp);
     if (cloud == nullptr) return std::nullopt;
     if (!measured_.isZero() && measured_ == newest_->previous_stamp) return std::nullopt;
-    const Job job{newest_, *cloud, begins_};
+    const Job job{newest_, *cloud, begins_, states_.takeBefore(stamp)};
     begins_ = false;
     clouds_.popThrough(stamp);
     newest_ = nullptr;

@@ -82,7 +82,11 @@ TEST(SweepMatcher, WhoFellBehindSkipsToTheNewestSweep) {
     matcher.add(cloud(i + 1));
   }
   EXPECT_EQ(matcher.takePlace()->header.stamp, stampOf(0));
-  EXPECT_EQ(measuredNow(matcher), 5);
+  const std::optional<SweepMatcher::Job> job = matcher.next();
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->prediction->header.stamp, stampOf(5));
+  ASSERT_EQ(job->skipped.size(), 4u) << "their states";
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(job->skipped[static_cast<std::size_t>(i)]->header.stamp, stampOf(i + 1));
   EXPECT_EQ(matcher.skipped(), 4u);
   EXPECT_EQ(measuredNow(matcher), -1);
 }

@@ -20,6 +20,8 @@ constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motio
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kRotationSweeps = 2;  // in which what one leaves open is measured again
 constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
+constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over some sweeps
+constexpr double kDoubtfulRate_rad_s = 0.1;
 constexpr double kOpenVariance = 4.0;  // of the prediction's: a measurement that says less leaves it open
 
 Matrix6d toPoseCovariance(const Matrix6d& state_covariance, const Vector6d& state) {
@@ -248,6 +250,18 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   updateMotion();
   if (measured) road_.update(next.stamp_s, ukf_.state(), motion_);
   return state_;
+}
+
+FilterState PoseFilter::stateAsDriven() const {
+  FilterState state = state_;
+  if (!interval_wrong_) return state;
+  Vector6d twist_cog;
+  twist_cog << motion_.velocity_body_mps, 0.0, 0.0, motion_.rpy_rates_rad_s.z();
+  state.T_previous_now = expSe3(twist_cog * state.dt_s);
+  const double way_sigma_m = kDoubtfulSpeed_mps * state.dt_s, turn_sigma_rad = kDoubtfulRate_rad_s * state.dt_s;
+  state.increment_covariance.diagonal().head<3>().array() += way_sigma_m * way_sigma_m;
+  state.increment_covariance.diagonal().tail<3>().array() += turn_sigma_rad * turn_sigma_rad;
+  return state;
 }
 
 // The prediction went by another interval: it is as wrong as that, and so is what began at it and was found nowhere

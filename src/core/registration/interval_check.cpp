@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 
@@ -10,12 +11,12 @@ namespace {
 
 constexpr double kUnusual = 1.5;  // times longer than the usual interval, or shorter: may be wrong
 constexpr int kUsualEvery = 10;   // sweeps
-// Of what usually fits there must be at least: where there is another place to compare with; more of the information
-// where nothing fits there; and where none was found. In simulated drives the right place has 0.87 of the share and 0.39
-// of the information or more; a wrong one that registration finds 0.82 and 0.25, or 0.76 and 0.43, at most.
-constexpr double kShare = 0.7, kInformation = 0.4;
-constexpr double kInformationNothingFits = 0.7;
-constexpr double kShareAlone = 0.85, kInformationAlone = 0.35;
+// Shares of what is usual that a place must have at least.
+constexpr double kShare = 0.7, kInformation = 0.4;  // where there is another place to compare with
+constexpr double kInformationNothingFits = 0.7;     // in place of that where nothing fits there, or:
+// Where there is none. In simulated drives the right place has 1.05 of share + 0.25 information and 0.39 of the
+// information or more; wrong ones that registration finds have 0.88 at most, and as much information where less fits.
+constexpr double kAlone = 0.97, kInformationWeight = 0.25, kInformationAlone = 0.35;
 constexpr double kClearlyMore = 1.5;  // times the information at the place that the stamps ask for
 constexpr double kSamePlace_m = 0.2;
 constexpr double kMaxMoved_m = 0.3;       // from the way of the right interval to where the sweep fits,
@@ -26,42 +27,49 @@ double distance_m(const Pose& a, const Pose& b) { return (a.translation() - b.tr
 
 }  // namespace
 
-// The intervals since the last measured sweep, and what was driven in them if other than by the stamps.
-IntervalCheck::Driven IntervalCheck::drivenIn(const Interval& interval, double usual_s) {
-  Driven driven;
-  const auto add = [&](const Stamps& stamps) {
+// What may have been driven since the last placed pose, by the doubts about the stamps; without any: nothing.
+std::vector<double> IntervalCheck::otherTimes_s(const Interval& interval, double usual_s) {
+  std::vector<Stamps> all = interval.unplaced;
+  all.push_back(interval.stamps);
+  double by_the_stamps_s = 0.0, if_usual_s = 0.0, if_set_back_s = 0.0;
+  double most_unusual_s = usual_s;
+  int unusual = 0;
+  for (const Stamps& stamps : all) {
     const bool is_unusual = stamps.dt_s > kUnusual * usual_s || kUnusual * stamps.dt_s < usual_s;
-    driven.is_unusual = driven.is_unusual || is_unusual;
-    driven.if_usual_s += is_unusual ? usual_s : stamps.dt_s;
-    const bool is_set_back = stamps.set_back_s > 0.0;
-    driven.is_set_back = driven.is_set_back || is_set_back;
+    if (is_unusual) ++unusual;
+    by_the_stamps_s += stamps.dt_s;
+    if_usual_s += is_unusual ? usual_s : stamps.dt_s;
+    if (std::abs(stamps.dt_s - usual_s) > std::abs(most_unusual_s - usual_s)) most_unusual_s = stamps.dt_s;
     // the stamp that was refused came a usual interval after the last one
-    driven.if_set_back_s += stamps.dt_s + (is_set_back ? usual_s + stamps.set_back_s : 0.0);
-  };
-  for (const Stamps& stamps : interval.unmeasured) add(stamps);
-  add(interval.stamps);
-  return driven;
+    if (stamps.set_back_s > 0.0) if_set_back_s += usual_s + stamps.set_back_s;
+  }
+  std::vector<double> times_s;
+  if (unusual > 0) times_s.push_back(if_usual_s);
+  if (unusual > 1) times_s.push_back(by_the_stamps_s - most_unusual_s + usual_s);  // in the others sweeps were lost
+  if (if_set_back_s > 0.0) times_s.push_back(by_the_stamps_s + if_set_back_s);
+  return times_s;
 }
 
 std::optional<Pose> IntervalCheck::findOther(const Interval& interval, const Fit& fit) {
   const double dt_s = interval.stamps.dt_s;
   if (!(dt_s > 0.0)) return std::nullopt;
-  const Driven driven = drivenIn(interval, intervals_s_.size() > 0 ? intervals_s_.median() : dt_s);
-  const bool is_doubtful = driven.is_unusual || driven.is_set_back, follows = interval.unmeasured.empty();
-  if (!follows && !is_doubtful) return std::nullopt;
+  const std::vector<double> other_times_s =
+      otherTimes_s(interval, intervals_s_.size() > 0 ? intervals_s_.median() : dt_s);
+  const bool is_doubtful = !other_times_s.empty(), follows = interval.unplaced.empty();
+  if (!follows && !(is_doubtful && usual_.observed)) return std::nullopt;
 
   std::optional<Place> by_the_stamps;
   if (interval.T_odom_cog_by_the_stamps && (is_doubtful || --sweeps_to_usual_ <= 0)) {
     by_the_stamps = placeFrom(*interval.T_odom_cog_by_the_stamps, fit);
   }
   Place other;
-  const auto consider = [&](double driven_s) {
-    const Place place = placeFrom(interval.T_odom_cog_previous * expSe3(interval.twist_cog * driven_s), fit);
-    if (place.information <= other.information) return;
-    if (isRight(place, driven_s, by_the_stamps, interval.T_odom_cog_predicted)) other = place;
-  };
-  if (driven.is_unusual) consider(driven.if_usual_s);
-  if (driven.is_set_back) consider(driven.if_set_back_s);
+  for (const double driven_s : other_times_s) {
+    const Place place = placeFrom(interval.T_odom_cog_placed * expSe3(interval.twist_cog * driven_s), fit);
+    if (place.information <= other.information) continue;
+    const double reach_m = std::min(kMaxMoved_m + 0.5 * kDriver_mps2 * driven_s * driven_s, kMaxMovedAtAll_m);
+    const double clearly_m = follows ? kMaxMoved_m : reach_m;
+    if (isRight(place, reach_m, clearly_m, by_the_stamps, interval.T_odom_cog_predicted)) other = place;
+  }
   if (other.share > 0.0) return other.T_odom_cog;
   if (!follows) return std::nullopt;
 
@@ -80,19 +88,17 @@ IntervalCheck::Place IntervalCheck::placeFrom(const Pose& T_odom_cog, const Fit&
           distance_m(found.T_odom_cog, T_odom_cog), found.T_odom_cog};
 }
 
-bool IntervalCheck::isRight(const Place& place, double driven_s, const std::optional<Place>& by_the_stamps,
-                            const Pose& T_odom_cog_predicted) const {
-  const double reach_m = std::min(kMaxMoved_m + 0.5 * kDriver_mps2 * driven_s * driven_s, kMaxMovedAtAll_m);
+bool IntervalCheck::isRight(const Place& place, double reach_m, double clearly_m,
+                            const std::optional<Place>& by_the_stamps, const Pose& T_odom_cog_predicted) const {
   if (!usual_.observed || !place.observed || place.moved_m > reach_m) return false;
-  const auto isAsUsual = [&](double share, double information) {
-    return place.share >= share * usual_.share && place.information >= information * usual_.information;
-  };
+  const double share = place.share / usual_.share, information = place.information / usual_.information;
   if (!by_the_stamps || by_the_stamps->share <= 0.0) {
-    return isAsUsual(kShareAlone, kInformationAlone) || (by_the_stamps && isAsUsual(kShare, kInformationNothingFits));
+    return (share + kInformationWeight * information >= kAlone && information >= kInformationAlone) ||
+           (by_the_stamps && share >= kShare && information >= kInformationNothingFits);
   }
-  if (!isAsUsual(kShare, kInformation)) return false;
+  if (share < kShare || information < kInformation) return false;
   if (distance_m(place.T_odom_cog, by_the_stamps->T_odom_cog) < kSamePlace_m) {
-    return distance_m(place.T_odom_cog, T_odom_cog_predicted) > place.moved_m + kMaxMoved_m;
+    return distance_m(place.T_odom_cog, T_odom_cog_predicted) > place.moved_m + clearly_m;
   }
   return place.information >= kClearlyMore * by_the_stamps->information;
 }

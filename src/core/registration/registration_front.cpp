@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kSurePlaces = 10.0;  // the search for the first motion is as good as its last step if so many agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
-constexpr std::size_t kMaxUnmeasured = 10;  // intervals; after them what the car does now is not known well enough
+constexpr std::size_t kMaxUnplaced = 10;    // intervals; after them what the car does now is not known well enough
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
 constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
 constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
@@ -192,12 +192,12 @@ void RegistrationFront::relocalize() {
 }
 
 void RegistrationFront::checkInterval(const SweepPrediction& prediction) {
-  if (map().empty() || unmeasured_.size() >= kMaxUnmeasured) return;
+  if (map().empty() || unplaced_.size() >= kMaxUnplaced) return;
   IntervalCheck::Interval interval;
   interval.stamps = {dt_s_, prediction.set_back_s};
-  interval.unmeasured = unmeasured_;
-  interval.T_odom_cog_previous = T_odom_cog_measured_;
-  interval.twist_cog = measured_twist_cog_.value_or(corrected_twist_cog_);
+  interval.unplaced = unplaced_;
+  interval.T_odom_cog_placed = T_odom_cog_placed_;
+  interval.twist_cog = placed_twist_cog_.value_or(corrected_twist_cog_);
   interval.T_odom_cog_predicted = prediction.T_odom_cog;
   if (!lost_) interval.T_odom_cog_by_the_stamps = T_odom_cog_start_;
   const std::optional<Pose> T_odom_cog = interval_check_.findOther(
@@ -298,12 +298,13 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s)
 
 void RegistrationFront::place(const FilterState& state) {
   const bool between_measured = last_measured_ && state.corrected && state.placed;
+  const bool interval_doubted = std::exchange(interval_doubted_, false);
   last_measured_ = state.placed;
   const IntervalCheck::Stamps stamps{state.dt_s, std::exchange(set_back_s_, 0.0)};
   if (state.placed) {
-    setMeasured(state.T_odom_cog);
-  } else if (unmeasured_.size() < kMaxUnmeasured) {
-    unmeasured_.push_back(stamps);
+    setPlaced(state.T_odom_cog);
+  } else if (unplaced_.size() < kMaxUnplaced) {
+    unplaced_.push_back(stamps);
   }
   enterOdom(state.odom_epoch);
   enterReference(state.reference_epoch);
@@ -311,17 +312,17 @@ void RegistrationFront::place(const FilterState& state) {
   speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
   speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
-  const bool tells_speed = between_measured && !interval_doubted_ && state.dt_s > 0.0;
+  const bool tells_speed = between_measured && !interval_doubted && state.dt_s > 0.0;
   if (tells_speed) {
-    measured_twist_cog_ = logSe3(state.T_previous_now) / state.dt_s;
-  } else if (state.placed && !interval_doubted_) {
-    measured_twist_cog_.reset();
+    placed_twist_cog_ = logSe3(state.T_previous_now) / state.dt_s;
+  } else if (state.placed && !interval_doubted) {
+    placed_twist_cog_.reset();
   }
   if (!prepared_) return;
   prepared_ = false;
   // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
   if (refine_correction_ && tells_speed && !cloud_.compensated) {
-    Vector6d twist_cog = *measured_twist_cog_;
+    Vector6d twist_cog = *placed_twist_cog_;
     // for another turn than the one it was measured with, map and measurement would lead each other astray
     if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();
     recorrectFor(twist_cog, cloud_.middle_s);
@@ -334,7 +335,8 @@ void RegistrationFront::place(const FilterState& state) {
   only_first_placed_ = map().empty();
   if (only_first_placed_) {
     last_measured_ = true;  // by definition: the first motion is measured from here
-    setMeasured(state.T_odom_cog);
+    setPlaced(state.T_odom_cog);
+    if (!state.placed) placed_twist_cog_.reset();
     first_cloud_ = cloud_;
     T_odom_cog_first_ = state.T_odom_cog;
   }
@@ -344,9 +346,16 @@ void RegistrationFront::place(const FilterState& state) {
   keepStanding(state);
 }
 
-void RegistrationFront::setMeasured(const Pose& T_odom_cog) {
-  T_odom_cog_measured_ = T_odom_cog;
-  unmeasured_.clear();
+void RegistrationFront::skip(const FilterState& state) {
+  prepared_ = false;
+  set_back_s_ = 0.0;
+  interval_doubted_ = state.fusion.prediction_overruled;  // others may have found that it is wrong
+  place(state);
+}
+
+void RegistrationFront::setPlaced(const Pose& T_odom_cog) {
+  T_odom_cog_placed_ = T_odom_cog;
+  unplaced_.clear();
 }
 
 void RegistrationFront::enterOdom(int epoch) {
@@ -376,8 +385,8 @@ void RegistrationFront::reset() {
   speed_observed_ = speed_known_ = false;
   only_first_placed_ = false;
   interval_check_.reset();
-  setMeasured(Pose::Identity());
-  measured_twist_cog_.reset();
+  setPlaced(Pose::Identity());
+  placed_twist_cog_.reset();
   set_back_s_ = 0.0;
   interval_doubted_ = false;
   prepared_ = false;

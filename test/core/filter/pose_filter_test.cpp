@@ -144,10 +144,15 @@ TEST(PoseFilter, AWayInAnotherIntervalThanTheStampsIsTakenAsThePoseAndNotAsAMoti
   EXPECT_LT(distance(aside.state.T_odom_cog, T_odom_cog), 0.005);
   EXPECT_GT(aside.state.increment_covariance(0, 0), usual.state.increment_covariance(0, 0))
       << "the prediction adds nothing to what is known";
+  const FilterState driven = filter.stateAsDriven();
+  EXPECT_LT(distance(driven.T_previous_now, usual.state.T_previous_now), 0.05) << "no car makes that way";
+  EXPECT_GT(driven.increment_covariance(0, 0), 0.01) << "known to 1 m/s, 0.1 m a sweep";
+  EXPECT_TRUE(driven.T_odom_cog.isApprox(aside.state.T_odom_cog, 1e-12));
   for (int i = 10; i < 14; ++i) {
     T_odom_cog.translation().x() += 1.4;
     const Step next = step(filter, drive.stamp(i), {measured(T_odom_cog)});
     EXPECT_LT(distance(next.prediction.T_odom_cog, T_odom_cog), 0.05) << i;
+    EXPECT_TRUE(filter.stateAsDriven().T_previous_now.isApprox(next.state.T_previous_now, 0.0)) << i;
   }
 }
 

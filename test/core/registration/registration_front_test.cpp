@@ -339,6 +339,32 @@ TEST(RegistrationFront, aLostSecondSweepDoesNotShiftTheThird) {
   EXPECT_LT(meanDistance(front.map().points(), drive.scene), kStraight_m);
 }
 
+// As live, where a sweep takes long: the one after a jump of the clock is skipped, and the filter goes by the stamps.
+TEST(RegistrationFront, aJumpOfTheClockIsFoundInTheSweepAfterOneThatWasSkipped) {
+  const SyntheticDrive drive = curve();
+  const auto startAfter = [&](bool told_of_the_skipped) {
+    RegistrationFront front = makeFront(true);
+    placeFirst(front, drive);
+    double stamp_s = 0.0;
+    const auto predictionAfter = [&](double dt_s, const Pose& T_previous) {
+      stamp_s += dt_s;
+      return predictionOf(stamp_s, dt_s, T_previous, expSe3(drive.twist_cog * dt_s), true);
+    };
+    for (int i = 1; i < 5; ++i) {
+      const SweepPrediction usual = predictionAfter(0.1, drive.pose(0.1 * (i - 1)));
+      EXPECT_TRUE(front.prepare(drive.sweep(0.1 * i, static_cast<unsigned>(i + 1)), usual, drive.T_cog_lidar));
+      front.place(stateOf(usual, drive.pose(0.1 * i), true));
+    }
+    const SweepPrediction skipped = predictionAfter(5.1, drive.pose(0.4));
+    if (told_of_the_skipped) front.skip(stateOf(skipped, skipped.T_odom_cog, false));
+    const SweepPrediction next = predictionAfter(0.1, skipped.T_odom_cog);
+    EXPECT_TRUE(front.prepare(drive.sweep(0.6, 7), next, drive.T_cog_lidar));
+    return translationError(front.T_odom_cog_start(), drive.pose(0.6));
+  };
+  EXPECT_LT(startAfter(true), 0.1);
+  EXPECT_GT(startAfter(false), 1.0) << "it would be found in any case";
+}
+
 TEST(RegistrationFront, aSearchThatCameToNothingBeginsAnewWithALaterSweep) {
   RegistrationFront front = makeFront(true);
   const SyntheticDrive drive = curve();

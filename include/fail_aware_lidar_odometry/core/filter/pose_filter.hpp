@@ -123,6 +123,11 @@ class PoseFilter {
   void setFusion(const MeasurementFusion::Params& params) { fusion_ = MeasurementFusion(params); }
 
   const FilterState& state() const { return state_; }
+
+  /// With the motion that a vehicle can follow: where the stamps told another interval than was driven, the way between
+  /// two estimates may be one back over all that the prediction was off by. There it is the way, in dt, of the motion
+  /// that the filter keeps.
+  FilterState stateAsDriven() const;
   bool started() const { return started_; }
 
  private:

@@ -10,9 +10,10 @@
 //
 // Where the places cannot be told from each other (tunnels, open country) the stamps are believed. A clock that is set
 // by less than half an interval is not looked for: registration bears that. Where the sweep after the doubtful interval
-// was not measured (empty, or answered too late) the next one is asked: the way since the last measured pose is that of
-// all intervals since.
-// Cost: a registration from one seed every tenth sweep, and two or three after an unusual interval.
+// was not measured (empty, or answered too late) the next ones are asked: they are as many intervals after the pose that
+// was placed last, and any of those may be the wrong one.
+// Cost: a registration from one seed every tenth sweep, and two to four in a sweep that comes after an unusual interval,
+// until one is placed.
 #pragma once
 
 #include <functional>
@@ -33,9 +34,9 @@ class IntervalCheck {
   };
   struct Interval {
     Stamps stamps;
-    std::vector<Stamps> unmeasured{};             ///< of the sweeps before it, since the last measured one
-    Pose T_odom_cog_previous = Pose::Identity();  ///< of that one
-    Vector6d twist_cog = Vector6d::Zero();        ///< m/s and rad/s
+    std::vector<Stamps> unplaced{};             ///< of the sweeps before it, since the one that was placed last
+    Pose T_odom_cog_placed = Pose::Identity();  ///< its pose
+    Vector6d twist_cog = Vector6d::Zero();      ///< m/s and rad/s
     Pose T_odom_cog_predicted = Pose::Identity();
     std::optional<Pose> T_odom_cog_by_the_stamps{};  ///< what was found from there; none: nothing was
   };
@@ -56,13 +57,9 @@ class IntervalCheck {
     double moved_m = 0.0;      ///< by registration
     Pose T_odom_cog = Pose::Identity();
   };
-  struct Driven {
-    bool is_unusual = false, is_set_back = false;  ///< an interval
-    double if_usual_s = 0.0, if_set_back_s = 0.0;  ///< in all, if the clock was set there
-  };
-  static Driven drivenIn(const Interval& interval, double usual_s);
+  static std::vector<double> otherTimes_s(const Interval& interval, double usual_s);
   static Place placeFrom(const Pose& T_odom_cog, const Fit& fit);
-  bool isRight(const Place& place, double driven_s, const std::optional<Place>& by_the_stamps,
+  bool isRight(const Place& place, double reach_m, double clearly_m, const std::optional<Place>& by_the_stamps,
                const Pose& T_odom_cog_predicted) const;
 
   MovingMedian intervals_s_{kUsualIntervals};  ///< that were not doubted

@@ -50,6 +50,9 @@ class RegistrationFront {
   /// one that came compensated).
   void place(const FilterState& state);
 
+  /// In place of place(): the estimate of a sweep that was not prepared.
+  void skip(const FilterState& state);
+
   void reset();
 
  private:
@@ -59,7 +62,7 @@ class RegistrationFront {
   void matchStanding(double sigma_yaw_rad);
   void keepStanding(const FilterState& state);
   void addStanding(Measurement& measurement) const;
-  void setMeasured(const Pose& T_odom_cog);
+  void setPlaced(const Pose& T_odom_cog);
   void enterOdom(int epoch);
   void enterReference(int epoch);
   void relocalize();
@@ -106,10 +109,10 @@ class RegistrationFront {
   bool last_measured_ = false;    ///< the last estimate is no mere prediction
   double placed_stamp_s_ = 0.0;   ///< of the newest sweep in the map, with its position
   Eigen::Vector3d placed_odom_ = Eigen::Vector3d::Zero();
-  Pose T_odom_cog_measured_ = Pose::Identity();      ///< the newest estimate that is no mere prediction,
-  std::optional<Vector6d> measured_twist_cog_;       ///< of the interval before it, where that tells it, m/s and rad/s,
-  std::vector<IntervalCheck::Stamps> unmeasured_{};  ///< and the intervals since
-  double set_back_s_ = 0.0;                          ///< as the prepared sweep's prediction says
+  Pose T_odom_cog_placed_ = Pose::Identity();      ///< the newest estimate that references took in
+  std::vector<IntervalCheck::Stamps> unplaced_{};  ///< the intervals since
+  std::optional<Vector6d> placed_twist_cog_;       ///< m/s and rad/s, then, where it is known
+  double set_back_s_ = 0.0;                        ///< as the prepared sweep's prediction says
   bool interval_doubted_ = false;  ///< the prepared sweep's start pose is that of another interval than the stamps'
   int odom_epoch_ = 0;             ///< of the reference
   int reference_epoch_ = 0;        ///< likewise
