@@ -255,6 +255,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
 FilterState PoseFilter::stateAsDriven() const {
   FilterState state = state_;
   if (!interval_wrong_) return state;
+  state.dt_s = std::min(state.dt_s, kLongInterval_s);  // in which it turns by less than half a turn
   Vector6d twist_cog;
   twist_cog << motion_.velocity_body_mps, 0.0, 0.0, motion_.rpy_rates_rad_s.z();
   state.T_previous_now = expSe3(twist_cog * state.dt_s);

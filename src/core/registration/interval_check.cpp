@@ -1,7 +1,6 @@
 #include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 
@@ -9,8 +8,9 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kUnusual = 1.5;  // times longer than the usual interval, or shorter: may be wrong
-constexpr int kUsualEvery = 10;   // sweeps
+constexpr double kUnusual = 1.5;        // times longer than the usual interval, or shorter: may be wrong
+constexpr int kUsualEvery = 10;         // sweeps
+constexpr std::size_t kMaxUnusual = 3;  // each of so many is tried by itself
 // Shares of what is usual that a place must have at least.
 constexpr double kShare = 0.7, kInformation = 0.4;  // where there is another place to compare with
 constexpr double kInformationNothingFits = 0.7;     // in place of that where nothing fits there, or:
@@ -32,20 +32,20 @@ std::vector<double> IntervalCheck::otherTimes_s(const Interval& interval, double
   std::vector<Stamps> all = interval.unplaced;
   all.push_back(interval.stamps);
   double by_the_stamps_s = 0.0, if_usual_s = 0.0, if_set_back_s = 0.0;
-  double most_unusual_s = usual_s;
-  int unusual = 0;
+  std::vector<double> unusual_s;
   for (const Stamps& stamps : all) {
     const bool is_unusual = stamps.dt_s > kUnusual * usual_s || kUnusual * stamps.dt_s < usual_s;
-    if (is_unusual) ++unusual;
+    if (is_unusual) unusual_s.push_back(stamps.dt_s);
     by_the_stamps_s += stamps.dt_s;
     if_usual_s += is_unusual ? usual_s : stamps.dt_s;
-    if (std::abs(stamps.dt_s - usual_s) > std::abs(most_unusual_s - usual_s)) most_unusual_s = stamps.dt_s;
     // the stamp that was refused came a usual interval after the last one
     if (stamps.set_back_s > 0.0) if_set_back_s += usual_s + stamps.set_back_s;
   }
   std::vector<double> times_s;
-  if (unusual > 0) times_s.push_back(if_usual_s);
-  if (unusual > 1) times_s.push_back(by_the_stamps_s - most_unusual_s + usual_s);  // in the others sweeps were lost
+  if (!unusual_s.empty()) times_s.push_back(if_usual_s);
+  if (unusual_s.size() > 1 && unusual_s.size() <= kMaxUnusual) {  // one is wrong, in the others sweeps were lost
+    for (const double wrong_s : unusual_s) times_s.push_back(by_the_stamps_s - wrong_s + usual_s);
+  }
   if (if_set_back_s > 0.0) times_s.push_back(by_the_stamps_s + if_set_back_s);
   return times_s;
 }
@@ -56,7 +56,7 @@ std::optional<Pose> IntervalCheck::findOther(const Interval& interval, const Fit
   const std::vector<double> other_times_s =
       otherTimes_s(interval, intervals_s_.size() > 0 ? intervals_s_.median() : dt_s);
   const bool is_doubtful = !other_times_s.empty(), follows = interval.unplaced.empty();
-  if (!follows && !(is_doubtful && usual_.observed)) return std::nullopt;
+  if (!follows && is_doubtful && !usual_.observed) return std::nullopt;  // nothing to judge by
 
   std::optional<Place> by_the_stamps;
   if (interval.T_odom_cog_by_the_stamps && (is_doubtful || --sweeps_to_usual_ <= 0)) {
@@ -71,7 +71,7 @@ std::optional<Pose> IntervalCheck::findOther(const Interval& interval, const Fit
     if (isRight(place, reach_m, clearly_m, by_the_stamps, interval.T_odom_cog_predicted)) other = place;
   }
   if (other.share > 0.0) return other.T_odom_cog;
-  if (!follows) return std::nullopt;
+  if (!follows && is_doubtful) return std::nullopt;
 
   intervals_s_.add(dt_s);
   if (by_the_stamps && by_the_stamps->observed && by_the_stamps->moved_m <= kMaxMoved_m) {
@@ -93,8 +93,9 @@ bool IntervalCheck::isRight(const Place& place, double reach_m, double clearly_m
   if (!usual_.observed || !place.observed || place.moved_m > reach_m) return false;
   const double share = place.share / usual_.share, information = place.information / usual_.information;
   if (!by_the_stamps || by_the_stamps->share <= 0.0) {
-    return (share + kInformationWeight * information >= kAlone && information >= kInformationAlone) ||
-           (by_the_stamps && share >= kShare && information >= kInformationNothingFits);
+    if (share < kShare) return false;
+    return (share + kInformationWeight * std::min(information, 1.0) >= kAlone && information >= kInformationAlone) ||
+           (by_the_stamps && information >= kInformationNothingFits);
   }
   if (share < kShare || information < kInformation) return false;
   if (distance_m(place.T_odom_cog, by_the_stamps->T_odom_cog) < kSamePlace_m) {

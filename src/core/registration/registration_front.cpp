@@ -298,7 +298,9 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s)
 
 void RegistrationFront::place(const FilterState& state) {
   const bool between_measured = last_measured_ && state.corrected && state.placed;
-  const bool interval_doubted = std::exchange(interval_doubted_, false);
+  // others may have found that it is wrong
+  const bool interval_doubted =
+      std::exchange(interval_doubted_, false) || (state.fusion.prediction_overruled && state.dt_s > kLongInterval_s);
   last_measured_ = state.placed;
   const IntervalCheck::Stamps stamps{state.dt_s, std::exchange(set_back_s_, 0.0)};
   if (state.placed) {
@@ -308,7 +310,7 @@ void RegistrationFront::place(const FilterState& state) {
   }
   enterOdom(state.odom_epoch);
   enterReference(state.reference_epoch);
-  relief_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
+  if (prepared_) relief_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
   speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
   speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
@@ -349,7 +351,7 @@ void RegistrationFront::place(const FilterState& state) {
 void RegistrationFront::skip(const FilterState& state) {
   prepared_ = false;
   set_back_s_ = 0.0;
-  interval_doubted_ = state.fusion.prediction_overruled;  // others may have found that it is wrong
+  interval_doubted_ = state.fusion.prediction_overruled;
   place(state);
 }
 

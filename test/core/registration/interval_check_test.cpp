@@ -96,6 +96,8 @@ TEST(IntervalCheck, WhereNoPlaceIsKnownTheOtherOneMustBeAsGoodAsUsual) {
   car.expectHere(car.drive(kPeriod_s, 0.5, 0.0, false));
   car.world.share_here = 0.65;
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "too little fits";
+  car.world.information_here = 0.5;
+  EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "however much it informs";
   car.world.share_here = 0.95;
   car.world.information_here = 0.03;
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "what fits is the road";
@@ -153,6 +155,7 @@ TEST(IntervalCheck, WhereTheSweepWasNotMeasuredTheNextOnesAreAsked) {
   Gap set_back{{}, {{kPeriod_s, 0.3}}};
   set_back.car.expectHere(set_back.after(0.6));
   Gap usual{{}, {{kPeriod_s}, {kPeriod_s}}};
+  usual.car.drive(kPeriod_s, kPeriod_s);  // the tenth
   usual.car.world.fits = 0;
   EXPECT_FALSE(usual.after(5.0 * kPeriod_s));
   EXPECT_EQ(usual.car.world.fits, 0) << "nothing is unusual";
@@ -161,6 +164,16 @@ TEST(IntervalCheck, WhereTheSweepWasNotMeasuredTheNextOnesAreAsked) {
 TEST(IntervalCheck, ASweepThatWasLostNearAClockThatWasSetIsLost) {
   Gap gap{{}, {{5.1}}};
   gap.car.expectHere(gap.after(0.3, 0.2));
+  Gap a_little{{}, {{0.02}}};
+  a_little.car.expectHere(a_little.after(0.3, 0.2));
+}
+
+TEST(IntervalCheck, WhatWasNotPlacedIsLearntFromToo) {
+  Gap gap{{}, {{kPeriod_s}}, true};
+  gap.car.check.reset();
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(gap.after(2.0 * kPeriod_s));  // every second sweep is skipped
+  gap.unplaced = {{5.1}};
+  gap.car.expectHere(gap.after(2.0 * kPeriod_s));
 }
 
 TEST(IntervalCheck, WhereNothingIsUsualNothingIsDoubted) {

@@ -125,8 +125,8 @@ class PoseFilter {
   const FilterState& state() const { return state_; }
 
   /// With the motion that a vehicle can follow: where the stamps told another interval than was driven, the way between
-  /// two estimates may be one back over all that the prediction was off by. There it is the way, in dt, of the motion
-  /// that the filter keeps.
+  /// two estimates may be one back over all that the prediction was off by. There it is the way of the motion that
+  /// the filter keeps, in a dt that is kLongInterval_s at most.
   FilterState stateAsDriven() const;
   bool started() const { return started_; }
 

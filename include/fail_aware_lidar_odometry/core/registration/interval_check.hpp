@@ -12,7 +12,7 @@
 // by less than half an interval is not looked for: registration bears that. Where the sweep after the doubtful interval
 // was not measured (empty, or answered too late) the next ones are asked: they are as many intervals after the pose that
 // was placed last, and any of those may be the wrong one.
-// Cost: a registration from one seed every tenth sweep, and two to four in a sweep that comes after an unusual interval,
+// Cost: a registration from one seed every tenth sweep, and two to six in a sweep that comes after an unusual interval,
 // until one is placed.
 #pragma once
 
