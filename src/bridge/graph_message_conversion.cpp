@@ -17,6 +17,11 @@ constexpr double kFarthest_m = 1e3 * kFarthestPose_m;  // no drive from a pose t
 /// What somebody else's message says and this package's pass on.
 double finiteOr0(double value) { return std::isfinite(value) ? value : 0.0; }
 
+template <class Message>  // SweepPrediction, FilterState
+double setBack_s(const Message& message) {
+  return std::clamp(finiteOr0(message.set_back), 0.0, kFarAhead_s);
+}
+
 constexpr std::uint8_t kNotArrived = messages::FilterState::NOT_ARRIVED;
 
 static_assert(static_cast<int>(MeasurementStatus::kOk) == messages::PoseMeasurement::OK, "");
@@ -62,7 +67,7 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   task.prediction.motion_known = message.motion_known != 0;
   task.T_cog_lidar = *lidar;
   task.prediction.odom_epoch = message.odom_epoch;
-  task.prediction.set_back_s = std::clamp(finiteOr0(message.set_back), 0.0, kFarAhead_s);
+  task.prediction.set_back_s = setBack_s(message);
   task.lidar_frame = message.lidar_frame;
   return task;
 }
@@ -148,6 +153,8 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.unobserved_covariance = toCovarianceMessage(state.unobserved_covariance);
   message.speed_variance = state.speed_error.variance_m2_s2;
   message.speed_kept = state.speed_error.kept;
+  message.interval_wrong = state.interval_wrong;
+  message.set_back = state.set_back_s;
   message.odom_epoch = state.odom_epoch;
   message.placed = state.placed;
   message.reference_epoch = state.reference_epoch;
@@ -200,6 +207,8 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.unobserved_covariance = fromMessage(message.unobserved_covariance);
   state.speed_error.variance_m2_s2 = message.speed_variance;
   state.speed_error.kept = message.speed_kept;
+  state.interval_wrong = message.interval_wrong != 0;
+  state.set_back_s = setBack_s(message);
   state.odom_epoch = message.odom_epoch;
   state.placed = message.placed;
   state.reference_epoch = message.reference_epoch;

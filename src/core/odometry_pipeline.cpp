@@ -173,14 +173,13 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   const FilterState& last = filter.state();
   const StampOrder order = filter.started() ? stamps.next(sweep.stamp_s - last.stamp_s) : StampOrder::kAdvances;
   if (order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead) beginDrive(Pose(last.T_odom_cog));
-  if (order == StampOrder::kFarAhead || !filter.predict(sweep.stamp_s, prediction)) {
+  if (order == StampOrder::kFarAhead || !filter.predict(sweep.stamp_s, prediction, stamps.setBack_s())) {
     ++refused;
     result.status = SweepStatus::kStampNotAdvancing;
     result.state = exchanged(last);
     result.T_odom_base = last.T_odom_cog * T_base_cog.inverse();
     return result;
   }
-  prediction.set_back_s = stamps.takeSetBack_s();
   prediction = exchanged(prediction);
   const SweepFindings findings = check.check(sweep);
   const double middle_s = corrector.correct(sweep, prediction, T_cog_lidar, corrected).middle_s;

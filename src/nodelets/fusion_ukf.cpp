@@ -174,11 +174,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       if (!next) return;
       std_msgs::Header& header = next->header;
       SweepTask task;
-      if (!filter_->predict(header.stamp.toSec(), task.prediction)) {
+      if (!filter_->predict(header.stamp.toSec(), task.prediction, next->set_back_s)) {
         intake_.refuseStamp();
         continue;
       }
-      task.prediction.set_back_s = next->set_back_s;
       task.T_cog_lidar = T_base_cog_.inverse() * lidar_.T_base_lidar();
       task.lidar_frame = header.frame_id;
       header.frame_id = params_.odom_frame;

@@ -58,7 +58,7 @@ class SweepIntake {
       }
     }
     newest_ = header.stamp;
-    waiting_.push_back({header, arrived, stamps_.takeSetBack_s()});
+    waiting_.push_back({header, arrived, stamps_.setBack_s()});
     if (waiting_.size() > may_wait_) may_wait_ = std::max<std::size_t>(1, may_wait_ - 1);
     while (waiting_.size() > may_wait_) {
       const double set_back_s = waiting_.front().set_back_s;

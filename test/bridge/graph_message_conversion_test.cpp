@@ -148,6 +148,8 @@ FilterState someState() {
   state.increment_covariance = 0.1 * someCovariance();
   state.unobserved_covariance = 0.01 * someCovariance();
   state.speed_error = {2.5, 0.75};
+  state.interval_wrong = true;
+  state.set_back_s = 0.3;
   state.filter_nis = 5.5;
   state.fusion.has_measurement = true;
   state.fusion.z = vectorFromPose(somePose(4.1));
@@ -178,6 +180,8 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_EQ(back->unobserved_covariance, state.unobserved_covariance);
   EXPECT_EQ(back->speed_error.variance_m2_s2, 2.5);
   EXPECT_EQ(back->speed_error.kept, 0.75);
+  EXPECT_TRUE(back->interval_wrong);
+  EXPECT_EQ(back->set_back_s, 0.3);
   EXPECT_EQ(back->filter_nis, state.filter_nis);
   EXPECT_EQ(back->fusion.z, state.fusion.z);
   EXPECT_EQ(back->fusion.R, state.fusion.R);

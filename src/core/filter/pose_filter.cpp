@@ -103,7 +103,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   plausibility_.clear();
   last_measured_ = previous_measured_ = false;
   placement_.clear();
-  interval_wrong_ = tells_no_motion_ = told_no_motion_ = false;
+  tells_no_motion_ = told_no_motion_ = false;
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
@@ -151,10 +151,11 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   return true;
 }
 
-bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction) {
+bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction, double set_back_s) {
   if (!std::isfinite(stamp_s) || (started_ && secondsBetween(state_.stamp_s, stamp_s) <= 0.0)) return false;
   prediction_ = SweepPrediction();
   prediction_.stamp_s = stamp_s;
+  prediction_.set_back_s = set_back_s;
   prediction_.T_odom_cog_previous = state_.T_odom_cog;
   prediction_.odom_epoch = state_.odom_epoch;
   if (started_) {
@@ -205,6 +206,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   FilterState next;
   next.stamp_s = prediction_.stamp_s;
   next.dt_s = prediction_.dt_s;
+  next.set_back_s = prediction_.set_back_s;
   next.odom_epoch = state_.odom_epoch;
   next.reference_epoch = state_.reference_epoch;
   const Matrix6d predicted_P = ukf_.covariance();
@@ -216,8 +218,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
     next.filter_nis = ukf_.nis();
   }
-  interval_wrong_ = doubted && next.corrected;
-  next.fusion.prediction_overruled = next.fusion.prediction_overruled || interval_wrong_;
+  next.interval_wrong = doubted && next.corrected;
+  next.fusion.prediction_overruled = next.fusion.prediction_overruled || next.interval_wrong;
   next.T_odom_cog = poseFromVector(ukf_.state());
   next.covariance = ukf_.covariance();
   next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
@@ -241,7 +243,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   if (placement.anew) ++next.reference_epoch;
   if (placement.out_of_sight) plausibility_.clear();
   const bool measured = next.corrected || placement.begins;
-  if (placement.begins || interval_wrong_ || (told_no_motion_ && !tells_no_motion_)) history_.clear();
+  if (placement.begins || next.interval_wrong || (told_no_motion_ && !tells_no_motion_)) history_.clear();
   started_ = true;
   previous_measured_ = last_measured_;
   last_measured_ = measured;
@@ -254,7 +256,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
 
 FilterState PoseFilter::stateAsDriven() const {
   FilterState state = state_;
-  if (!interval_wrong_) return state;
+  if (!state.interval_wrong) return state;
   state.dt_s = std::min(state.dt_s, kLongInterval_s);  // in which it turns by less than half a turn
   Vector6d twist_cog;
   twist_cog << motion_.velocity_body_mps, 0.0, 0.0, motion_.rpy_rates_rad_s.z();
@@ -348,7 +350,7 @@ Coasting::Measured PoseFilter::measuredTurn() const {
 
 void PoseFilter::updateMotion() {
   const MotionDerivatives last = motion_;
-  const bool told = state_.corrected && !interval_wrong_ && !tells_no_motion_ && !told_no_motion_;
+  const bool told = state_.corrected && !state_.interval_wrong && !tells_no_motion_ && !told_no_motion_;
   if (told) {
     motion_ = historyDerivatives();
   } else {
@@ -359,7 +361,7 @@ void PoseFilter::updateMotion() {
   if (state_.dt_s > 0.0) {
     if (!state_.corrected) {
       coast(last, nullptr);
-    } else if (!interval_wrong_ && (tells_no_motion_ || told_no_motion_)) {
+    } else if (!state_.interval_wrong && (tells_no_motion_ || told_no_motion_)) {
       MotionDerivatives steady = last;
       steady.acceleration_body_mps2.setZero();
       const Coasting::Measured turn = measuredTurn();
@@ -402,7 +404,7 @@ void PoseFilter::setIncrementCovariance(const SweepPrediction& prediction, Filte
   // directions that R does not observe all of Q, and the measurement's part K R K^T.
   const Matrix6d& Q = process_noise_;
   Matrix6d from_prediction = Q, lasting = Q, from_measurement = Matrix6d::Zero();
-  if (interval_wrong_) {  // the prediction tells nothing of it
+  if (state.interval_wrong) {  // the prediction tells nothing of it
     from_prediction.setZero();
     lasting.setZero();
     from_measurement = state.fusion.R;

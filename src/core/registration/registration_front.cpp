@@ -55,7 +55,6 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
   }
   T_odom_cog_previous_ = prediction.T_odom_cog_previous;
   dt_s_ = prediction.dt_s;
-  set_back_s_ = prediction.set_back_s;
   searched_sigma_m_ = 0.0;
   interval_doubted_ = false;
   standing_pose_.reset();
@@ -298,15 +297,11 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s)
 
 void RegistrationFront::place(const FilterState& state) {
   const bool between_measured = last_measured_ && state.corrected && state.placed;
-  // others may have found that it is wrong
-  const bool interval_doubted =
-      std::exchange(interval_doubted_, false) || (state.fusion.prediction_overruled && state.dt_s > kLongInterval_s);
   last_measured_ = state.placed;
-  const IntervalCheck::Stamps stamps{state.dt_s, std::exchange(set_back_s_, 0.0)};
   if (state.placed) {
     setPlaced(state.T_odom_cog);
   } else if (unplaced_.size() < kMaxUnplaced) {
-    unplaced_.push_back(stamps);
+    unplaced_.push_back({state.dt_s, state.set_back_s});
   }
   enterOdom(state.odom_epoch);
   enterReference(state.reference_epoch);
@@ -314,10 +309,10 @@ void RegistrationFront::place(const FilterState& state) {
   speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
   speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
-  const bool tells_speed = between_measured && !interval_doubted && state.dt_s > 0.0;
+  const bool tells_speed = between_measured && !state.interval_wrong && state.dt_s > 0.0;
   if (tells_speed) {
     placed_twist_cog_ = logSe3(state.T_previous_now) / state.dt_s;
-  } else if (state.placed && !interval_doubted) {
+  } else if (state.placed && !state.interval_wrong) {
     placed_twist_cog_.reset();
   }
   if (!prepared_) return;
@@ -350,8 +345,6 @@ void RegistrationFront::place(const FilterState& state) {
 
 void RegistrationFront::skip(const FilterState& state) {
   prepared_ = false;
-  set_back_s_ = 0.0;
-  interval_doubted_ = state.fusion.prediction_overruled;
   place(state);
 }
 
@@ -389,8 +382,6 @@ void RegistrationFront::reset() {
   interval_check_.reset();
   setPlaced(Pose::Identity());
   placed_twist_cog_.reset();
-  set_back_s_ = 0.0;
-  interval_doubted_ = false;
   prepared_ = false;
   last_measured_ = false;
   lost_ = false;

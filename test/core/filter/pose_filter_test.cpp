@@ -138,7 +138,7 @@ TEST(PoseFilter, AWayInAnotherIntervalThanTheStampsIsTakenAsThePoseAndNotAsAMoti
   // what began at the stamps' place and was not found elsewhere is not heard, and one that was is enough
   const Measurement by_the_stamps = measured(drive.at(9));
   const Step aside = step(filter, drive.stamp(9), {doubted, by_the_stamps, by_the_stamps});
-  EXPECT_TRUE(aside.state.fusion.prediction_overruled);
+  EXPECT_TRUE(aside.state.interval_wrong && aside.state.fusion.prediction_overruled);
   EXPECT_EQ(aside.state.fusion.weights[1], 0.0);
   EXPECT_TRUE(aside.state.placed);
   EXPECT_LT(distance(aside.state.T_odom_cog, T_odom_cog), 0.005);
@@ -163,10 +163,12 @@ TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
   Measurement elsewhere = measured(drive.at(9));
   elsewhere.interval_doubted = true;
   SweepPrediction prediction;
-  ASSERT_TRUE(filter.predict(drive.stamp(9), prediction));
+  ASSERT_TRUE(filter.predict(drive.stamp(9), prediction, 0.3));
+  EXPECT_EQ(prediction.set_back_s, 0.3);
   const Measurement usual = measured(drive.at(9));
   const FilterState& state = filter.correct({{"m", &usual}, {"elsewhere", &elsewhere, true}});
-  EXPECT_FALSE(state.fusion.prediction_overruled);
+  EXPECT_FALSE(state.interval_wrong || state.fusion.prediction_overruled);
+  EXPECT_EQ(state.set_back_s, 0.3);
   EXPECT_GT(state.fusion.weights[0], 0.0);
 }
 

@@ -342,7 +342,7 @@ TEST(RegistrationFront, aLostSecondSweepDoesNotShiftTheThird) {
 // As live, where a sweep takes long: the one after a jump of the clock is skipped, and the filter goes by the stamps.
 TEST(RegistrationFront, aJumpOfTheClockIsFoundInTheSweepAfterOneThatWasSkipped) {
   const SyntheticDrive drive = curve();
-  const auto startAfter = [&](bool told_of_the_skipped) {
+  const auto startAfter = [&](double dt_s, double set_back_s, double driven_s, bool told_of_the_skipped) {
     RegistrationFront front = makeFront(true);
     placeFirst(front, drive);
     double stamp_s = 0.0;
@@ -355,14 +355,19 @@ TEST(RegistrationFront, aJumpOfTheClockIsFoundInTheSweepAfterOneThatWasSkipped) 
       EXPECT_TRUE(front.prepare(drive.sweep(0.1 * i, static_cast<unsigned>(i + 1)), usual, drive.T_cog_lidar));
       front.place(stateOf(usual, drive.pose(0.1 * i), true));
     }
-    const SweepPrediction skipped = predictionAfter(5.1, drive.pose(0.4));
-    if (told_of_the_skipped) front.skip(stateOf(skipped, skipped.T_odom_cog, false));
+    const SweepPrediction skipped = predictionAfter(dt_s, drive.pose(0.4));
+    FilterState state = stateOf(skipped, skipped.T_odom_cog, false);
+    state.set_back_s = set_back_s;
+    if (told_of_the_skipped) front.skip(state);
     const SweepPrediction next = predictionAfter(0.1, skipped.T_odom_cog);
-    EXPECT_TRUE(front.prepare(drive.sweep(0.6, 7), next, drive.T_cog_lidar));
-    return translationError(front.T_odom_cog_start(), drive.pose(0.6));
+    const double now_s = 0.4 + driven_s + 0.1;
+    EXPECT_TRUE(front.prepare(drive.sweep(now_s, 7), next, drive.T_cog_lidar));
+    return translationError(front.T_odom_cog_start(), drive.pose(now_s));
   };
-  EXPECT_LT(startAfter(true), 0.1);
-  EXPECT_GT(startAfter(false), 1.0) << "it would be found in any case";
+  EXPECT_LT(startAfter(5.1, 0.0, 0.1, true), 0.1);
+  EXPECT_GT(startAfter(5.1, 0.0, 0.1, false), 1.0) << "it would be found in any case";
+  EXPECT_LT(startAfter(0.1, 0.5, 0.7, true), 0.2) << "the stamps went back a little";
+  EXPECT_GT(startAfter(0.1, 0.0, 0.7, true), 1.0);
 }
 
 TEST(RegistrationFront, aSearchThatCameToNothingBeginsAnewWithALaterSweep) {

@@ -44,7 +44,8 @@ TEST(StampSequence, AStampFarAheadIsForgottenOnceOneComesThatIsNot) {
 TEST(StampSequence, WhatIsNoNumberNeitherAdvancesNorBeginsADrive) {
   StampSequence stamps;
   EXPECT_EQ(stamps.next(std::numeric_limits<double>::quiet_NaN()), StampOrder::kReordered);
-  EXPECT_EQ(stamps.takeSetBack_s(), 0.0);
+  EXPECT_EQ(stamps.next(0.1), StampOrder::kAdvances);
+  EXPECT_EQ(stamps.setBack_s(), 0.0);
   EXPECT_EQ(stamps.next(std::numeric_limits<double>::infinity()), StampOrder::kFarAhead);
   EXPECT_EQ(stamps.next(std::numeric_limits<double>::infinity()), StampOrder::kFarAhead);
 }
@@ -54,18 +55,24 @@ TEST(StampSequence, ALimitThatChangesKeepsWhatCameBefore) {
   EXPECT_EQ(stamps.next(-0.3), StampOrder::kReordered);
   stamps.setMaxReorder(0.2);
   EXPECT_EQ(stamps.next(-0.3), StampOrder::kJumpedBack);
-  EXPECT_EQ(stamps.takeSetBack_s(), 0.3);
+  EXPECT_EQ(stamps.next(0.1), StampOrder::kAdvances);
+  EXPECT_EQ(stamps.setBack_s(), 0.3);
 }
 
-TEST(StampSequence, SetBackIsTheMostOfTheStampsThatWereOutOfOrderAndToldOnce) {
+TEST(StampSequence, SetBackIsTheMostOfTheStampsThatWereRefusedAsOutOfOrderBeforeTheOneThatIsTaken) {
   StampSequence stamps;
-  EXPECT_EQ(stamps.takeSetBack_s(), 0.0);
+  EXPECT_EQ(stamps.setBack_s(), 0.0);
   for (const double since_newest_s : {-0.3, -0.2, 0.0, 7200.0}) stamps.next(since_newest_s);
-  EXPECT_EQ(stamps.takeSetBack_s(), 0.3);
-  EXPECT_EQ(stamps.takeSetBack_s(), 0.0);
-  for (const double since_newest_s : {-0.3, -7200.0}) stamps.next(since_newest_s);
+  EXPECT_EQ(stamps.setBack_s(), 0.0) << "of the one that was taken before them";
+  stamps.next(0.1);
+  EXPECT_EQ(stamps.setBack_s(), 0.3);
+  stamps.next(0.1);
+  EXPECT_EQ(stamps.setBack_s(), 0.0);
+  for (const double since_newest_s : {-0.3, 0.1, -0.2, -7200.0}) stamps.next(since_newest_s);
   stamps.beginDrive();
-  EXPECT_EQ(stamps.takeSetBack_s(), 0.0) << "a new drive";
+  EXPECT_EQ(stamps.setBack_s(), 0.0) << "a new drive";
+  stamps.next(0.1);
+  EXPECT_EQ(stamps.setBack_s(), 0.0);
 }
 
 }  // namespace

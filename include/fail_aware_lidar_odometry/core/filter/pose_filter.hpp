@@ -59,10 +59,12 @@ struct FilterState {
   /// of rotation what the next one, as good as this, would leave as well; and what is implausible in a vehicle's motion,
   /// whatever R says (motion_plausibility.hpp).
   Matrix6d unobserved_covariance = Matrix6d::Zero();
-  SpeedError speed_error;   ///< along the vehicle, where it coasts
-  int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
-  bool placed = false;      ///< the references take the sweep in, at this pose (reference_placement.hpp)
-  int reference_epoch = 0;  ///< counts those that began anew: likewise
+  SpeedError speed_error;       ///< along the vehicle, where it coasts
+  bool interval_wrong = false;  ///< the stamps told another one than was driven: the increment is no motion in dt_s
+  double set_back_s = 0.0;      ///< SweepPrediction's
+  int odom_epoch = 0;           ///< counts setPose(): references placed under another number are in another odom
+  bool placed = false;          ///< the references take the sweep in, at this pose (reference_placement.hpp)
+  int reference_epoch = 0;      ///< counts those that began anew: likewise
 };
 
 OdometryIncrement incrementOf(const FilterState& state);
@@ -108,8 +110,8 @@ class PoseFilter {
   /// Starts anew: the next sweep's pose is T_odom_cog.
   void reset(const Pose& T_odom_cog);
 
-  /// False if the stamp is not after the last estimate's.
-  bool predict(double stamp_s, SweepPrediction& prediction);
+  /// False if the stamp is not after the last estimate's. `set_back_s`: SweepPrediction's.
+  bool predict(double stamp_s, SweepPrediction& prediction, double set_back_s = 0.0);
 
   /// Closes the sweep that was predicted last.
   /// `middle_s`: SweepCorrectorReport's.
@@ -128,6 +130,7 @@ class PoseFilter {
   /// two estimates may be one back over all that the prediction was off by. There it is the way of the motion that
   /// the filter keeps, in a dt that is kLongInterval_s at most.
   FilterState stateAsDriven() const;
+
   bool started() const { return started_; }
 
  private:
@@ -155,7 +158,6 @@ class PoseFilter {
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   bool started_ = false;
-  bool interval_wrong_ = false;                             ///< the last sweep's stamps: it tells no speed
   bool tells_no_motion_ = false, told_no_motion_ = false;   ///< the last sweep's measurements: it coasts
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   int corrected_sweeps_ = 0;

@@ -112,7 +112,6 @@ class RegistrationFront {
   Pose T_odom_cog_placed_ = Pose::Identity();      ///< the newest estimate that references took in
   std::vector<IntervalCheck::Stamps> unplaced_{};  ///< the intervals since
   std::optional<Vector6d> placed_twist_cog_;       ///< m/s and rad/s, then, where it is known
-  double set_back_s_ = 0.0;                        ///< as the prepared sweep's prediction says
   bool interval_doubted_ = false;  ///< the prepared sweep's start pose is that of another interval than the stamps'
   int odom_epoch_ = 0;             ///< of the reference
   int reference_epoch_ = 0;        ///< likewise

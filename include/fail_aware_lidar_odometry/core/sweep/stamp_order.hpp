@@ -30,20 +30,23 @@ class StampSequence {
       far_ahead_s_ = since_newest_s;
       return StampOrder::kFarAhead;
     }
-    if (since_newest_s > 0.0) return StampOrder::kAdvances;
+    if (since_newest_s > 0.0) {
+      set_back_s_ = std::exchange(refused_back_s_, 0.0);
+      return StampOrder::kAdvances;
+    }
     if (since_newest_s < -max_reorder_s_) return StampOrder::kJumpedBack;
     if (since_newest_s == 0.0) return StampOrder::kSame;
-    if (since_newest_s < 0.0) set_back_s_ = std::max(set_back_s_, -since_newest_s);
+    if (since_newest_s < 0.0) refused_back_s_ = std::max(refused_back_s_, -since_newest_s);
     return StampOrder::kReordered;
   }
 
-  /// By how much at most the stamps were out of order that were refused before the one that is taken now; 0: none was.
-  /// It tells a clock that was set back a little.
-  double takeSetBack_s() { return std::exchange(set_back_s_, 0.0); }
+  /// By how much at most the stamps were out of order that were refused before the newest one that was taken; 0: none
+  /// was. It tells a clock that was set back a little.
+  double setBack_s() const { return set_back_s_; }
 
   void beginDrive() {
     far_ahead_s_ = kNone;
-    set_back_s_ = 0.0;
+    set_back_s_ = refused_back_s_ = 0.0;
   }
 
  private:
@@ -52,6 +55,7 @@ class StampSequence {
   double max_reorder_s_ = kMaxReorder_s;
   double far_ahead_s_ = kNone;  ///< since the newest one: the last stamp, if it was refused as that
   double set_back_s_ = 0.0;
+  double refused_back_s_ = 0.0;  ///< since then
 };
 
 }  // namespace fail_aware
