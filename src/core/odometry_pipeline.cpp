@@ -10,6 +10,7 @@
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
@@ -171,7 +172,8 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   Stopwatch total, stage;
   SweepPrediction prediction;
   const FilterState& last = filter.state();
-  const StampOrder order = filter.started() ? stamps.next(sweep.stamp_s - last.stamp_s) : StampOrder::kAdvances;
+  const StampOrder order =
+      filter.started() ? stamps.next(secondsBetween(last.stamp_s, sweep.stamp_s)) : StampOrder::kAdvances;
   if (order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead) beginDrive(Pose(last.T_odom_cog));
   if (order == StampOrder::kFarAhead || !filter.predict(sweep.stamp_s, prediction, stamps.setBack_s())) {
     ++refused;

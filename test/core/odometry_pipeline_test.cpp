@@ -278,7 +278,8 @@ TEST_P(OdometryPipelineClock, ThatIsSetForAWhileDoesNotMoveTheCar) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Set, OdometryPipelineClock, testing::Values(0.4, -0.4));
+// the last: doubles leave a difference where the stamps are the same
+INSTANTIATE_TEST_SUITE_P(Set, OdometryPipelineClock, testing::Values(0.4, -0.4, -0.4 + 1e-8));
 
 TEST(OdometryPipeline, WhereTheSweepAfterAJumpOfTheClockIsNotMeasuredTheNextOneTells) {
   OdometryPipeline pipeline(streetParameters(), 1);

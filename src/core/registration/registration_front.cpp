@@ -297,6 +297,9 @@ void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s)
 
 void RegistrationFront::place(const FilterState& state) {
   const bool between_measured = last_measured_ && state.corrected && state.placed;
+  // where the clouds overrule it, a long interval may be one that the stamps only tell, found by nobody
+  const bool interval_doubted =
+      state.interval_wrong || (state.fusion.prediction_overruled && state.dt_s > kLongInterval_s);
   last_measured_ = state.placed;
   if (state.placed) {
     setPlaced(state.T_odom_cog);
@@ -309,10 +312,10 @@ void RegistrationFront::place(const FilterState& state) {
   speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
   speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
-  const bool tells_speed = between_measured && !state.interval_wrong && state.dt_s > 0.0;
+  const bool tells_speed = between_measured && !interval_doubted && state.dt_s > 0.0;
   if (tells_speed) {
     placed_twist_cog_ = logSe3(state.T_previous_now) / state.dt_s;
-  } else if (state.placed && !state.interval_wrong) {
+  } else if (state.placed && !interval_doubted) {
     placed_twist_cog_.reset();
   }
   if (!prepared_) return;

@@ -323,6 +323,23 @@ TEST(RegistrationFront, refiningTheCorrectionDoesNotShiftTheSweep) {
   EXPECT_NEAR(mean_x_m[0], mean_x_m[1], 0.05);  // about the stamp it would be 3 m/s 0.05 s
 }
 
+TEST(RegistrationFront, aWayInAWrongIntervalIsNoMotionToCorrectFor) {
+  const SyntheticDrive drive = curve();
+  const auto errorAfter = [&](bool interval_wrong) {
+    RegistrationFront front = makeFront(true);
+    placeFirst(front, drive);
+    const SweepPrediction prediction = predictionOf(0.1, 0.1, Pose::Identity(), drive.pose(0.1), true);
+    EXPECT_TRUE(front.prepare(correctedSweep(drive, 0.1, 2, drive.twist_cog), prediction, drive.T_cog_lidar));
+    FilterState state = stateOf(prediction, drive.pose(0.1), true);
+    state.T_previous_now = poseOf(-5.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    state.interval_wrong = interval_wrong;
+    front.place(state);
+    return meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene);
+  };
+  EXPECT_LT(errorAfter(true), kStraight_m);
+  EXPECT_GT(errorAfter(false), kBent_m);
+}
+
 TEST(RegistrationFront, aLostSecondSweepDoesNotShiftTheThird) {
   RegistrationFront front = makeFront(true);
   const SyntheticDrive drive = curve();
