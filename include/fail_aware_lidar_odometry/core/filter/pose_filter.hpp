@@ -59,12 +59,14 @@ struct FilterState {
   /// of rotation what the next one, as good as this, would leave as well; and what is implausible in a vehicle's motion,
   /// whatever R says (motion_plausibility.hpp).
   Matrix6d unobserved_covariance = Matrix6d::Zero();
-  SpeedError speed_error;       ///< along the vehicle, where it coasts
-  bool interval_wrong = false;  ///< the stamps told another one than was driven: the increment is no motion in dt_s
-  double set_back_s = 0.0;      ///< SweepPrediction's
-  int odom_epoch = 0;           ///< counts setPose(): references placed under another number are in another odom
-  bool placed = false;          ///< the references take the sweep in, at this pose (reference_placement.hpp)
-  int reference_epoch = 0;      ///< counts those that began anew: likewise
+  SpeedError speed_error;  ///< along the vehicle, where it coasts
+  /// Found here: since the last placed sweep the stamps told another interval than was driven; the increment is no motion
+  /// in dt_s.
+  bool interval_wrong = false;
+  double set_back_s = 0.0;  ///< SweepPrediction's
+  int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
+  bool placed = false;      ///< the references take the sweep in, at this pose (reference_placement.hpp)
+  int reference_epoch = 0;  ///< counts those that began anew: likewise
 };
 
 OdometryIncrement incrementOf(const FilterState& state);
