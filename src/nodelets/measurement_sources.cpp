@@ -220,7 +220,7 @@ std::optional<Pose> MeasurementSources::odomFrom(const std::string& frame_id, st
     tf_listener_ = std::make_unique<tf2_ros::TransformListener>(*tf_buffer_);
   }
   try {
-    const std::optional<Pose> T_odom_frame =
+    std::optional<Pose> T_odom_frame =
         fromMessage(tf_buffer_->lookupTransform(odom_frame_, frame, ros::Time(0)).transform);
     if (!T_odom_frame) reason = "tf's transform from its frame " + frame + " to " + odom_frame_ + " is none";
     return T_odom_frame;

@@ -40,7 +40,7 @@ class PoseSetting {
     pose.covariance = fromMessage(message.pose.covariance);
     ExternalPose judged = pose;
     if (judged.covariance.isZero(0.0)) judged.covariance.setIdentity();  // that one may be zero
-    const std::string reason = unusableReason(judged);
+    std::string reason = unusableReason(judged);
     if (!reason.empty()) return reason;
     if (!rotationMeasured(judged.covariance)) {
       return "its covariance is zero for the rotation only: that says nothing of the heading, which is set, too";

@@ -142,7 +142,7 @@ Eigen::Vector2d VehicleModel::rollPitchAfter(const Vector6d& state, const Motion
                                              double yaw_after_rad, const RoadPlane& road) const {
   const Eigen::Vector2d before = state.segment<2>(3);
   const Eigen::Vector2d rates = motion.rpy_rates_rad_s.head<2>();
-  const Eigen::Vector2d at_constant_rates = before + rates * dt_s;
+  Eigen::Vector2d at_constant_rates = before + rates * dt_s;
   if (!road.valid || params_.suspension_gain <= 0.0) return at_constant_rates;
 
   const Eigen::Vector2d road_before = road.rollPitch(state[5]);
