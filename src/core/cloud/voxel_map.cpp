@@ -37,20 +37,20 @@ void VoxelMap::reserve(std::size_t voxels) {
   voxels_.reserve(voxels);
   points_.reserve(voxels * 3 * slots_);
   point_counts_.reserve(voxels);
+  planes_.reserve(voxels);
 }
 
-std::uint32_t VoxelMap::findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z) {
-  const VoxelKey key = packVoxel(x, y, z);
+std::uint32_t VoxelMap::findOrAdd(const Eigen::Vector3i& at) {
+  const VoxelKey key = packVoxel(at.x(), at.y(), at.z());
   const auto [it, added] = index_.try_emplace(key, static_cast<std::uint32_t>(voxels_.size()));
   if (added) {
     Voxel voxel;
     voxel.key = key;
-    voxel.x = x;
-    voxel.y = y;
-    voxel.z = z;
+    voxel.at = at;
     voxels_.push_back(voxel);
     points_.resize(points_.size() + 3 * slots_, kNowhere);
     point_counts_.push_back(0);
+    planes_.emplace_back();
   }
   return it->second;
 }
@@ -62,16 +62,26 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
   const Eigen::Matrix3d R = T_odom_points.linear();
   const Eigen::Vector3d t = T_odom_points.translation();
   touched_.clear();
-  for (const Eigen::Vector3f& point : points) {
-    const Eigen::Vector3d p = R * point.cast<double>() + t;
-    const Eigen::Vector3d scaled = p * inverse_size_;
-    if (!isInReach(scaled)) continue;
-    const std::int32_t x = fastFloor(scaled.x()), y = fastFloor(scaled.y()), z = fastFloor(scaled.z());
-    const std::uint32_t i = findOrAdd(x, y, z);
+  const auto placed = [&](std::size_t k) -> Eigen::Vector3d { return R * points[k].cast<double>() + t; };
+  // first where each belongs, so that what is there can be fetched before it is needed
+  voxel_of_.resize(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Eigen::Vector3d scaled = placed(k) * inverse_size_;
+    voxel_of_[k] = isInReach(scaled) ? findOrAdd({fastFloor(scaled.x()), fastFloor(scaled.y()), fastFloor(scaled.z())})
+                                     : Neighborhood::kNone;
+  }
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (k + kPrefetchAhead < points.size() && voxel_of_[k + kPrefetchAhead] != Neighborhood::kNone) {
+      prefetch(&voxels_[voxel_of_[k + kPrefetchAhead]], 1);
+      prefetch(&points_[3 * slots_ * voxel_of_[k + kPrefetchAhead]], 3 * slots_);
+    }
+    const std::uint32_t i = voxel_of_[k];
+    if (i == Neighborhood::kNone) continue;
+    const Eigen::Vector3d p = placed(k);
     Voxel& voxel = voxels_[i];
     Statistics& s = voxel.statistics;
     if (s.n >= max_samples) continue;
-    const Eigen::Vector3f local = (p - centreOf(voxel)).cast<float>();
+    const Eigen::Vector3f local = (p - centreOf(voxel.at)).cast<float>();
     s.n += 1.0f;
     s.sum += local;
     s.xx += local.x() * local.x();
@@ -89,8 +99,8 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
       float* const xs = &points_[3 * slots_ * i];
       float *const ys = xs + slots_, *const zs = ys + slots_;
       bool spaced = true;
-      for (std::size_t k = 0; k < count && spaced; ++k) {
-        spaced = (Eigen::Vector3f(xs[k], ys[k], zs[k]) - local).squaredNorm() >= spacing2;
+      for (std::size_t kept = 0; kept < count && spaced; ++kept) {
+        spaced = (Eigen::Vector3f(xs[kept], ys[kept], zs[kept]) - local).squaredNorm() >= spacing2;
       }
       if (spaced) {
         xs[count] = local.x();
@@ -103,16 +113,15 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
   for (const std::uint32_t i : touched_) {
     Voxel& voxel = voxels_[i];
     voxel.touched = false;
-    const Statistics& s = voxel.statistics;
+    Statistics& s = voxel.statistics;
     if (s.n >= static_cast<float>(params_.min_plane_samples) && (s.n >= 1.25f * s.fitted_n || s.n >= max_samples)) {
-      fitPlane(voxel);
+      planes_[i] = fitPlane(s);
+      s.fitted_n = s.n;
     }
   }
 }
 
-void VoxelMap::fitPlane(Voxel& voxel) const {
-  Statistics& s = voxel.statistics;
-  s.fitted_n = s.n;
+PlanePatch VoxelMap::fitPlane(const Statistics& s) const {
   const Eigen::Vector3f mean = s.sum / s.n;
   Eigen::Matrix3f C;
   C(0, 0) = s.xx / s.n - mean.x() * mean.x();
@@ -130,23 +139,25 @@ void VoxelMap::fitPlane(Voxel& voxel) const {
   const double smallest = std::max(lambda[0], 1e-6);
   const bool plane = smallest <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
                      lambda[1] >= params_.min_plane_flatness * smallest;
-  voxel.plane.samples = plane ? s.n : 0.0f;
-  voxel.plane.mean = mean;
-  voxel.plane.normal = solver.eigenvectors().col(0).cast<float>();
-  voxel.plane.variance = static_cast<float>(smallest);
-  voxel.plane.post = !plane && lambda[1] <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
-                     lambda[2] >= params_.min_plane_flatness * lambda[1] &&
-                     std::abs(solver.eigenvectors()(2, 2)) >= kUpright;
+  PlanePatch patch;
+  patch.samples = plane ? s.n : 0.0f;
+  patch.mean = mean;
+  patch.normal = solver.eigenvectors().col(0).cast<float>();
+  patch.variance = static_cast<float>(smallest);
+  patch.post = !plane && lambda[1] <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
+               lambda[2] >= params_.min_plane_flatness * lambda[1] && std::abs(solver.eigenvectors()(2, 2)) >= kUpright;
+  return patch;
 }
 
 void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position_odom) {
   const double range2 = range_m * range_m;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
-    if ((centreOf(voxels_[i]) - position_odom).squaredNorm() > range2) continue;
+    if ((centreOf(voxels_[i].at) - position_odom).squaredNorm() > range2) continue;
     if (kept != i) {
       voxels_[kept] = voxels_[i];
       point_counts_[kept] = point_counts_[i];
+      planes_[kept] = planes_[i];
       std::copy_n(points_.begin() + static_cast<std::ptrdiff_t>(i * 3 * slots_), 3 * slots_,
                   points_.begin() + static_cast<std::ptrdiff_t>(kept * 3 * slots_));
     }
@@ -156,6 +167,7 @@ void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position
   voxels_.resize(kept);
   points_.resize(kept * 3 * slots_);
   point_counts_.resize(kept);
+  planes_.resize(kept);
   index_.clear();
   for (std::size_t i = 0; i < kept; ++i) index_.emplace(voxels_[i].key, static_cast<std::uint32_t>(i));
 }
@@ -165,81 +177,112 @@ void VoxelMap::clear() {
   voxels_.clear();
   points_.clear();
   point_counts_.clear();
+  planes_.clear();
+}
+
+inline void VoxelMap::enter(const Eigen::Vector3d& scaled, Neighborhood& neighborhood) {
+  const Eigen::Vector3i corner(fastFloor(scaled.x() + 0.5), fastFloor(scaled.y() + 0.5), fastFloor(scaled.z() + 0.5));
+  if (corner != neighborhood.corner_) {
+    neighborhood.corner_ = corner;
+    neighborhood.voxels_.fill(Neighborhood::kUnknown);
+  }
+  const Eigen::Array<bool, 3, 1> upper = scaled.array() >= corner.cast<double>().array();
+  neighborhood.own_ = (upper.x() ? 1u : 0u) | (upper.y() ? 2u : 0u) | (upper.z() ? 4u : 0u);
+}
+
+inline std::uint32_t VoxelMap::lookUp(std::uint32_t place, Neighborhood& neighborhood) const {
+  std::uint32_t& voxel = neighborhood.voxels_[place];
+  if (voxel == Neighborhood::kUnknown) {
+    const Eigen::Vector3i at = neighborhood.at(place);
+    const auto it = index_.find(packVoxel(at.x(), at.y(), at.z()));
+    voxel = it == index_.end() ? Neighborhood::kNone : it->second;
+  }
+  return voxel;
 }
 
 bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const {
+  Neighborhood neighborhood;
+  return findPlane(query_odom, match, neighborhood);
+}
+
+bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, Neighborhood& neighborhood) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
   if (!isInReach(scaled)) return false;
-  const std::int32_t x = fastFloor(scaled.x()), y = fastFloor(scaled.y()), z = fastFloor(scaled.z());
-  const auto consider = [&](std::int32_t vx, std::int32_t vy, std::int32_t vz) {
-    const auto it = index_.find(packVoxel(vx, vy, vz));
-    if (it == index_.end()) return false;
-    const Voxel& voxel = voxels_[it->second];
-    if (voxel.plane.samples <= 0.0f) return false;
-    const Eigen::Vector3f local = (query_odom - centreOf(voxel)).cast<float>();
-    match.normal = voxel.plane.normal;
-    match.distance_m = voxel.plane.normal.dot(local - voxel.plane.mean);
-    match.variance = voxel.plane.variance;
-    match.samples = voxel.plane.samples;
-    match.voxel = it->second;
+  enter(scaled, neighborhood);
+  const std::uint32_t own = neighborhood.own_;
+  const auto consider = [&](std::uint32_t place) {
+    const std::uint32_t i = lookUp(place, neighborhood);
+    if (i == Neighborhood::kNone) return false;
+    const PlanePatch& plane = planes_[i];
+    if (plane.samples <= 0.0f) return false;
+    const Eigen::Vector3f local = (query_odom - centreOf(neighborhood.at(place))).cast<float>();
+    match.normal = plane.normal;
+    match.distance_m = plane.normal.dot(local - plane.mean);
+    match.variance = plane.variance;
+    match.samples = plane.samples;
+    match.voxel = i;
     return true;
   };
-  if (consider(x, y, z)) return true;
+  if (consider(own)) return true;
   // neighbours across the nearest face of each axis, nearest first
-  const Eigen::Vector3d f = scaled - Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
-  int order[3] = {0, 1, 2};
-  const auto nearer = [&](int a, int b) { return std::abs(f[a]) > std::abs(f[b]); };
+  const Eigen::Vector3d f = scaled.array() - (neighborhood.at(own).cast<double>().array() + 0.5);
+  unsigned order[3] = {0, 1, 2};
+  const auto nearer = [&](unsigned a, unsigned b) { return std::abs(f[a]) > std::abs(f[b]); };
   if (nearer(order[1], order[0])) std::swap(order[0], order[1]);
   if (nearer(order[2], order[1])) std::swap(order[1], order[2]);
   if (nearer(order[1], order[0])) std::swap(order[0], order[1]);
-  for (const int axis : order) {
-    const int step = f[axis] > 0.0 ? 1 : -1;
-    if (consider(x + (axis == 0 ? step : 0), y + (axis == 1 ? step : 0), z + (axis == 2 ? step : 0))) return true;
+  for (const unsigned axis : order) {
+    if (consider(own ^ (1u << axis))) return true;
   }
   return false;
 }
 
 bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match) const {
+  Neighborhood neighborhood;
+  return findNearest(query_odom, max_distance_m, match, neighborhood);
+}
+
+bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match,
+                           Neighborhood& neighborhood) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
   if (!isInReach(scaled)) return false;
-  // the eight voxels around the corner of the grid nearest to the query, its own first; `gap2_m2`: how far away the
-  // others begin, along each axis, squared
-  Eigen::Vector3f gap2_m2;
-  std::int32_t cell[3][2];  // axis; the query's own, the other
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::int32_t upper = fastFloor(scaled[axis] + 0.5);
-    const double beyond = scaled[axis] - static_cast<double>(upper), gap_m = params_.voxel_size_m * beyond;
-    const bool own_is_upper = beyond >= 0.0;
-    cell[axis][0] = own_is_upper ? upper : upper - 1;
-    cell[axis][1] = own_is_upper ? upper - 1 : upper;
-    gap2_m2[axis] = static_cast<float>(gap_m * gap_m);
-  }
+  enter(scaled, neighborhood);
+  const std::uint32_t own = neighborhood.own_;
+  // how far away the voxels across the faces begin, along each axis
+  const Eigen::Vector3d gap_m = params_.voxel_size_m * (scaled - neighborhood.corner_.cast<double>());
+  const Eigen::Vector3f gap2_m2 = gap_m.cwiseAbs2().cast<float>();
   using Lane = Eigen::Array<float, static_cast<int>(kLane), 1>;
   const auto lane = [](const float* values) { return Eigen::Map<const Lane>(values); };
   float best = static_cast<float>(max_distance_m * max_distance_m);
   bool found = false;
-  for (const int far : {0, 1, 2, 4, 3, 5, 6, 7}) {  // bits: the axes across whose face the voxel lies
-    const bool far_x = (far & 1) != 0, far_y = (far & 2) != 0, far_z = (far & 4) != 0;
-    const float gap2 = (far_x ? gap2_m2.x() : 0.0f) + (far_y ? gap2_m2.y() : 0.0f) + (far_z ? gap2_m2.z() : 0.0f);
+  for (const unsigned across : {0u, 1u, 2u, 4u, 3u, 5u, 6u, 7u}) {  // bits: the axes across whose face the voxel lies
+    const float gap2 = ((across & 1u) != 0 ? gap2_m2.x() : 0.0f) + ((across & 2u) != 0 ? gap2_m2.y() : 0.0f) +
+                       ((across & 4u) != 0 ? gap2_m2.z() : 0.0f);
     if (gap2 >= best) continue;
-    const std::int32_t vx = cell[0][far_x], vy = cell[1][far_y], vz = cell[2][far_z];
-    const auto it = index_.find(packVoxel(vx, vy, vz));
-    if (it == index_.end()) continue;
-    const Eigen::Vector3f local = (query_odom - centreOf(vx, vy, vz)).cast<float>();
-    const float* const x = &points_[3 * slots_ * it->second];
+    const std::uint32_t place = own ^ across;
+    const std::uint32_t i = lookUp(place, neighborhood);
+    if (i == Neighborhood::kNone) continue;
+    const Eigen::Vector3f local = (query_odom - centreOf(neighborhood.at(place))).cast<float>();
+    const float* const x = &points_[3 * slots_ * i];
     const float *const y = x + slots_, *const z = y + slots_;
-    const std::size_t count = point_counts_[it->second];
-    for (std::size_t k = 0; k < count; k += kLane) {
+    static_assert(kMaxPoints % kLane == 0);
+    std::array<float, kMaxPoints> distances2;
+    Lane least = Lane::Constant(best);
+    for (std::size_t k = 0; k < slots_; k += kLane) {  // unused ones are nowhere
       const Lane dx = lane(x + k) - local.x(), dy = lane(y + k) - local.y(), dz = lane(z + k) - local.z();
       const Lane d2 = dx * dx + (dy * dy + dz * dz);
-      if (!(d2.minCoeff() < best)) continue;
-      Eigen::Index nearest = 0;
-      best = d2.minCoeff(&nearest);
-      match.offset_m = {dx[nearest], dy[nearest], dz[nearest]};
-      match.distance2_m2 = best;
-      match.voxel = it->second;
-      found = true;
+      least = least.min(d2);
+      Eigen::Map<Lane>(distances2.data() + k) = d2;
     }
+    const float nearest2 = least.minCoeff();
+    if (!(nearest2 < best)) continue;
+    std::size_t k = 0;
+    while (distances2[k] != nearest2) ++k;
+    best = nearest2;
+    match.offset_m = Eigen::Vector3f(x[k], y[k], z[k]) - local;
+    match.distance2_m2 = best;
+    match.voxel = i;
+    found = true;
   }
   return found;
 }
@@ -249,7 +292,7 @@ std::vector<Eigen::Vector3d> VoxelMap::points() const {
   for (std::size_t i = 0; i < voxels_.size(); ++i) {
     const float* const x = &points_[3 * slots_ * i];
     for (std::size_t k = 0; k < point_counts_[i]; ++k) {
-      all.push_back(centreOf(voxels_[i]) + Eigen::Vector3f(x[k], x[k + slots_], x[k + 2 * slots_]).cast<double>());
+      all.push_back(centreOf(voxels_[i].at) + Eigen::Vector3f(x[k], x[k + slots_], x[k + 2 * slots_]).cast<double>());
     }
   }
   return all;

@@ -46,8 +46,8 @@ void BeamRanges::observe(const std::vector<Eigen::Vector3f>& points_cog, const s
   if (!params_.enabled || map.empty() || rings.size() != points_cog.size()) return;
   std::vector<Sums> sums;
   const Eigen::Matrix3d R = T_odom_cog.linear();
-  const PlanePairs pairs(planes_, T_odom_cog, 0.0);
-  pairs.forEach(points_cog, map, T_odom_cog, params_.kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t i) {
+  PlanePairs pairs(planes_, points_cog, map, T_odom_cog, 0.0);
+  pairs.forEach(T_odom_cog, params_.kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t i) {
     if (std::abs(pair.normal.z()) > params_.max_normal_z || rings[i] >= kMaxBeams) return;
     const double g = pair.normal.dot(R * (points_cog[i].cast<double>() - lidar_in_cog).normalized());
     if (std::abs(g) < params_.min_obliqueness) return;

@@ -17,6 +17,8 @@ struct Descent {
   Pose T;
   std::vector<std::size_t> seeds;  ///< that have come together here
   bool settled = false;
+  std::vector<VoxelMap::Neighborhood>
+      neighborhoods;  ///< of the few points that are used as long as there are many seeds
 };
 
 void recordEnds(const std::vector<Descent>& descents, std::vector<SeedTrack>* tracks) {
@@ -131,15 +133,16 @@ bool MultiplexIcp::stepWithin(const Vector6d& dx, double factor) const {
 }
 
 NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride,
-                                        const VoxelMap& map, const Pose& T_odom_cog, double kernel_m) const {
+                                        const VoxelMap& map, const Pose& T_odom_cog, double kernel_m,
+                                        Neighborhoods& neighborhoods) const {
   const Eigen::Matrix3d R = T_odom_cog.linear();
   const Eigen::Vector3d t = T_odom_cog.translation();
   const double kernel2 = kernel_m * kernel_m;
   // residual e = p - (R q + t); moved by -dt - dr x arm, so J = [I, -[arm]x] acts on -e
-  const auto add = [&](std::size_t i, PairSums& sums) {
+  const auto add = [&](std::size_t k, PairSums& sums) {
     VoxelMap::PointMatch match;
-    const Eigen::Vector3d arm = R * points_cog[i].cast<double>();
-    if (!map.findNearest(arm + t, params_.max_distance_m, match)) return;
+    const Eigen::Vector3d arm = R * points_cog[k * stride].cast<double>();
+    if (!map.findNearest(arm + t, params_.max_distance_m, match, neighborhoods[k])) return;
     const double e2 = match.distance2_m2;
     const Eigen::Vector3d e = match.offset_m.cast<double>();
     const double w = gemanMcClureWeight(e2, kernel2);
@@ -161,10 +164,13 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
     if (forEachInformedDirection(map.surface(match.voxel), inform)) equations.information_weight += w;
   };
   // the blocks do not depend on the number of threads, nor does the order in which they are added up
-  const std::size_t used = (points_cog.size() + stride - 1) / stride;
-  const auto sums = sumByHalves<PairSums>(0, used, kBlock, [&](std::size_t begin, std::size_t end) {
+  neighborhoods.resize((points_cog.size() + stride - 1) / stride);
+  const auto sums = sumByHalves<PairSums>(0, neighborhoods.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     PairSums of_block;
-    for (std::size_t k = begin; k != end; ++k) add(k * stride, of_block);
+    for (std::size_t k = begin; k != end; ++k) {
+      if (k + VoxelMap::kPrefetchAhead < end) map.prefetchPoints(neighborhoods[k + VoxelMap::kPrefetchAhead]);
+      add(k, of_block);
+    }
     return of_block;
   });
 
@@ -188,11 +194,11 @@ NormalEquations MultiplexIcp::linearize(const std::vector<Eigen::Vector3f>& poin
 }
 
 std::optional<MultiplexIcp::WeakHorizontal> MultiplexIcp::weakHorizontal(const std::vector<Eigen::Vector3f>& points_cog,
-                                                                         const VoxelMap& map,
-                                                                         const Pose& T_odom_cog) const {
+                                                                         const VoxelMap& map, const Pose& T_odom_cog,
+                                                                         Neighborhoods& neighborhoods) const {
   if (!params_.surface_information) return std::nullopt;
   const NormalEquations equations =
-      linearize(points_cog, thinningStride(points_cog), map, T_odom_cog, params_.initial_kernel_m);
+      linearize(points_cog, thinningStride(points_cog), map, T_odom_cog, params_.initial_kernel_m, neighborhoods);
   const Eigen::Matrix2d horizontal = equations.information.topLeftCorner<2, 2>();
   if (!(equations.information_weight > 0.0)) return std::nullopt;
   WeakHorizontal weak;
@@ -233,10 +239,11 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
   if (tracks != nullptr) tracks->clear();
   if (map.empty()) return result;
 
-  const std::optional<WeakHorizontal> weak = weakHorizontal(points_cog, map, T_odom_cog_predicted);
+  Neighborhoods around_prediction;  // of the few points that the seeds descend on together
+  const std::optional<WeakHorizontal> weak = weakHorizontal(points_cog, map, T_odom_cog_predicted, around_prediction);
   std::vector<Descent> descents;
   for (const Pose& seed : seeds(T_odom_cog_predicted, predicted_covariance)) {
-    descents.push_back({seed, {descents.size()}, false});
+    descents.push_back({seed, {descents.size()}, false, around_prediction});
     if (tracks != nullptr) tracks->push_back({seed, seed, false});
   }
 
@@ -248,7 +255,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
       inParallelFor(descents.size(), [&](std::size_t i) {
         Descent& descent = descents[i];
         if (descent.settled) return;
-        NormalEquations equations = linearize(points_cog, stride, map, descent.T, kernel_m);
+        NormalEquations equations = linearize(points_cog, stride, map, descent.T, kernel_m, descent.neighborhoods);
         const Solution step = solve(equations, weak);
         descent.T = applyStep(descent.T, step.dx);
         descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, 5.0);  // refinement follows
@@ -270,8 +277,8 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
       kernel_m = std::max(0.5 * kernel_m, params_.kernel_m);
     }
     // the most promising survivors, by mean squared error with misses counted at the cut-off
-    const auto score = [&](const Descent& d) {
-      const NormalEquations e = linearize(points_cog, stride, map, d.T, params_.kernel_m);
+    const auto score = [&](Descent& d) {
+      const NormalEquations e = linearize(points_cog, stride, map, d.T, params_.kernel_m, d.neighborhoods);
       const std::size_t used_points = (points_cog.size() + stride - 1) / stride;
       const auto used = static_cast<double>(used_points);
       return (e.squared_error + (used - e.weight_unscaled) * params_.max_distance_m * params_.max_distance_m) / used;
@@ -298,13 +305,14 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
   std::vector<Pose> solutions;
   std::vector<std::size_t> winners;  // seeds
   std::size_t most_inliers = 0;
+  Neighborhoods neighborhoods;
   for (Descent& descent : descents) {
     NormalEquations equations;
     bool converged = false;
     Solution step;
     int iteration = 0;
     for (; iteration < params_.max_iterations && !converged; ++iteration) {
-      equations = linearize(points_cog, 1, map, descent.T, params_.kernel_m);
+      equations = linearize(points_cog, 1, map, descent.T, params_.kernel_m, neighborhoods);
       if (static_cast<int>(equations.inliers) < params_.min_inliers) break;
       step = solve(equations, weak);
       if (step.weak_directions == 6) break;

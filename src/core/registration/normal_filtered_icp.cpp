@@ -36,11 +36,11 @@ Measurement NormalFilteredIcp::align(const std::vector<Eigen::Vector3f>& points_
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
   if (map.empty()) return result;
-  const PlanePairs pairs(params_, T_odom_cog_predicted, sigma_yaw_rad);
+  PlanePairs pairs(params_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad);
   const auto linearize = [&](const Pose& T, double kernel_m, const Eigen::Vector2d* direction,
                              InformationSupport* support) {
     NormalEquations equations;
-    pairs.forEach(points_cog, map, T, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) {
+    pairs.forEach(T, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) {
       pair.addTo(equations);
       if (!support) return;
       const double along = direction->dot(pair.normal.head<2>());

@@ -69,16 +69,22 @@ struct PlanePair {
 /// positionOf for points that are taken as they were corrected.
 inline constexpr auto kAsCorrected = [](const Eigen::Vector3d& arm, std::size_t) { return arm; };
 
+/// Of one cloud, in a map that does not change meanwhile.
 class PlanePairs {
  public:
-  PlanePairs(const NormalFilteredIcp::Params& params, const Pose& T_odom_cog_predicted, double sigma_yaw_rad)
-      : params_(params), filter_(params, rpyFromRotation(T_odom_cog_predicted.linear()).z(), sigma_yaw_rad) {}
+  PlanePairs(const NormalFilteredIcp::Params& params, const std::vector<Eigen::Vector3f>& points_cog,
+             const VoxelMap& map, const Pose& T_odom_cog_predicted, double sigma_yaw_rad, std::size_t stride = 1)
+      : params_(params),
+        points_cog_(points_cog),
+        map_(map),
+        stride_(stride),
+        filter_(params, rpyFromRotation(T_odom_cog_predicted.linear()).z(), sigma_yaw_rad),
+        neighborhoods_((points_cog.size() + stride - 1) / stride) {}
 
   /// take(pair, i) for each point i that has one, of every stride-th. positionOf(R q, i): where the point is, relative
   /// to the vehicle's position, in odom's axes.
   template <class PositionOf, class Take>
-  void forEach(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map, const Pose& T_odom_cog,
-               double kernel_m, const PositionOf& positionOf, const Take& take, std::size_t stride = 1) const {
+  void forEach(const Pose& T_odom_cog, double kernel_m, const PositionOf& positionOf, const Take& take) {
     const double point_variance = params_.point_sigma_m * params_.point_sigma_m;
     const auto max_distance_m = static_cast<float>(params_.max_distance_m);
     const double kernel2 = kernel_m * kernel_m;
@@ -86,11 +92,14 @@ class PlanePairs {
     const Eigen::Vector3d t = T_odom_cog.translation();
     VoxelMap::PlaneMatch match;
     PlanePair pair;
-    for (std::size_t i = 0; i < points_cog.size(); i += stride) {
-      const Eigen::Vector3f& q = points_cog[i];
+    for (std::size_t k = 0; k < neighborhoods_.size(); ++k) {
+      if (k + VoxelMap::kPrefetchAhead < neighborhoods_.size())
+        map_.prefetchPlane(neighborhoods_[k + VoxelMap::kPrefetchAhead]);
+      const std::size_t i = k * stride_;
+      const Eigen::Vector3f& q = points_cog_[i];
       const Eigen::Vector3d arm = positionOf(Eigen::Vector3d(R * q.cast<double>()), i);
       pair.position = arm + t;
-      if (!map.findPlane(pair.position, match)) continue;
+      if (!map_.findPlane(pair.position, match, neighborhoods_[k])) continue;
       if (!(std::abs(match.distance_m) <= max_distance_m) || !filter_.keeps(match.normal)) continue;
       const double r = match.distance_m;
       pair.normal = match.normal.cast<double>();
@@ -106,7 +115,11 @@ class PlanePairs {
 
  private:
   const NormalFilteredIcp::Params& params_;
+  const std::vector<Eigen::Vector3f>& points_cog_;
+  const VoxelMap& map_;
+  std::size_t stride_;
   NormalFilter filter_;
+  std::vector<VoxelMap::Neighborhood> neighborhoods_;  // of the points that are used
 };
 
 inline bool stepWithin(const Vector6d& step, const NormalFilteredIcp::Params& params, double factor) {

@@ -73,11 +73,10 @@ StandingMatch::StandingMatch(const Params& params, const NormalFilteredIcp::Para
 double StandingMatch::shareOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                     const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   const std::size_t stride = 1 + points_cog.size() / kLookedAt;
-  const PlanePairs pairs(planes_, T_odom_cog_predicted, sigma_yaw_rad);
+  PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad, stride);
   NormalEquations equations;
-  pairs.forEach(
-      points_cog, map, T_odom_cog_predicted, planes_.initial_kernel_m, kAsCorrected,
-      [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); }, stride);
+  pairs.forEach(T_odom_cog_predicted, planes_.initial_kernel_m, kAsCorrected,
+                [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
   equations.H = equations.H.selfadjointView<Eigen::Lower>();
   return solveObserved(equations, planes_.observability).min_horizontal_share;
 }

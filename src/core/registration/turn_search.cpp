@@ -43,7 +43,7 @@ std::optional<Eigen::Vector3d> TurnSearch::find(const std::vector<Eigen::Vector3
                                                 const std::vector<float>& times_s, double middle_s, const VoxelMap& map,
                                                 const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   if (!params_.enabled || map.empty() || times_s.size() != points_cog.size()) return std::nullopt;
-  const PlanePairs pairs(planes_, T_odom_cog_predicted, sigma_yaw_rad);
+  PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad);
   const double sigma_rad_s = params_.sigma_deg_s * kDegree;
   const double prior = planes_.correlation_inflation / (sigma_rad_s * sigma_rad_s);  // in the pairs' weights
   Pose T = T_odom_cog_predicted;
@@ -54,7 +54,7 @@ std::optional<Eigen::Vector3d> TurnSearch::find(const std::vector<Eigen::Vector3
     TurningEquations equations;
     const auto tau = [&](std::size_t i) { return static_cast<double>(times_s[i]) - middle_s; };
     pairs.forEach(
-        points_cog, map, T, kernel_m,
+        T, kernel_m,
         [&](const Eigen::Vector3d& arm, std::size_t i) -> Eigen::Vector3d {
           return arm + tau(i) * rate_odom.cross(arm);
         },

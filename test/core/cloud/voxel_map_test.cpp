@@ -237,6 +237,44 @@ TEST(VoxelMap, nearestIsExactWithinHalfAVoxel) {
   }
 }
 
+TEST(VoxelMap, answersTheSameWithANeighborhoodThatGoesAlong) {
+  VoxelMap::Params params = testParams();
+  params.min_plane_samples = 3;
+  params.max_plane_sigma_m = 1.0;
+  params.min_plane_flatness = 1.0;
+  VoxelMap map(params);
+  map.insert(randomPoints(400, 3.0f, 21), Pose::Identity());
+  std::mt19937 generator(22);
+  std::normal_distribution<double> step(0.0, 0.05);
+  int planes = 0, nearest = 0;
+  for (int walk = 0; walk < 50; ++walk) {
+    VoxelMap::Neighborhood of_planes, of_points;
+    Eigen::Vector3d query = randomPoints(1, 3.0f, 100u + static_cast<unsigned>(walk)).front().cast<double>();
+    for (int k = 0; k < 100; ++k) {
+      for (double& coordinate : query) coordinate += step(generator);
+      VoxelMap::PlaneMatch plane, plane_alone;
+      ASSERT_EQ(map.findPlane(query, plane, of_planes), map.findPlane(query, plane_alone)) << query.transpose();
+      if (map.findPlane(query, plane, of_planes)) {
+        EXPECT_EQ(plane.voxel, plane_alone.voxel);
+        EXPECT_EQ(plane.distance_m, plane_alone.distance_m);
+        ++planes;
+      }
+      VoxelMap::PointMatch point, point_alone;
+      ASSERT_EQ(map.findNearest(query, 0.4, point, of_points), map.findNearest(query, 0.4, point_alone));
+      if (map.findNearest(query, 0.4, point, of_points)) {
+        EXPECT_EQ(point.voxel, point_alone.voxel);
+        EXPECT_EQ(point.offset_m, point_alone.offset_m);
+        ++nearest;
+      }
+      map.prefetchPlane(of_planes);
+      map.prefetchPoints(of_points);
+    }
+  }
+  EXPECT_GT(planes, 1000);
+  EXPECT_GT(nearest, 500);
+  EXPECT_LT(nearest, 4900);
+}
+
 TEST(VoxelMap, nearestKeepsToTheDistanceLimit) {
   VoxelMap map(testParams());
   map.insert({{0.5f, 0.5f, 0.5f}}, Pose::Identity());

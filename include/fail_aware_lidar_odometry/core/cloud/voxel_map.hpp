@@ -5,15 +5,17 @@
 // vehicle has driven. Statistics are summed over every inserted point until `max_samples`, then frozen. Early freezing
 // and large voxels leave a bias: what is seen first is the side that faces the oncoming vehicle, later points lie
 // deeper, and the estimate falls short along the way (0.2 m per km at 1 m and 200 samples). Insertion costs about 40 ns
-// a point, a plane query one to eight probes of about 15 ns, a nearest-point query one to eight and the distances in
-// their voxels.
-// Reading from several threads at once is safe; inserting is not.
+// a point, a plane query one to four probes of about 15 ns, a nearest-point query one to eight and the distances in
+// their voxels; probes that a Neighborhood remembers cost next to nothing.
+// Reading from several threads at once is safe, with a Neighborhood for each; inserting is not.
 #pragma once
 
 #include <tsl/robin_map.h>
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
@@ -73,6 +75,36 @@ class VoxelMap {
   bool empty() const { return voxels_.empty(); }
   std::size_t size() const { return voxels_.size(); }
 
+  /// The eight voxels that meet at the corner of the grid nearest to a query, as far as queries have looked them up. One
+  /// for each point, handed to its query in every iteration, spares the probes as long as the point stays near the same
+  /// corner; the answers are the same without. To be forgotten when the map changes.
+  class Neighborhood {
+    friend class VoxelMap;
+    static constexpr std::uint32_t kUnknown = ~std::uint32_t{0}, kNone = kUnknown - 1;  // not looked up; no such voxel
+    Eigen::Vector3i corner_ = Eigen::Vector3i::Constant(std::numeric_limits<std::int32_t>::min());  // of no query
+    // A voxel's place: the axes, as bits, on whose upper side of the corner it lies.
+    std::uint32_t own_ = 0;                // the place that the query is in
+    std::array<std::uint32_t, 8> voxels_;  // by place: index
+    Eigen::Vector3i at(std::uint32_t place) const {
+      return corner_ - Eigen::Vector3i((place & 1u) == 0, (place & 2u) == 0, (place & 4u) == 0);
+    }
+
+   public:
+    Neighborhood() { voxels_.fill(kUnknown); }
+  };
+
+  /// Begin to load what the next query will need first if the point stays in its voxel: for one that is
+  /// kPrefetchAhead queries away.
+  static constexpr std::size_t kPrefetchAhead = 8;
+  void prefetchPlane(const Neighborhood& neighborhood) const {
+    const std::uint32_t voxel = neighborhood.voxels_[neighborhood.own_];
+    if (voxel < Neighborhood::kNone) prefetch(&planes_[voxel], 1);
+  }
+  void prefetchPoints(const Neighborhood& neighborhood) const {
+    const std::uint32_t voxel = neighborhood.voxels_[neighborhood.own_];
+    if (voxel < Neighborhood::kNone) prefetch(&points_[3 * slots_ * voxel], 3 * slots_);
+  }
+
   struct PlaneMatch {
     float distance_m;        ///< signed, along the normal: n . (query - mean)
     Eigen::Vector3f normal;  ///< odom axes
@@ -82,6 +114,7 @@ class VoxelMap {
   };
   /// The plane of the query's own voxel, or, if that has none, of the nearest of the neighbours that share a face
   /// with the query's octant (3 voxels). False when there is none.
+  bool findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, Neighborhood& neighborhood) const;
   bool findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const;
 
   struct PointMatch {
@@ -91,10 +124,12 @@ class VoxelMap {
   };
   /// The nearest stored point within max_distance_m; exact for distances up to half a voxel, beyond that among the
   /// eight voxels nearest to the query.
+  bool findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match,
+                   Neighborhood& neighborhood) const;
   bool findNearest(const Eigen::Vector3d& query_odom, double max_distance_m, PointMatch& match) const;
 
   /// Of a voxel that a match named: its plane, if samples > 0, or whether it is a post.
-  const PlanePatch& surface(std::uint32_t voxel) const { return voxels_[voxel].plane; }
+  const PlanePatch& surface(std::uint32_t voxel) const { return planes_[voxel]; }
 
   /// All stored points in odom (for display and for files).
   std::vector<Eigen::Vector3d> points() const;
@@ -108,18 +143,25 @@ class VoxelMap {
   };
   struct Voxel {
     VoxelKey key;
-    std::int32_t x, y, z;
-    PlanePatch plane;
+    Eigen::Vector3i at;
     Statistics statistics;
     bool touched = false;
   };
 
-  std::uint32_t findOrAdd(std::int32_t x, std::int32_t y, std::int32_t z);
-  void fitPlane(Voxel& voxel) const;
-  Eigen::Vector3d centreOf(std::int32_t x, std::int32_t y, std::int32_t z) const {
-    return params_.voxel_size_m * Eigen::Vector3d(x + 0.5, y + 0.5, z + 0.5);
+  std::uint32_t findOrAdd(const Eigen::Vector3i& at);
+  /// The neighborhood is that query's afterwards.
+  static void enter(const Eigen::Vector3d& scaled, Neighborhood& neighborhood);
+  std::uint32_t lookUp(std::uint32_t place, Neighborhood& neighborhood) const;
+  PlanePatch fitPlane(const Statistics& statistics) const;
+  template <class Value>
+  static void prefetch(const Value* values, std::size_t count) {
+    constexpr std::size_t kLine = 64;
+    const char* const bytes = reinterpret_cast<const char*>(values);
+    for (std::size_t i = 0; i < count * sizeof(Value); i += kLine) __builtin_prefetch(bytes + i);
   }
-  Eigen::Vector3d centreOf(const Voxel& voxel) const { return centreOf(voxel.x, voxel.y, voxel.z); }
+  Eigen::Vector3d centreOf(const Eigen::Vector3i& voxel) const {
+    return params_.voxel_size_m * (voxel.cast<double>().array() + 0.5).matrix();
+  }
 
   Params params_;
   double inverse_size_;
@@ -128,8 +170,9 @@ class VoxelMap {
   static constexpr std::size_t kLane = 4;   ///< points whose distances are computed at once
   std::size_t slots_;                       ///< max_points, rounded up to whole lanes
   std::vector<float> points_;               ///< 3 slots_ a voxel, in the order of voxels_: all x, all y, all z
-  std::vector<std::uint8_t> point_counts_;  ///< of these in use; apart from voxels_, so that queries stay in the cache
-  std::vector<std::uint32_t> touched_;
+  std::vector<std::uint8_t> point_counts_;  ///< of these in use
+  std::vector<PlanePatch> planes_;          ///< in the order of voxels_; apart, so that queries stay in the cache
+  std::vector<std::uint32_t> touched_, voxel_of_;  ///< voxels that changed; of each point that is inserted
 };
 
 }  // namespace fail_aware

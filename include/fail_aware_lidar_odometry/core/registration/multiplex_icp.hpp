@@ -108,8 +108,9 @@ class MultiplexIcp {
                     std::vector<SeedTrack>* tracks = nullptr) const;
 
  private:
+  using Neighborhoods = std::vector<VoxelMap::Neighborhood>;  ///< of the points that are used, each stride-th
   NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride, const VoxelMap& map,
-                            const Pose& T_odom_cog, double kernel_m) const;
+                            const Pose& T_odom_cog, double kernel_m, Neighborhoods& neighborhoods) const;
   std::size_t thinningStride(const std::vector<Eigen::Vector3f>& points_cog) const;
 
   struct WeakHorizontal {
@@ -118,7 +119,7 @@ class MultiplexIcp {
   };
   /// Nothing where every horizontal direction is well observed.
   std::optional<WeakHorizontal> weakHorizontal(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                               const Pose& T_odom_cog) const;
+                                               const Pose& T_odom_cog, Neighborhoods& neighborhoods) const;
   Solution solve(NormalEquations& equations, const std::optional<WeakHorizontal>& weak) const;
   bool stepWithin(const Vector6d& dx, double factor) const;
 
