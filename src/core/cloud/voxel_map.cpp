@@ -180,17 +180,7 @@ void VoxelMap::clear() {
   planes_.clear();
 }
 
-inline void VoxelMap::enter(const Eigen::Vector3d& scaled, Neighborhood& neighborhood) {
-  const Eigen::Vector3i corner(fastFloor(scaled.x() + 0.5), fastFloor(scaled.y() + 0.5), fastFloor(scaled.z() + 0.5));
-  if (corner != neighborhood.corner_) {
-    neighborhood.corner_ = corner;
-    neighborhood.voxels_.fill(Neighborhood::kUnknown);
-  }
-  const Eigen::Array<bool, 3, 1> upper = scaled.array() >= corner.cast<double>().array();
-  neighborhood.own_ = (upper.x() ? 1u : 0u) | (upper.y() ? 2u : 0u) | (upper.z() ? 4u : 0u);
-}
-
-inline std::uint32_t VoxelMap::lookUp(std::uint32_t place, Neighborhood& neighborhood) const {
+std::uint32_t VoxelMap::lookUp(std::uint32_t place, Neighborhood& neighborhood) const {
   std::uint32_t& voxel = neighborhood.voxels_[place];
   if (voxel == Neighborhood::kUnknown) {
     const Eigen::Vector3i at = neighborhood.at(place);
@@ -208,7 +198,7 @@ bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) c
 bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, Neighborhood& neighborhood) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
   if (!isInReach(scaled)) return false;
-  enter(scaled, neighborhood);
+  neighborhood.moveTo(scaled);
   const std::uint32_t own = neighborhood.own_;
   const auto consider = [&](std::uint32_t place) {
     const std::uint32_t i = lookUp(place, neighborhood);
@@ -246,7 +236,7 @@ bool VoxelMap::findNearest(const Eigen::Vector3d& query_odom, double max_distanc
                            Neighborhood& neighborhood) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
   if (!isInReach(scaled)) return false;
-  enter(scaled, neighborhood);
+  neighborhood.moveTo(scaled);
   const std::uint32_t own = neighborhood.own_;
   // how far away the voxels across the faces begin, along each axis
   const Eigen::Vector3d gap_m = params_.voxel_size_m * (scaled - neighborhood.corner_.cast<double>());

@@ -69,7 +69,7 @@ struct PlanePair {
 /// positionOf for points that are taken as they were corrected.
 inline constexpr auto kAsCorrected = [](const Eigen::Vector3d& arm, std::size_t) { return arm; };
 
-/// Of one cloud, in a map that does not change meanwhile.
+/// Of one cloud and one map, which stay as they are as long as this is used.
 class PlanePairs {
  public:
   PlanePairs(const NormalFilteredIcp::Params& params, const std::vector<Eigen::Vector3f>& points_cog,

@@ -242,37 +242,46 @@ TEST(VoxelMap, answersTheSameWithANeighborhoodThatGoesAlong) {
   params.min_plane_samples = 3;
   params.max_plane_sigma_m = 1.0;
   params.min_plane_flatness = 1.0;
-  VoxelMap map(params);
-  map.insert(randomPoints(400, 3.0f, 21), Pose::Identity());
-  std::mt19937 generator(22);
-  std::normal_distribution<double> step(0.0, 0.05);
-  int planes = 0, nearest = 0;
-  for (int walk = 0; walk < 50; ++walk) {
-    VoxelMap::Neighborhood of_planes, of_points;
-    Eigen::Vector3d query = randomPoints(1, 3.0f, 100u + static_cast<unsigned>(walk)).front().cast<double>();
-    for (int k = 0; k < 100; ++k) {
-      for (double& coordinate : query) coordinate += step(generator);
-      VoxelMap::PlaneMatch plane, plane_alone;
-      ASSERT_EQ(map.findPlane(query, plane, of_planes), map.findPlane(query, plane_alone)) << query.transpose();
-      if (map.findPlane(query, plane, of_planes)) {
-        EXPECT_EQ(plane.voxel, plane_alone.voxel);
-        EXPECT_EQ(plane.distance_m, plane_alone.distance_m);
-        ++planes;
+  for (const int max_points : {12, 10, VoxelMap::kMaxPoints}) {
+    params.max_points = max_points;
+    VoxelMap map(params);
+    map.insert(randomPoints(400, 3.0f, 21), Pose::Identity());
+    std::mt19937 generator(22);
+    std::normal_distribution<double> step(0.0, 0.05);
+    int planes = 0, nearest = 0;
+    VoxelMap::Neighborhood neighborhood;  // of all queries: what they ask for, and where, must not matter
+    for (const Eigen::Vector3f& begin : randomPoints(50, 3.0f, 23)) {
+      Eigen::Vector3d query = begin.cast<double>();
+      for (int k = 0; k < 100; ++k) {
+        for (int axis = 0; axis < 3; ++axis) query[axis] += step(generator);
+        if (k == 50) query = query.array().round();        // a corner
+        if (k == 60) query = query.array().floor() + 0.5;  // a centre
+        if (k == 70) query.x() = -0.0;                     // a face
+        const Eigen::Vector3d asked = k == 80 ? Eigen::Vector3d::Constant(NAN) : query;
+        VoxelMap::PlaneMatch plane, plane_alone;
+        const bool has_plane = map.findPlane(asked, plane, neighborhood);
+        ASSERT_EQ(has_plane, map.findPlane(asked, plane_alone)) << asked.transpose();
+        VoxelMap::PointMatch point, point_alone;
+        const bool has_point = map.findNearest(asked, 0.4, point, neighborhood);
+        ASSERT_EQ(has_point, map.findNearest(asked, 0.4, point_alone)) << asked.transpose();
+        map.prefetchPlane(neighborhood);
+        map.prefetchPoints(neighborhood);
+        if (has_plane) {
+          ASSERT_EQ(plane.voxel, plane_alone.voxel) << asked.transpose();
+          EXPECT_EQ(plane.distance_m, plane_alone.distance_m);
+          ++planes;
+        }
+        if (has_point) {
+          ASSERT_EQ(point.voxel, point_alone.voxel) << asked.transpose();
+          EXPECT_EQ(point.offset_m, point_alone.offset_m);
+          ++nearest;
+        }
       }
-      VoxelMap::PointMatch point, point_alone;
-      ASSERT_EQ(map.findNearest(query, 0.4, point, of_points), map.findNearest(query, 0.4, point_alone));
-      if (map.findNearest(query, 0.4, point, of_points)) {
-        EXPECT_EQ(point.voxel, point_alone.voxel);
-        EXPECT_EQ(point.offset_m, point_alone.offset_m);
-        ++nearest;
-      }
-      map.prefetchPlane(of_planes);
-      map.prefetchPoints(of_points);
     }
+    EXPECT_GT(planes, 1000);
+    EXPECT_GT(nearest, 500);
+    EXPECT_LT(nearest, 4900);
   }
-  EXPECT_GT(planes, 1000);
-  EXPECT_GT(nearest, 500);
-  EXPECT_LT(nearest, 4900);
 }
 
 TEST(VoxelMap, nearestKeepsToTheDistanceLimit) {

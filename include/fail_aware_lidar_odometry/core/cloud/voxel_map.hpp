@@ -62,7 +62,7 @@ class VoxelMap {
   explicit VoxelMap(const Params& params);
 
   /// Room for so many voxels, whose growth copies no points and planes then (the index grows as it does). A page that
-  /// nothing was written to is no memory yet: 200 bytes of address space a voxel.
+  /// nothing was written to is no memory yet: 250 bytes of address space a voxel.
   void reserve(std::size_t voxels);
 
   /// Adds points, moved into odom by T_odom_points, and refits the planes that changed. What is not finite is left out.
@@ -77,7 +77,7 @@ class VoxelMap {
 
   /// The eight voxels that meet at the corner of the grid nearest to a query, as far as queries have looked them up. One
   /// for each point, handed to its query in every iteration, spares the probes as long as the point stays near the same
-  /// corner; the answers are the same without. To be forgotten when the map changes.
+  /// corner; the answers are the same without. Of one map, and to be forgotten when that changes.
   class Neighborhood {
     friend class VoxelMap;
     static constexpr std::uint32_t kUnknown = ~std::uint32_t{0}, kNone = kUnknown - 1;  // not looked up; no such voxel
@@ -88,14 +88,23 @@ class VoxelMap {
     Eigen::Vector3i at(std::uint32_t place) const {
       return corner_ - Eigen::Vector3i((place & 1u) == 0, (place & 2u) == 0, (place & 4u) == 0);
     }
+    void moveTo(const Eigen::Vector3d& scaled) {  // the query, in voxels
+      const Eigen::Vector3i corner(fastFloor(scaled.x() + 0.5), fastFloor(scaled.y() + 0.5),
+                                   fastFloor(scaled.z() + 0.5));
+      if (corner != corner_) {
+        corner_ = corner;
+        voxels_.fill(kUnknown);
+      }
+      const Eigen::Array<bool, 3, 1> upper = scaled.array() >= corner.cast<double>().array();
+      own_ = (upper.x() ? 1u : 0u) | (upper.y() ? 2u : 0u) | (upper.z() ? 4u : 0u);
+    }
 
    public:
     Neighborhood() { voxels_.fill(kUnknown); }
   };
 
-  /// Begin to load what the next query will need first if the point stays in its voxel: for one that is
-  /// kPrefetchAhead queries away.
-  static constexpr std::size_t kPrefetchAhead = 8;
+  static constexpr std::size_t kPrefetchAhead = 8;  ///< so many queries before the point's own
+  /// Begin to load what a point's next query will need first, if the point stays in its voxel.
   void prefetchPlane(const Neighborhood& neighborhood) const {
     const std::uint32_t voxel = neighborhood.voxels_[neighborhood.own_];
     if (voxel < Neighborhood::kNone) prefetch(&planes_[voxel], 1);
@@ -149,8 +158,6 @@ class VoxelMap {
   };
 
   std::uint32_t findOrAdd(const Eigen::Vector3i& at);
-  /// The neighborhood is that query's afterwards.
-  static void enter(const Eigen::Vector3d& scaled, Neighborhood& neighborhood);
   std::uint32_t lookUp(std::uint32_t place, Neighborhood& neighborhood) const;
   PlanePatch fitPlane(const Statistics& statistics) const;
   template <class Value>
@@ -158,6 +165,7 @@ class VoxelMap {
     constexpr std::size_t kLine = 64;
     const char* const bytes = reinterpret_cast<const char*>(values);
     for (std::size_t i = 0; i < count * sizeof(Value); i += kLine) __builtin_prefetch(bytes + i);
+    __builtin_prefetch(bytes + count * sizeof(Value) - 1);  // they begin anywhere in a line
   }
   Eigen::Vector3d centreOf(const Eigen::Vector3i& voxel) const {
     return params_.voxel_size_m * (voxel.cast<double>().array() + 0.5).matrix();
