@@ -184,7 +184,8 @@ esac
                            "sweeps OK and off by ", "m at the end", "| not told: SWEEP_EMPTY |"}) {
     EXPECT_NE(spoilt.out.find(told), std::string::npos) << told << " is not in\n" << spoilt.out;
   }
-  EXPECT_EQ(matrix("--scenes moon --faults nan").exit_code, 1);
+  EXPECT_EQ(matrix("--scenes town --faults nan --seed -1").exit_code, 1) << "no drive is made";
+  EXPECT_EQ(matrix("--scenes moon --faults nan").exit_code, 2);
   EXPECT_EQ(matrix("--faults fog").exit_code, 2);
 }
 
