@@ -279,8 +279,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
     // the most promising survivors, by mean squared error with misses counted at the cut-off
     const auto score = [&](Descent& d) {
       const NormalEquations e = linearize(points_cog, stride, map, d.T, params_.kernel_m, d.neighborhoods);
-      const std::size_t used_points = (points_cog.size() + stride - 1) / stride;
-      const auto used = static_cast<double>(used_points);
+      const auto used = static_cast<double>(d.neighborhoods.size());
       return (e.squared_error + (used - e.weight_unscaled) * params_.max_distance_m * params_.max_distance_m) / used;
     };
     recordEnds(descents, tracks);
