@@ -38,6 +38,8 @@ messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Heade
   messages::SweepPrediction message;
   message.header = header;
   message.previous_stamp = task.first() ? ros::Time() : previous_stamp;
+  message.stamp_error = task.prediction.stamp_error_s;
+  message.period = task.prediction.period_s;
   message.dt = task.prediction.dt_s;
   message.previous_pose = toPoseMessage(task.prediction.T_odom_cog_previous);
   message.pose = toPoseMessage(task.prediction.T_odom_cog);
@@ -59,6 +61,8 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   if (!is_near(*previous) || !is_near(*pose) || !is_near(*lidar)) return std::nullopt;
   SweepTask task;
   task.prediction.stamp_s = message.header.stamp.toSec();
+  task.prediction.stamp_error_s = finiteOr0(message.stamp_error);
+  task.prediction.period_s = finiteOr0(message.period);
   task.prediction.dt_s = message.dt;
   task.prediction.T_odom_cog_previous = *previous;
   task.prediction.T_odom_cog = *pose;
@@ -124,6 +128,7 @@ messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points
   message.far_share = findings.far_share;
   message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
   message.middle = findings.middle_s;
+  message.revolution = findings.revolution_s;
   return message;
 }
 
@@ -137,17 +142,21 @@ SweepFindings fromMessage(const messages::SweepCheck& message) {
   findings.far_share = message.far_share;
   findings.repetitions = static_cast<int>(message.repetitions);
   findings.middle_s = message.middle;
+  findings.revolution_s = finiteOr0(message.revolution);
   return findings;
 }
 
 messages::FilterState toMessage(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
   messages::FilterState message;
   message.header = header;
+  message.stamp_error = state.stamp_error_s;
   message.dt = state.dt_s;
   message.pose = toPoseMessage(state.T_odom_cog);
   message.covariance = toCovarianceMessage(state.covariance);
   message.sigma_yaw = state.sigma_yaw_rad;
   message.corrected = state.corrected;
+  message.started = state.started;
+  message.motion_observed = state.motion_observed;
   message.increment = toPoseMessage(state.T_previous_now);
   message.increment_covariance = toCovarianceMessage(state.increment_covariance);
   message.unobserved_covariance = toCovarianceMessage(state.unobserved_covariance);
@@ -197,11 +206,14 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   if (!pose || !increment) return std::nullopt;
   FilterState state;
   state.stamp_s = message.header.stamp.toSec();
+  state.stamp_error_s = finiteOr0(message.stamp_error);
   state.dt_s = message.dt;
   state.T_odom_cog = *pose;
   state.covariance = fromMessage(message.covariance);
   state.sigma_yaw_rad = message.sigma_yaw;
   state.corrected = message.corrected != 0;
+  state.started = message.started != 0;
+  state.motion_observed = message.motion_observed != 0;
   state.T_previous_now = *increment;
   state.increment_covariance = fromMessage(message.increment_covariance);
   state.unobserved_covariance = fromMessage(message.unobserved_covariance);
@@ -272,6 +284,8 @@ messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorPara
   if (output.t1_stamp_s > 0.0 && output.t1_stamp_s < ros::TIME_MAX.toSec() - 1.0) message.t1.fromSec(output.t1_stamp_s);
   message.eta_threshold = params.indicator.threshold;
   message.alert_limit = params.predictor.alert_limit_m;
+  message.standby_state = static_cast<std::uint8_t>(output.standby_state);
+  message.standby_time_to_failure = output.standby_time_to_failure.seconds;
   return message;
 }
 

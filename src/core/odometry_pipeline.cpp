@@ -61,6 +61,7 @@ FilterState exchanged(FilterState state) {
 
 const char* toString(SweepStatus status) {
   switch (status) {
+    case SweepStatus::kNotStarted: return "not_started";
     case SweepStatus::kFirst: return "first";
     case SweepStatus::kCorrected: return "corrected";
     case SweepStatus::kPredicted: return "predicted";
@@ -85,7 +86,8 @@ struct OdometryPipeline::Stages {
         corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                            p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
-        arena(arenaSize(threads)) {
+        arena(arenaSize(threads)),
+        clock(p.sensor.timing.sweep_period_s) {
     filter.reset(T_base_cog);  // odom begins at base_link
   }
 
@@ -108,6 +110,7 @@ struct OdometryPipeline::Stages {
   tbb::task_arena arena;
   CorrectedSweep corrected;
   StampSequence stamps;
+  SweepClock clock;
   int refused = 0;                           ///< sweeps since the last one that was taken
   std::optional<double> start_from_stamp_s;  ///< t1 has been asked for, and has not come
 };
@@ -160,6 +163,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
 void OdometryPipeline::Stages::beginDrive(const Pose& T_odom_cog) {
   refused = 0;
   stamps.beginDrive();
+  clock.reset();
   corrector.reset();
   filter.reset(T_odom_cog);
   front.reset();
@@ -175,7 +179,9 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   const StampOrder order =
       filter.started() ? stamps.next(secondsBetween(last.stamp_s, sweep.stamp_s)) : StampOrder::kAdvances;
   if (order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead) beginDrive(Pose(last.T_odom_cog));
-  if (order == StampOrder::kFarAhead || !filter.predict(sweep.stamp_s, prediction, stamps.setBack_s())) {
+  const bool is_taken =
+      order == StampOrder::kAdvances || order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead;
+  if (!is_taken || !filter.predict(clock.next(sweep.stamp_s, stamps.setBack_s()), prediction)) {
     ++refused;
     result.status = SweepStatus::kStampNotAdvancing;
     result.state = exchanged(last);
@@ -184,17 +190,21 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   }
   prediction = exchanged(prediction);
   const SweepFindings findings = check.check(sweep);
-  const double middle_s = corrector.correct(sweep, prediction, T_cog_lidar, corrected).middle_s;
+  const SweepCorrectorReport corrected_as = corrector.correct(sweep, prediction, T_cog_lidar, corrected);
+  corrected.stamp_s = prediction.time_s();
   if (findings.repeats && prediction.dt_s > 0.0) corrected.clear();
   result.times.correction_ms = stage.lapMs();
   measure(prediction, result);
   stage.lapMs();
   const bool first = prediction.dt_s <= 0.0;
   const FilterState& state = filter.correct(
-      {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}}, middle_s);
+      {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}},
+      corrected_as.middle_s);
+  clock.observeRevolution(corrected_as.revolution_s);
   result.state = exchanged(state);
   result.T_odom_base = state.T_odom_cog * T_base_cog.inverse();
-  result.status = first                    ? SweepStatus::kFirst
+  result.status = !result.state.started    ? SweepStatus::kNotStarted
+                  : first                  ? SweepStatus::kFirst
                   : result.state.corrected ? SweepStatus::kCorrected
                                            : SweepStatus::kPredicted;
   result.times.fusion_ms = stage.lapMs();

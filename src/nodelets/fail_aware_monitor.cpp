@@ -87,10 +87,11 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   }
 
   /// odom begins anew: what it served as is lost, and whoever relied on it must ask again (start_redundant: always
-  /// serves).
+  /// serves). A request that still waits for an observed motion stays.
   void beginDrive() {
+    const bool is_asked_for = params_.start_redundant || asked_ || monitor_->startPending();
     monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
-    if (params_.start_redundant || asked_) monitor_->start();
+    if (is_asked_for) monitor_->start();
   }
 
   void checkStale() {
@@ -129,7 +130,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     monitor_->start();
     asked_ = true;
     response.success = true;
-    response.message = "serves as the localisation from the next sweep on";
+    response.message = "serves as the localisation from the next sweep on whose motion is observed";
     return true;
   }
 
@@ -141,7 +142,12 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     status.summary(level, std::string(toString(output_.state)) + (reasons.empty() ? "" : ": " + reasons));
     status.addf("rate of filter states (Hz)", "%.2f", rate_.take_hz());
     status.addf("silence (s)", "%.3f", now_s() - heard_s_);
-    status.add("serves as the localisation", monitor_->started() ? "yes" : "no");
+    const char* serves = monitor_->startPending() ? "waits for an observed motion" : monitor_->started() ? "yes" : "no";
+    status.add("serves as the localisation", serves);
+    if (output_.standby_time_to_failure.isKnown()) {
+      status.add("if it served from now on", std::string(toString(output_.standby_state)) + ", time to failure " +
+                                                 std::to_string(output_.standby_time_to_failure.seconds) + " s");
+    }
     if (!reconfiguration_->refused().empty()) status.add("reconfiguration refused", reconfiguration_->refused());
     status.add("time to failure (s)", output_.time_to_failure.seconds);
     status.add("eta (rad)", output_.eta);

@@ -91,6 +91,7 @@ class MeasurementNodelet : public nodelet::Nodelet {
       return;
     }
     if (!readCorrectedCloud(cloud, sweep_).ok()) sweep_.points_lidar.clear();
+    sweep_.stamp_s = task->prediction.time_s();
     const Measurement measurement = algorithm_->measure(sweep_, *task);
     ++sweeps_;
     last_status_ = measurement.status;

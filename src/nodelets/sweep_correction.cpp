@@ -81,6 +81,7 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     findings_ = check_->check(sweep_);
     report_ = corrector_->correct(sweep_, task.prediction, task.T_cog_lidar, corrected_);
     findings_.middle_s = report_.middle_s;
+    findings_.revolution_s = report_.revolution_s;
     check_publisher_.publish(messages::SweepCheckConstPtr(
         boost::make_shared<messages::SweepCheck>(toMessage(findings_, sweep_.size(), cloud.header))));
     if (findings_.repeats && !task.first()) corrected_.clear();

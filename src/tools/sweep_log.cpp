@@ -18,7 +18,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr std::size_t kStatuses = 4;
+constexpr std::size_t kStatuses = 5;
 
 void writeMeasurement(std::ostream& out, const Measurement& m) {
   out << ',' << toString(m.status) << ',' << m.iterations << ',' << m.inlier_share << ',' << m.rms_residual_m << ','
@@ -102,7 +102,7 @@ Json SweepLog::summary() const {
   json["p95_ms"] = quantileOrZero(0.95);
   json["p99_ms"] = quantileOrZero(0.99);
   for (const SweepStatus status :
-       {SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
+       {SweepStatus::kNotStarted, SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
     json["by_status"][toString(status)] = count(status);
   }
   return json;

@@ -43,7 +43,8 @@ TEST(GraphMessages, reasonBitsAndStatesAreTheCores) {
   EXPECT_EQ(Message::REASON_DROPPED_SWEEPS, kReasonDroppedSweeps);
   EXPECT_EQ(Message::REASON_LOW_VISIBILITY, kReasonLowVisibility);
   EXPECT_EQ(Message::REASON_NO_ANSWER, kReasonNoAnswer);
-  EXPECT_EQ(reasonText(Message::REASON_NO_ANSWER << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
+  EXPECT_EQ(Message::REASON_MOTION_UNKNOWN, kReasonMotionUnknown);
+  EXPECT_EQ(reasonText(Message::REASON_MOTION_UNKNOWN << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
   EXPECT_EQ(Message::UNKNOWN, static_cast<int>(FailAwareState::kUnknown));
   EXPECT_EQ(Message::OK, static_cast<int>(FailAwareState::kOk));
   EXPECT_EQ(Message::DEGRADED, static_cast<int>(FailAwareState::kDegraded));
@@ -60,6 +61,8 @@ TEST(GraphMessages, predictionThereAndBack) {
   task.prediction.sigma_yaw_rad = 0.01;
   task.prediction.motion_known = true;
   task.prediction.set_back_s = 0.3;
+  task.prediction.stamp_error_s = -0.004;
+  task.prediction.period_s = 0.1033;
   task.T_cog_lidar = somePose(-0.5);
   const ros::Time previous(1317384506, 330000000);
   const messages::SweepPrediction message = toMessage(task, someHeader(), previous);
@@ -75,6 +78,8 @@ TEST(GraphMessages, predictionThereAndBack) {
   EXPECT_EQ(back->prediction.covariance, someCovariance());
   EXPECT_TRUE(back->prediction.motion_known);
   EXPECT_EQ(back->prediction.set_back_s, 0.3);
+  EXPECT_EQ(back->prediction.stamp_error_s, -0.004);
+  EXPECT_EQ(back->prediction.period_s, 0.1033);
   task.prediction.dt_s = 0.0;
   EXPECT_TRUE(toMessage(task, someHeader(), previous).previous_stamp.isZero());
 }
@@ -150,6 +155,9 @@ FilterState someState() {
   state.speed_error = {2.5, 0.75};
   state.interval_wrong = true;
   state.set_back_s = 0.3;
+  state.stamp_error_s = 0.007;
+  state.started = false;
+  state.motion_observed = true;
   state.filter_nis = 5.5;
   state.fusion.has_measurement = true;
   state.fusion.z = vectorFromPose(somePose(4.1));
@@ -182,6 +190,9 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_EQ(back->speed_error.kept, 0.75);
   EXPECT_TRUE(back->interval_wrong);
   EXPECT_EQ(back->set_back_s, 0.3);
+  EXPECT_EQ(back->stamp_error_s, 0.007);
+  EXPECT_FALSE(back->started);
+  EXPECT_TRUE(back->motion_observed);
   EXPECT_EQ(back->filter_nis, state.filter_nis);
   EXPECT_EQ(back->fusion.z, state.fusion.z);
   EXPECT_EQ(back->fusion.R, state.fusion.R);

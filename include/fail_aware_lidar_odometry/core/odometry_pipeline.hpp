@@ -5,7 +5,7 @@
 //
 // Deterministic: the same sweeps give the same bits for any number of threads (what runs beside each other, and in which
 // order it is added up, does not depend on it). Failure is data: SweepResult says what a sweep gave; every sweep whose
-// stamp advances has a pose.
+// stamp advances has a pose, from the first one with usable points on.
 #pragma once
 
 #include <limits>
@@ -22,6 +22,7 @@
 namespace fail_aware {
 
 enum class SweepStatus {
+  kNotStarted,         ///< no sweep had usable points yet: the odometry has not begun
   kFirst,              ///< defines odom, or, where stamps jumped, goes on from the last pose; not registered
   kCorrected,          ///< measured and fused
   kPredicted,          ///< no usable measurement: the pose is the prediction

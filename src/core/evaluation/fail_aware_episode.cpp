@@ -62,7 +62,13 @@ std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, 
     stamps_s.push_back(input.state.stamp_s);
   }
   std::vector<FailAwareEpisode> episodes;
-  for (const FailureEpisode& found : failureEpisodes(truth, estimate, stamps_s, params)) {
+  std::size_t last_begin = log.size();
+  for (const FailureEpisode& asked_for : failureEpisodes(truth, estimate, stamps_s, params)) {
+    std::size_t begin = asked_for.begin;  // t1 waits for an observed motion
+    while (begin < log.size() && !log[begin].state.motion_observed) ++begin;
+    if (begin + 1 >= log.size() || begin == last_begin) continue;
+    last_begin = begin;
+    const FailureEpisode found = failureEpisode(truth, estimate, stamps_s, begin, params.alert_limit_m);
     episodes.push_back(makeEpisode(truth, log, found, monitor, params.alert_limit_m, silence));
   }
   return episodes;

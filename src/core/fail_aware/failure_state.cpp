@@ -14,7 +14,7 @@ constexpr const char* kReasonNames[] = {
     "STALE",           "NO_MEASUREMENT",   "PREDICTION_ONLY",  "PREDICTION_OVERRULED", "MEASUREMENTS_DISAGREE",
     "WEAK_DIRECTION",  "SWEEP_INCOMPLETE", "SWEEP_EMPTY",      "MISSING_ICP_POINT",    "MISSING_ICP_PLANE",
     "MISSING_CORNERS", "ETA_THRESHOLD",    "COVARIANCE_LIMIT", "FROZEN_CLOUD",         "TIME_JUMP",
-    "DROPPED_SWEEPS",  "LOW_VISIBILITY",   "NO_ANSWER"};
+    "DROPPED_SWEEPS",  "LOW_VISIBILITY",   "NO_ANSWER",        "MOTION_UNKNOWN"};
 
 int severity(FailAwareState state) {
   switch (state) {

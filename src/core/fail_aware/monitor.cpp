@@ -89,6 +89,7 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
   add(condition.time_jump, kReasonTimeJump);
   add(condition.no_answer, kReasonNoAnswer);
   add(condition.dropped_before > 0, kReasonDroppedSweeps);
+  add(start_pending_, kReasonMotionUnknown);
   if (first) return reasons;
   add(state.fusion.valid_inputs == 0, kReasonNoMeasurement);
   add(!state.corrected, kReasonPredictionOnly);
@@ -106,9 +107,9 @@ Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
   return (R * covariance_.sinceMark().topLeftCorner<3, 3>() * R.transpose()).topLeftCorner<2, 2>();
 }
 
-CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
+CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftState& drift,
+                                          const Pose& T_odom_mark) const {
   CovarianceGrowth growth;
-  const DriftState& drift = covariance_.driftSinceMark();
   growth.covariance = horizontalBlock(drift.lasting.topLeftCorner<6, 6>());
   if (error_unbounded_) growth.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   growth.drivers = drift.lasting.bottomRightCorner<3, 3>();
@@ -118,7 +119,7 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state) const {
   growth.speed_wander = speed_wander_;
   growth.unobserved = drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance);
   growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
-  const Eigen::Matrix3d R_mark_cog = T_odom_mark_.linear().transpose() * state.T_odom_cog.linear();
+  const Eigen::Matrix3d R_mark_cog = T_odom_mark.linear().transpose() * state.T_odom_cog.linear();
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
   if (state.dt_s > 0.0) {
     growth.speed_mps = state.T_previous_now.translation().x() / state.dt_s;
@@ -134,6 +135,26 @@ std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutpu
   return -std::max(0.0, output.protection_level_m);
 }
 
+void FailAwareMonitor::begin(const FilterState& state) {
+  start_pending_ = false;
+  indicator_.start(state.time_s());
+  covariance_.mark(state.T_odom_cog);
+  error_unbounded_ = false;
+  T_odom_mark_ = state.T_odom_cog;
+  t1_stamp_s_ = state.stamp_s;
+}
+
+// As if marked now: what a mark takes over of the state before it is the bias of the head.
+void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& output) const {
+  if (!state.motion_observed || !rate_.rate()) return;
+  OdometryCovariance marked = covariance_;
+  marked.mark(state.T_odom_cog);
+  const CovariancePrediction prediction = predictor_.predict(growth(state, marked.driftSinceMark(), state.T_odom_cog));
+  output.standby_time_to_failure = prediction.time_to_failure;
+  output.standby_state =
+      stateFor(prediction.time_to_alarm, prediction.time_to_failure, params_.thresholds, output.reasons);
+}
+
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   if (has_previous_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
   if (has_previous_ && state.dt_s > 0.0) {
@@ -143,23 +164,18 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     error_unbounded_ = error_unbounded_ || !added;
     speed_wander_ = std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s;
     const double distance_m = state.T_previous_now.translation().norm();
-    rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance, distance_m,
-                                drift_.pace(distance_m, state.dt_s)),
-                 state.dt_s);
+    // What a drive begins with is unknown, and says nothing of what follows.
+    if (state.motion_observed || rate_.rate())
+      rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance, distance_m,
+                                  drift_.pace(distance_m, state.dt_s)),
+                   state.dt_s);
   }
   if (state.odom_epoch != odom_epoch_ && indicator_.started()) start_pending_ = true;
   odom_epoch_ = state.odom_epoch;
   has_previous_ = true;
-  if (start_pending_) {
-    start_pending_ = false;
-    indicator_.start(state.stamp_s);
-    covariance_.mark(state.T_odom_cog);
-    error_unbounded_ = false;
-    T_odom_mark_ = state.T_odom_cog;
-    t1_stamp_s_ = state.stamp_s;
-  }
+  if (start_pending_ && state.motion_observed) begin(state);
   if (state.corrected || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
-    indicator_.update(state.stamp_s, state.sigma_yaw_rad,
+    indicator_.update(state.time_s(), state.sigma_yaw_rad,
                       state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);
   }
 
@@ -178,7 +194,8 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
     output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
     if (rate_.rate()) {
-      const CovariancePrediction prediction = predictor_.predict(growth(state));
+      const CovariancePrediction prediction =
+          predictor_.predict(growth(state, covariance_.driftSinceMark(), T_odom_mark_));
       output.time_to_failure_covariance = prediction.time_to_failure;
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
@@ -190,6 +207,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   if (output.protection_level_m >= params_.predictor.alert_limit_m) output.reasons |= kReasonCovarianceLimit;
   output.state = hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm),
                                              output.time_to_failure, params_.thresholds, output.reasons));
+  if (!indicator_.started()) addStandby(state, output);
   return output;
 }
 

@@ -24,6 +24,8 @@ MonitorOutput staleOutput(MonitorOutput last) {
   last.time_to_failure = TimeToFailure::reached();
   last.time_to_failure_indicator = last.time_to_failure_covariance = TimeToFailure::unknown();
   last.protection_level_m = -1.0;  // it grows with a motion that nobody knows
+  last.standby_state = FailAwareState::kUnknown;
+  last.standby_time_to_failure = TimeToFailure::unknown();
   return last;
 }
 

@@ -12,6 +12,7 @@ namespace fail_aware {
 namespace {
 
 constexpr int kSweepsToForgetPlanes = 10;
+constexpr double kTimeSigmas = 2.0;  // of an innovation: it says nothing against the measurement
 
 }  // namespace
 
@@ -36,7 +37,7 @@ void MotionPlausibility::clear() {
 
 MotionPlausibility::Doubt MotionPlausibility::add(const Sweep& sweep) {
   undecided_m_.add(sweep.undecided_m);
-  innovation_m_.add(sweep.innovation_m);
+  innovation_m_.add(std::max(0.0, sweep.innovation_m - kTimeSigmas * sweep.time_sigma_m));
   ++sweeps_without_planes_;
   if (sweep.fitting_share) {
     fitting_share_.add(*sweep.fitting_share);

@@ -50,6 +50,18 @@ std::optional<double> planesFittingShare(const std::vector<FusionInput>& inputs)
   return planes->measurement->inlier_share;
 }
 
+// An empty sweep, or no answer of those who look at it: nothing that the next sweep could be registered to.
+bool isUsableStart(const std::vector<FusionInput>& inputs) {
+  const auto is_icp = [](const FusionInput& input) {
+    return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane;
+  };
+  const auto has_points = [&](const FusionInput& input) {
+    return is_icp(input) && input.measurement != nullptr &&
+           input.measurement->status != MeasurementStatus::kTooFewPoints;
+  };
+  return std::none_of(inputs.begin(), inputs.end(), is_icp) || std::any_of(inputs.begin(), inputs.end(), has_points);
+}
+
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
@@ -151,15 +163,18 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   return true;
 }
 
-bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction, double set_back_s) {
-  if (!std::isfinite(stamp_s) || (started_ && secondsBetween(state_.stamp_s, stamp_s) <= 0.0)) return false;
+bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
+  const double dt = secondsBetween(state_.time_s(), time.time_s());
+  if (!std::isfinite(time.time_s()) || (started_ && dt <= 0.0)) return false;
   prediction_ = SweepPrediction();
-  prediction_.stamp_s = stamp_s;
-  prediction_.set_back_s = set_back_s;
+  prediction_.stamp_s = time.stamp_s;
+  prediction_.stamp_error_s = time.error_s;
+  prediction_.period_s = time.period_s;
+  prediction_.set_back_s = time.set_back_s;
+  interval_sigma_s_ = time.interval_sigma_s;
   prediction_.T_odom_cog_previous = state_.T_odom_cog;
   prediction_.odom_epoch = state_.odom_epoch;
   if (started_) {
-    const double dt = secondsBetween(state_.stamp_s, stamp_s);
     prediction_.dt_s = dt;
     prediction_.motion_known = corrected_sweeps_ >= 2;
     Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
@@ -177,6 +192,12 @@ bool PoseFilter::predict(double stamp_s, SweepPrediction& prediction, double set
       const Eigen::Matrix4d uncertain = coasting_.incrementCovariance(dt);
       Q.topLeftCorner<3, 3>() += inOdom(uncertain);
       uncertain_yaw = uncertain(3, 3);
+    }
+    if (prediction_.motion_known && interval_sigma_s_ > 0.0) {  // how far it went is known no better than for how long
+      const Eigen::Vector3d way = R_odom_body * motion_.velocity_body_mps * interval_sigma_s_;
+      const double turn_rad = motion_.rpy_rates_rad_s.z() * interval_sigma_s_;
+      Q.topLeftCorner<3, 3>() += way * way.transpose();
+      Q(5, 5) += turn_rad * turn_rad;
     }
     process_noise_ = Q;
     // not for the filter: a heading that it thinks uncertain would shorten the unscented mean of every step
@@ -205,10 +226,12 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const Pose T_odom_cog_previous = state_.T_odom_cog;
   FilterState next;
   next.stamp_s = prediction_.stamp_s;
+  next.stamp_error_s = prediction_.stamp_error_s;
   next.dt_s = prediction_.dt_s;
   next.set_back_s = prediction_.set_back_s;
   next.odom_epoch = state_.odom_epoch;
   next.reference_epoch = state_.reference_epoch;
+  next.started = started_ || isUsableStart(measurements);
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
   const Vector6d predicted = ukf_.state();
@@ -233,6 +256,10 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     const bool tells_no_motion = addDoubt(inputs, innovation, next);
     if (next.corrected) tells_no_motion_ = tells_no_motion;
   }
+  if (!next.started) {
+    state_ = next;
+    return state_;
+  }
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
   ReferencePlacement::Sweep sweep;
   sweep.motion_known = prediction_.motion_known;
@@ -250,7 +277,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   state_ = next;
   if (measured) remember(middle_s);
   updateMotion();
-  if (measured) road_.update(next.stamp_s, ukf_.state(), motion_);
+  if (measured) road_.update(next.time_s(), ukf_.state(), motion_);
+  state_.motion_observed = state_.corrected && prediction_.motion_known && !coasting_.active();
   return state_;
 }
 
@@ -296,7 +324,7 @@ void PoseFilter::remember(double middle_s) {
     T_odom_cog = T_odom_cog * expSe3(logSe3(T_previous_now) * (middle_s / state_.dt_s));
     newest_middle_s_ = middle_s;
   }
-  history_.push(state_.stamp_s + newest_middle_s_, T_odom_cog);
+  history_.push(state_.time_s() + newest_middle_s_, T_odom_cog);
 }
 
 // Carried from the newest sweep's middle to the stamp; as in the history, z, roll and pitch are not.
@@ -387,6 +415,7 @@ bool PoseFilter::addDoubt(const std::vector<FusionInput>& inputs, const Vector6d
   sweep.dt_s = state.dt_s;
   sweep.undecided_m = state.fusion.undecided_m;
   sweep.innovation_m = coasting_.active() ? 0.0 : innovation.head<2>().norm();
+  sweep.time_sigma_m = interval_sigma_s_ * motion_.velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
   sweep.fitting_share = planesFittingShare(inputs);
   const MotionPlausibility::Doubt doubt = plausibility_.add(sweep);

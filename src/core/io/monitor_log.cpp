@@ -15,11 +15,14 @@ struct MonitorLogTable {
     auto& s = input.state;
     v("row", input.row);
     v("stamp", s.stamp_s);
+    v("stamp_error", s.stamp_error_s);
     v("dt", s.dt_s);
     number_table::visitMatrix("T_odom_cog", s.T_odom_cog.affine(), v);
     number_table::visitMatrix("covariance", s.covariance, v);
     v("sigma_yaw", s.sigma_yaw_rad);
     v("corrected", s.corrected);
+    v("started", s.started);
+    v("motion_observed", s.motion_observed);
     number_table::visitMatrix("T_previous_now", s.T_previous_now.affine(), v);
     number_table::visitMatrix("increment_covariance", s.increment_covariance, v);
     number_table::visitMatrix("unobserved_covariance", s.unobserved_covariance, v);

@@ -72,7 +72,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
     return true;
   }
   // a search that failed would fail for good: this sweep is the first one now
-  if (secondsBetween(first_cloud_.stamp_s, prediction.stamp_s) > kMaxSearchTime_s) reference_.clear();
+  if (secondsBetween(first_cloud_.stamp_s, prediction.time_s()) > kMaxSearchTime_s) reference_.clear();
   if (map().empty()) {
     initialization_.setFirst(sweep, T_cog_lidar);
   } else {
@@ -211,7 +211,7 @@ void RegistrationFront::checkInterval(const SweepPrediction& prediction) {
 
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                          const Pose& T_cog_lidar) {
-  const double since_first_s = secondsBetween(first_cloud_.stamp_s, prediction.stamp_s);
+  const double since_first_s = secondsBetween(first_cloud_.stamp_s, prediction.time_s());
   double places_met = 0.0;
   const std::optional<Vector6d> twist = initialization_.findTwist(sweep, T_cog_lidar, since_first_s, &places_met);
   if (!twist) return;
@@ -286,8 +286,8 @@ void RegistrationFront::addStanding(Measurement& measurement) const {
 }
 
 void RegistrationFront::keepStanding(const FilterState& state) {
-  if (!standing_.params().enabled || !nearly_open_ || !standing_.isDue(state.T_odom_cog, state.stamp_s)) return;
-  standing_.keep(cloud_.map_points_cog, state.T_odom_cog, state.stamp_s);
+  if (!standing_.params().enabled || !nearly_open_ || !standing_.isDue(state.T_odom_cog, state.time_s())) return;
+  standing_.keep(cloud_.map_points_cog, state.T_odom_cog, state.time_s());
 }
 
 void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s) {
@@ -341,7 +341,7 @@ void RegistrationFront::place(const FilterState& state) {
     T_odom_cog_first_ = state.T_odom_cog;
   }
   reference_.add(cloud_.map_points_cog, state.T_odom_cog);
-  placed_stamp_s_ = state.stamp_s;
+  placed_stamp_s_ = state.time_s();
   placed_odom_ = state.T_odom_cog.translation();
   keepStanding(state);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "fail_aware_lidar_odometry/core/sweep/revolution.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/rings_by_order.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
@@ -26,7 +27,10 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
   correctAzimuth(azimuth_, sweep.points_lidar);
   level_keeping_.apply(sweep.points_lidar);
-  report.timing = timing_.assign(sweep, times_s_);
+  report.timing = timing_.assign(sweep, prediction.period_s, times_s_);
+  if (report.timing.source == TimingSource::kField) {
+    report.revolution_s = revolutionFromTimes(sweep.points_lidar, times_s_);
+  }
   report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
                                           prediction.dt_s, T_cog_lidar, corrected);
   if (report.correction.corrected() && !times_s_.empty()) {

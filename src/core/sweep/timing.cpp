@@ -13,9 +13,6 @@ namespace fail_aware {
 namespace {
 
 constexpr double kShortestPeriod_s = 0.02;   // 50 Hz: no head that turns faster is known
-constexpr double kLongestMeasured_s = 0.22;  // 5 Hz, the slowest that these heads turn: what takes longer holds a gap
-constexpr double kMultipleTolerance = 0.15;  // periods, by which a gap may differ from a whole number of them
-constexpr std::size_t kPeriodsNeeded = 3;
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
 constexpr double kFieldLimitPeriods = 2.5;           // two revolutions in one cloud are still timed by their field
 constexpr double kCoarsestFieldResolution_s = 1e-3;  // an absolute time in a float
@@ -108,37 +105,6 @@ void SweepTimingParams::validate() const {
 
 SweepTiming::SweepTiming(const Params& params) : params_(params) { params_.validate(); }
 
-void SweepTiming::reset() {
-  has_stamp_ = false;
-  periods_s_.clear();
-}
-
-std::optional<double> SweepTiming::measuredPeriod_s() const {
-  if (periods_s_.size() < kPeriodsNeeded) return std::nullopt;
-  std::vector<double> sorted(periods_s_.begin(), periods_s_.end());
-  std::sort(sorted.begin(), sorted.end());
-  return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
-}
-
-// A whole number of known periods is so many of them, and all but the last sweep was lost. Known is what a full window
-// tells: a head that begins with a few short sweeps would be held to their period.
-double SweepTiming::withoutGap(double interval_s) const {
-  if (periods_s_.size() < kUsualIntervals) return interval_s;
-  const double periods = interval_s / *measuredPeriod_s(), whole = std::round(periods);
-  return whole >= 2.0 && std::abs(periods - whole) <= kMultipleTolerance ? interval_s / whole : interval_s;
-}
-
-void SweepTiming::observeStamp(double stamp_s) {
-  if (!std::isfinite(stamp_s)) return;
-  const double period_s = withoutGap(secondsBetween(last_stamp_s_, stamp_s));
-  if (has_stamp_ && period_s >= kShortestPeriod_s && period_s <= kLongestMeasured_s) {
-    periods_s_.push_back(period_s);
-    if (periods_s_.size() > kUsualIntervals) periods_s_.pop_front();
-  }
-  has_stamp_ = true;
-  last_stamp_s_ = stamp_s;
-}
-
 StampReference SweepTiming::referenceOr(StampReference automatic) const {
   if (params_.stamp_reference == "start") return StampReference::kStart;
   if (params_.stamp_reference == "mid") return StampReference::kMid;
@@ -146,15 +112,15 @@ StampReference SweepTiming::referenceOr(StampReference automatic) const {
   return automatic;
 }
 
-TimingResult SweepTiming::assign(const Sweep& sweep, std::vector<float>& times_relative_to_stamp_s) {
-  observeStamp(sweep.stamp_s);
+TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
+                                 std::vector<float>& times_relative_to_stamp_s) const {
   TimingResult result;
   result.period_s = kUsualPeriod_s;
   if (params_.sweep_period_s > 0.0) {
     result.period_s = params_.sweep_period_s;
     result.period_known = true;
-  } else if (const std::optional<double> measured_s = measuredPeriod_s()) {
-    result.period_s = *measured_s;
+  } else if (measured_period_s > 0.0) {
+    result.period_s = measured_period_s;
     result.period_known = true;
   }
   result.reference = referenceOr(StampReference::kEnd);

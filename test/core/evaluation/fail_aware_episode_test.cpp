@@ -22,7 +22,7 @@ struct Drive {
       input.state.dt_s = i == 0 ? 0.0 : 0.1;
       input.state.T_odom_cog.translation() << i, drift_m * i, 0.0;
       if (i > 0) input.state.T_previous_now.translation() << 1.0, drift_m, 0.0;
-      input.state.corrected = true;
+      input.state.corrected = input.state.motion_observed = true;
       input.state.fusion.valid_inputs = 3;
       input.state.fusion.confirmed = true;
       input.state.increment_covariance = 1e-4 * Matrix6d::Identity();
@@ -56,6 +56,19 @@ TEST(FailAwareEpisode, HoldsTheErrorAndWhatTheMonitorSaid) {
   EXPECT_EQ(sweep.output.time_to_failure.seconds, replayed[70].time_to_failure.seconds);
   EXPECT_GT(sweep.output.covariance_since_start(1, 1), 0.0);
   EXPECT_GT(sweep.output.protection_level_m, sweep.output.sigma_y_m);
+}
+
+TEST(FailAwareEpisode, BeginsWhereTheMotionIsObserved) {
+  Drive drive(120, 0.0);
+  for (std::size_t i = 0; i < 3; ++i) drive.log[i].state.motion_observed = false;
+  for (std::size_t i = 48; i < 102; ++i) drive.log[i].state.motion_observed = false;
+  const std::vector<FailAwareEpisode> episodes = failAwareEpisodes(drive.truth, drive.log, MonitorParameters());
+  ASSERT_EQ(episodes.size(), 2u) << "asked for at 0, 5, 10 s; the last two wait for the same sweep";
+  EXPECT_NEAR(episodes[0].begin_s, 7.3, 1e-6);
+  EXPECT_NEAR(episodes[1].begin_s, 17.2, 1e-6);
+  for (const FailAwareEpisode& episode : episodes) {
+    EXPECT_EQ(episode.sweeps.front().output.t1_stamp_s, episode.begin_s);
+  }
 }
 
 TEST(FailAwareEpisode, KnowsHowLongTheMonitorHeardNothing) {

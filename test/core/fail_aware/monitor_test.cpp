@@ -38,6 +38,7 @@ class Road {
     T_odom_cog_ = T_odom_cog_ * state.T_previous_now;
     state.T_odom_cog = T_odom_cog_;
     state.sigma_yaw_rad = 1e-3;
+    state.motion_observed = true;
     return state;
   }
 
@@ -117,6 +118,54 @@ TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
 
   monitor.start();  // anew
   EXPECT_EQ(drive(monitor, road, 1).sigma_x_m, 0.0);
+}
+
+TEST(FailAwareMonitor, T1WaitsUntilTheMotionIsObserved) {
+  FailAwareMonitor monitor(independentSweeps());
+  Road road;
+  monitor.start();
+  for (int i = 0; i < 5; ++i) {
+    FilterState state = road.next();
+    state.motion_observed = false;
+    state.increment_covariance *= 1e4;  // the speed is not known
+    const MonitorOutput output = monitor.update(state, {});
+    EXPECT_TRUE(monitor.startPending());
+    EXPECT_EQ(output.state, FailAwareState::kUnknown) << i;
+    EXPECT_EQ(output.reasons, std::uint32_t{kReasonMotionUnknown}) << i;
+    EXPECT_EQ(output.t1_stamp_s, -1.0);
+  }
+  const FilterState state = road.next();
+  const MonitorOutput output = monitor.update(state, {});
+  EXPECT_FALSE(monitor.startPending());
+  EXPECT_EQ(output.t1_stamp_s, state.stamp_s);
+  EXPECT_EQ(output.reasons, 0u);
+  EXPECT_EQ(output.state, FailAwareState::kOk);
+  EXPECT_LT(drive(monitor, road, 1).sigma_x_m, 2.0 * road.sigma_m) << "what was before t1 does not count";
+}
+
+TEST(FailAwareMonitor, StandbySaysWhatServingFromNowOnWouldGive) {
+  FailAwareMonitor standby(independentSweeps()), serving(independentSweeps());
+  Road road;
+  drive(standby, road, 20);
+  FilterState state = road.next();
+  const MonitorOutput ready = standby.update(state, {});
+  EXPECT_EQ(ready.state, FailAwareState::kUnknown);
+  EXPECT_EQ(ready.standby_state, FailAwareState::kOk);
+
+  Road same;
+  drive(serving, same, 20);
+  serving.start();
+  const MonitorOutput served = serving.update(state, {});
+  EXPECT_EQ(served.state, FailAwareState::kOk);
+  EXPECT_EQ(ready.standby_time_to_failure.seconds, served.time_to_failure_covariance.seconds);
+  EXPECT_EQ(served.standby_state, FailAwareState::kUnknown) << "it serves";
+  EXPECT_FALSE(served.standby_time_to_failure.isKnown());
+
+  state = road.next();
+  state.motion_observed = false;
+  const MonitorOutput blind = standby.update(state, {});
+  EXPECT_EQ(blind.standby_state, FailAwareState::kUnknown);
+  EXPECT_FALSE(blind.standby_time_to_failure.isKnown());
 }
 
 TEST(FailAwareMonitor, StartedBeforeTheFirstSweepItIsUnknownForOneSweepOnly) {

@@ -163,7 +163,9 @@ TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
   Measurement elsewhere = measured(drive.at(9));
   elsewhere.interval_doubted = true;
   SweepPrediction prediction;
-  ASSERT_TRUE(filter.predict(drive.stamp(9), prediction, 0.3));
+  SweepTime time(drive.stamp(9));
+  time.set_back_s = 0.3;
+  ASSERT_TRUE(filter.predict(time, prediction));
   EXPECT_EQ(prediction.set_back_s, 0.3);
   const Measurement usual = measured(drive.at(9));
   const FilterState& state = filter.correct({{"m", &usual}, {"elsewhere", &elsewhere, true}});

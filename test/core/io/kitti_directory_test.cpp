@@ -10,6 +10,7 @@
 #include <string>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
 namespace fail_aware {
@@ -239,11 +240,12 @@ TEST_F(KittiDirectoryTest, PointTimesFromSweepStartBecomeRelativeToTheMidSweepSt
   SweepTimingParams params;
   params.stamp_reference = "mid";
   SweepTiming timing(params);
+  SweepClock clock;
   Sweep sweep;
   std::vector<float> times_s;
   for (std::size_t i = 0; i < kitti.size(); ++i) {
     ASSERT_EQ(kitti.read(i, sweep).status, ReadStatus::kOk);
-    const TimingResult result = timing.assign(sweep, times_s);
+    const TimingResult result = timing.assign(sweep, clock.next(sweep.stamp_s).period_s, times_s);
     ASSERT_EQ(result.source, TimingSource::kField);
     EXPECT_EQ(result.reference, StampReference::kMid);
     const double half = i < 3 ? 0.05 : 0.0518;  // nominal until three differences are known

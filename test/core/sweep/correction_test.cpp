@@ -100,7 +100,7 @@ TEST(SweepCorrection, RestoresTheSceneFromAFieldOfEitherSignForEveryReference) {
       params.stamp_reference = reference.name;
       params.sweep_period_s = kPeriod_s;
       std::vector<float> times_s;
-      ASSERT_EQ(SweepTiming(params).assign(moving.sweep, times_s).source, TimingSource::kField);
+      ASSERT_EQ(SweepTiming(params).assign(moving.sweep, 0.0, times_s).source, TimingSource::kField);
       CorrectedSweep out;
       ASSERT_TRUE(correctWithDrive(drive, moving.sweep, times_s, out).corrected());
       EXPECT_EQ(out.stamp_s, moving.sweep.stamp_s);
@@ -123,13 +123,13 @@ TEST(SweepCorrection, RestoresTheSceneFromAzimuthForBothDirectionsAndAnyStart) {
         params.start_azimuth_deg = start_deg;
         params.sweep_period_s = kPeriod_s;
         std::vector<float> times_s;
-        SweepTiming(params).assign(moving.sweep, times_s);
+        SweepTiming(params).assign(moving.sweep, 0.0, times_s);
         CorrectedSweep out;
         correctWithDrive(drive, moving.sweep, times_s, out);
         EXPECT_LT(worstError(out.points_lidar, moving.truth_lidar), 1e-3) << reference.name << clockwise << start_deg;
 
         params.clockwise = !clockwise;  // the check must be able to fail
-        SweepTiming(params).assign(moving.sweep, times_s);
+        SweepTiming(params).assign(moving.sweep, 0.0, times_s);
         correctWithDrive(drive, moving.sweep, times_s, out);
         EXPECT_GT(worstError(out.points_lidar, moving.truth_lidar), 0.1);
       }

@@ -171,19 +171,17 @@ TEST(SweepCorrector, AnEmptySweepLeavesNothingOfTheOneBefore) {
   EXPECT_EQ(corrected.stamp_s, 3.1);
 }
 
-TEST(SweepCorrector, MeasuresThePeriodFromTheStampsAndResetForgetsIt) {
+TEST(SweepCorrector, TakesThePeriodThatTheSweepClockFound) {
   SweepCorrector corrector = makeCorrector(timingParams("mid", 0.0));
-  const auto correctAt = [&](double stamp_s) {
-    MovingSweep moving = scan(stamp_s, 0.5);
+  for (const double period_s : {0.0, 0.05}) {
+    MovingSweep moving = scan(1.0, 0.5);
     CorrectedSweep corrected;
-    return corrector.correct(moving.sweep, predictionAt(stamp_s, 0.05), kT_cog_lidar, corrected).timing;
-  };
-  EXPECT_FALSE(correctAt(1.0).period_known);
-  for (int i = 1; i <= 5; ++i) correctAt(1.0 + 0.05 * i);
-  EXPECT_TRUE(correctAt(1.3).period_known);
-  EXPECT_NEAR(correctAt(1.35).period_s, 0.05, 1e-9);
-  corrector.reset();
-  EXPECT_FALSE(correctAt(1.4).period_known);
+    SweepPrediction prediction = predictionAt(1.0, 0.05);
+    prediction.period_s = period_s;
+    const TimingResult timing = corrector.correct(moving.sweep, prediction, kT_cog_lidar, corrected).timing;
+    EXPECT_EQ(timing.period_known, period_s > 0.0);
+    EXPECT_EQ(timing.period_s, period_s > 0.0 ? period_s : 0.1);
+  }
 }
 
 TEST(SweepCorrector, ParametersAreChecked) {

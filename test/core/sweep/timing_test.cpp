@@ -40,7 +40,7 @@ TEST(SweepTiming, AzimuthRunsFromTheRearThroughLeftFrontRight) {
   SweepTiming timing(paramsWith("azimuth", "start"));
   std::vector<float> times_s;
   const double rear = M_PI - 1e-6, left = M_PI / 2.0, front = 0.0, right = -M_PI / 2.0;
-  const TimingResult result = timing.assign(sweepAt({rear, left, front, right, -rear}), times_s);
+  const TimingResult result = timing.assign(sweepAt({rear, left, front, right, -rear}), 0.0, times_s);
   EXPECT_TRUE(result.ok());
   EXPECT_EQ(result.source, TimingSource::kAzimuth);
   ASSERT_EQ(times_s.size(), 5u);
@@ -57,7 +57,7 @@ TEST(SweepTiming, AzimuthAgreesWithAtan2ForAnyStartAndDirection) {
       params.start_azimuth_deg = start_deg;
       params.clockwise = clockwise;
       std::vector<float> times_s;
-      SweepTiming(params).assign(sweep, times_s);
+      SweepTiming(params).assign(sweep, 0.0, times_s);
       for (std::size_t i = 0; i < yaws.size(); ++i) {
         double turned = (clockwise ? 1.0 : -1.0) * (start_deg * kDegree - yaws[i]) / (2.0 * M_PI);
         turned -= std::floor(turned);
@@ -73,7 +73,7 @@ TEST(SweepTiming, AzimuthIsFiniteAndInTheSweepAtTheOriginAndOnTheAxes) {
   sweep.points_lidar = {{0, 0, 0},  {0, 0, 3},     {-0.0f, -0.0f, 3},    {0, 2, 0},        {0, -2, 0},
                         {-2, 0, 0}, {2, -0.0f, 0}, {1e-20f, -1e-20f, 0}, {3e4f, -3e4f, 0}, {3e38f, 3e38f, 0}};
   std::vector<float> times_s;
-  SweepTiming(paramsWith("azimuth", "start")).assign(sweep, times_s);
+  SweepTiming(paramsWith("azimuth", "start")).assign(sweep, 0.0, times_s);
   for (const float t : times_s) EXPECT_TRUE(t >= 0.0f && t <= static_cast<float>(kPeriod_s)) << t;
   EXPECT_NEAR(times_s[3], 0.25 * kPeriod_s, 1e-6);
   EXPECT_NEAR(times_s[4], 0.75 * kPeriod_s, 1e-6);
@@ -89,7 +89,7 @@ TEST(SweepTiming, StampReferenceSetsTheInterval) {
   } cases[] = {{"start", 0.0}, {"mid", -0.5}, {"end", -1.0}, {"auto", -1.0}};
   for (const auto& c : cases) {
     std::vector<float> times_s;
-    SweepTiming(paramsWith("azimuth", c.reference)).assign(sweep, times_s);
+    SweepTiming(paramsWith("azimuth", c.reference)).assign(sweep, 0.0, times_s);
     for (int i = 0; i < 3; ++i) {
       EXPECT_NEAR(times_s[static_cast<std::size_t>(i)], (c.first + 0.5 * i) * kPeriod_s, 2e-6) << c.reference;
     }
@@ -114,12 +114,12 @@ TEST(SweepTiming, FieldOfEitherSignSetsTheReferenceOrIsShiftedToTheOneGiven) {
       {"start", StampReference::kStart, 0.0}, {"mid", StampReference::kMid, 0.5}, {"end", StampReference::kEnd, 1.0}};
   for (const auto& f : fields) {
     std::vector<float> times_s;
-    const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(f.field), times_s);
+    const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(f.field), 0.0, times_s);
     EXPECT_EQ(automatic.source, TimingSource::kField);
     EXPECT_EQ(automatic.reference, f.automatic);
     EXPECT_EQ(times_s, f.field);
     for (const auto& r : references) {
-      const TimingResult given = SweepTiming(paramsWith("field", r.name)).assign(sweepWithField(f.field), times_s);
+      const TimingResult given = SweepTiming(paramsWith("field", r.name)).assign(sweepWithField(f.field), 0.0, times_s);
       EXPECT_TRUE(given.ok());
       EXPECT_EQ(given.reference, r.reference);
       for (std::size_t i = 0; i < f.field.size(); ++i) {
@@ -132,7 +132,7 @@ TEST(SweepTiming, FieldOfEitherSignSetsTheReferenceOrIsShiftedToTheOneGiven) {
 TEST(SweepTiming, AbsoluteFieldIsTakenRelativeToTheStamp) {
   std::vector<float> times_s;
   const TimingResult result =
-      SweepTiming(paramsWith("auto")).assign(sweepWithField({99.9f, 99.95f, 100.0f}, 100.0), times_s);
+      SweepTiming(paramsWith("auto")).assign(sweepWithField({99.9f, 99.95f, 100.0f}, 100.0), 0.0, times_s);
   EXPECT_EQ(result.field, TimeField::kUsed);
   EXPECT_EQ(result.reference, StampReference::kEnd);
   EXPECT_NEAR(times_s[0], -0.1, 1e-5);
@@ -157,11 +157,11 @@ TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
                {{-inf, 0.0f, 0.1f}, 100.0, TimeField::kNotFinite}};
   for (const auto& c : cases) {
     std::vector<float> times_s = {1.0f};
-    const TimingResult strict = SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), times_s);
+    const TimingResult strict = SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
     EXPECT_EQ(strict.status, TimingStatus::kNoField);
     EXPECT_EQ(strict.field, c.expected) << toString(strict.field) << " for " << c.field.back();
     EXPECT_TRUE(times_s.empty());
-    const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), times_s);
+    const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
     EXPECT_TRUE(automatic.ok());
     EXPECT_EQ(automatic.source, TimingSource::kAzimuth);
     EXPECT_EQ(automatic.field, c.expected);
@@ -173,69 +173,30 @@ TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
 TEST(SweepTiming, AbsentFieldOffAndEmpty) {
   std::vector<float> times_s = {1.0f};
   Sweep sweep = sweepAt({0.1, 0.2});
-  EXPECT_EQ(SweepTiming(paramsWith("auto")).assign(sweep, times_s).field, TimeField::kAbsent);
+  EXPECT_EQ(SweepTiming(paramsWith("auto")).assign(sweep, 0.0, times_s).field, TimeField::kAbsent);
   EXPECT_EQ(times_s.size(), 2u);
   sweep.times_s = {0.0f};  // not one per point
-  EXPECT_EQ(SweepTiming(paramsWith("field")).assign(sweep, times_s).field, TimeField::kAbsent);
+  EXPECT_EQ(SweepTiming(paramsWith("field")).assign(sweep, 0.0, times_s).field, TimeField::kAbsent);
   EXPECT_TRUE(times_s.empty());
   times_s = {1.0f};
-  EXPECT_EQ(SweepTiming(paramsWith("none")).assign(sweep, times_s).status, TimingStatus::kOff);
+  EXPECT_EQ(SweepTiming(paramsWith("none")).assign(sweep, 0.0, times_s).status, TimingStatus::kOff);
   EXPECT_TRUE(times_s.empty());
-  EXPECT_EQ(SweepTiming(paramsWith("auto")).assign(Sweep(), times_s).status, TimingStatus::kEmptySweep);
+  EXPECT_EQ(SweepTiming(paramsWith("auto")).assign(Sweep(), 0.0, times_s).status, TimingStatus::kEmptySweep);
   EXPECT_TRUE(times_s.empty());
 }
 
-/// Measures the period from sweeps of one point.
-class MeasuredPeriod : public testing::Test {
- protected:
-  static SweepTimingParams params() {
-    SweepTimingParams params = paramsWith("azimuth");
-    params.sweep_period_s = 0.0;
-    return params;
-  }
-  TimingResult assign(double stamp_s) { return timing.assign(sweepAt({0.0}, stamp_s), times_s); }
-
-  SweepTiming timing{params()};
+TEST(SweepTiming, PeriodIsTheGivenThenTheMeasuredThenANominalOne) {
   std::vector<float> times_s;
-};
-
-TEST_F(MeasuredPeriod, IsNominalThenTheMedianOfStampDifferences) {
-  double stamp_s = 50.0;
-  for (int i = 0; i < 3; ++i) {
-    const TimingResult early = assign(stamp_s += kPeriod_s);
-    EXPECT_FALSE(early.period_known);
-    EXPECT_DOUBLE_EQ(early.period_s, 0.1);
-  }
-  EXPECT_TRUE(assign(stamp_s += kPeriod_s).period_known);
-  EXPECT_NEAR(assign(stamp_s += 2.0 * kPeriod_s).period_s, kPeriod_s, 1e-9);  // a sweep was dropped
-  EXPECT_NEAR(assign(stamp_s).period_s, kPeriod_s, 1e-9);                     // a stamp twice
-  EXPECT_NEAR(assign(stamp_s -= 30.0).period_s, kPeriod_s, 1e-9);             // back
-  EXPECT_NEAR(assign(stamp_s += 500.0).period_s, kPeriod_s, 1e-9);            // a gap
-  EXPECT_NEAR(assign(std::nan("")).period_s, kPeriod_s, 1e-9);
-  for (int i = 0; i < 12; ++i) assign(stamp_s += 0.05);
-  EXPECT_NEAR(assign(stamp_s += 0.05).period_s, 0.05, 1e-9);  // the head was set to 20 Hz
+  SweepTimingParams params = paramsWith("azimuth");
+  EXPECT_EQ(SweepTiming(params).assign(sweepAt({0.0}), 0.05, times_s).period_s, kPeriod_s);
+  params.sweep_period_s = 0.0;
+  const TimingResult measured = SweepTiming(params).assign(sweepAt({0.0}), 0.05, times_s);
+  EXPECT_TRUE(measured.period_known);
+  EXPECT_EQ(measured.period_s, 0.05);
   EXPECT_NEAR(times_s[0], -0.025, 1e-6);
-  timing.reset();
-  EXPECT_FALSE(assign(stamp_s += 0.05).period_known);
-}
-
-TEST_F(MeasuredPeriod, IsNotLengthenedBySweepsThatAreLost) {
-  double stamp_s = 50.0;
-  // a head that slows down is not held to its first period
-  for (int i = 0; i < 3; ++i) assign(stamp_s += 0.5 * kPeriod_s);
-  for (int i = 0; i < 12; ++i) assign(stamp_s += kPeriod_s);
-  for (const int every : {2, 3, 7}) {
-    for (int i = 0; i < 30; ++i) ASSERT_NEAR(assign(stamp_s += every * kPeriod_s).period_s, kPeriod_s, 1e-9) << every;
-  }
-  EXPECT_NEAR(times_s[0], -0.5 * kPeriod_s, 1e-6);
-  for (int i = 0; i < 30; ++i) assign(stamp_s += 6.4 * kPeriod_s);  // no whole number of them: tells nothing
-  EXPECT_NEAR(assign(stamp_s += kPeriod_s).period_s, kPeriod_s, 1e-9);
-
-  timing.reset();  // lost from the start: no head turns that slowly
-  for (int i = 0; i < 30; ++i) EXPECT_FALSE(assign(stamp_s += 0.4).period_known);
-  timing.reset();  // one that does
-  for (int i = 0; i < 5; ++i) assign(stamp_s += 0.2);
-  EXPECT_NEAR(assign(stamp_s += 0.2).period_s, 0.2, 1e-9);
+  const TimingResult nominal = SweepTiming(params).assign(sweepAt({0.0}), 0.0, times_s);
+  EXPECT_FALSE(nominal.period_known);
+  EXPECT_EQ(nominal.period_s, 0.1);
 }
 
 TEST(SweepTiming, RefusesBadParameters) {

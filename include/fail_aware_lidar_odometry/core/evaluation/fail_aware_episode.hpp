@@ -37,6 +37,7 @@ struct FailAwareEpisode {
   std::size_t sweepsBeforeFailure() const;
 };
 
+/// t1: the first sweep whose motion is observed, at or after each begin of FailureEpisode's; the same one once only.
 /// `truth[i]`: the pose (cog) at `log[i]`. Throws InputError, ParameterError.
 std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
                                                 const MonitorParameters& monitor,

@@ -43,6 +43,7 @@ enum ReasonBit : std::uint32_t {
   kReasonTimeJump = 1u << 14,
   kReasonDroppedSweeps = 1u << 15,
   kReasonLowVisibility = 1u << 16,  ///< ranges cut short (fog, spray)
+  kReasonMotionUnknown = 1u << 18,  ///< the motion was not observed yet: t1 waits for it. Explains UNKNOWN
   kReasonNoAnswer = 1u << 17        ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
 };
 

@@ -1,7 +1,9 @@
 // The fail-aware monitor of one sweep (paper, section "Fail-Aware Odometry System"): eta with its time to failure, the
 // covariance's time to failure, their combination, state and reasons. What the FailAwareMonitor nodelet holds.
 //
-// Before start() (t1, when the odometry begins to serve as the localisation) times are unknown.
+// t1, when the odometry begins to serve as the localisation, is the first sweep after start() whose motion is observed:
+// before, the error has no bound that later sweeps would not lower. Until then times are unknown; `standby` says what
+// they would be if t1 were now.
 // Failure: an increment that cannot be added (pose, covariance or interval not finite) leaves the error without a bound:
 // FAILED (COVARIANCE_LIMIT) until the next t1. Cost: < 0.1 ms.
 #pragma once
@@ -92,6 +94,8 @@ struct MonitorOutput {
   Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
   /// Bounds the horizontal error, with the predictor's confidence; 1e6: nothing does; -1: unknown.
   double protection_level_m = -1.0;
+  FailAwareState standby_state = FailAwareState::kUnknown;  ///< before t1: if t1 were now
+  TimeToFailure standby_time_to_failure;                    ///< likewise
 };
 
 /// Orders outputs, larger: later. The time (s); where it is 0, which orders no further, minus the protection level (m).
@@ -102,10 +106,12 @@ class FailAwareMonitor {
  public:
   explicit FailAwareMonitor(const MonitorParameters& params);
 
-  /// t1 = the stamp of the next update(). Once it serves, a pose set from outside (FilterState::odom_epoch) is a new
+  /// t1 = the stamp of the next update() whose motion is observed. Once it serves, a pose set from outside (FilterState::odom_epoch) is a new
   /// t1: what went wrong before is mended by it.
   void start() { start_pending_ = true; }
   bool started() const { return indicator_.started() || start_pending_; }
+  /// Asked for, but the motion has not been observed since.
+  bool startPending() const { return start_pending_; }
 
   /// Limits that may change in flight: predictor, thresholds, disagreement_m, min_information_share. What was estimated
   /// stays. Throws ParameterError and changes nothing.
@@ -124,7 +130,9 @@ class FailAwareMonitor {
  private:
   std::uint32_t reasonsFor(const FilterState& state, const SweepCondition& condition) const;
   bool isAfterGap(double dt_s);
-  CovarianceGrowth growth(const FilterState& state) const;
+  void begin(const FilterState& state);
+  CovarianceGrowth growth(const FilterState& state, const DriftState& since_mark, const Pose& T_odom_mark) const;
+  void addStandby(const FilterState& state, MonitorOutput& output) const;
 
   MonitorParameters params_;
   FailAwareIndicator indicator_;

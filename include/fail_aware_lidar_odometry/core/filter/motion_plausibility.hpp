@@ -48,6 +48,7 @@ class MotionPlausibility {
     double innovation_m = 0.0;  ///< horizontally, of the fused measurement; 0 where no good prediction was expected
     double turn_rad = 0.0;      ///< likewise
     std::optional<double> fitting_share;  ///< of the planes' points; none: nothing was measured by planes
+    double time_sigma_m = 0.0;            ///< of the prediction, because the interval is not known better
   };
 
   struct Doubt {

@@ -12,6 +12,7 @@
 // The motion's feedback: a sweep corrected for a speed that is e too high and whose stamp is middle_s from its middle
 // is measured -e middle_s too far on. Speeds taken from such poses would answer an error by an error, swinging up by
 // themselves. What the correction does not move is the pose in the sweep's middle: the derivatives come from those.
+// A drive begins at the first sweep that has points to register: until then the next sweep is the first again.
 // Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
 #pragma once
@@ -26,6 +27,7 @@
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/road_plane.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/vehicle_model.hpp"
@@ -34,6 +36,8 @@ namespace fail_aware {
 
 struct SweepPrediction {
   double stamp_s = 0.0;
+  double stamp_error_s = 0.0;                   ///< SweepTime::error_s
+  double period_s = 0.0;                        ///< of the head; 0: not known yet
   double dt_s = 0.0;                            ///< since the last estimate; 0 in the first sweep
   Pose T_odom_cog_previous = Pose::Identity();  ///< last estimate
   Pose T_odom_cog = Pose::Identity();           ///< prediction at the stamp
@@ -41,16 +45,21 @@ struct SweepPrediction {
   double sigma_yaw_rad = 0.0;
   bool motion_known = false;  ///< false: the vehicle's speed is not known yet
   int odom_epoch = 0;         ///< as FilterState's
-  double set_back_s = 0.0;    ///< a stamp was refused since the last estimate that was so much older; 0: none was
+  double set_back_s = 0.0;    ///< SweepTime's
+
+  double time_s() const { return stamp_s - stamp_error_s; }
 };
 
 struct FilterState {
   double stamp_s = 0.0;
+  double stamp_error_s = 0.0;  ///< SweepTime::error_s
   double dt_s = 0.0;
   Pose T_odom_cog = Pose::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< the filter's P, of (x, y, z, roll, pitch, yaw)
   double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
   bool corrected = false;                      ///< false: the estimate is the prediction
+  bool started = true;                         ///< false: no sweep had usable points yet, the drive has not begun
+  bool motion_observed = false;                ///< measured in this sweep, in all directions on the road
   FusionResult fusion;
   double filter_nis = 0.0;                           ///< of the fused measurement, 6 degrees of freedom
   Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
@@ -67,6 +76,8 @@ struct FilterState {
   int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
   bool placed = false;      ///< the references take the sweep in, at this pose (reference_placement.hpp)
   int reference_epoch = 0;  ///< counts those that began anew: likewise
+
+  double time_s() const { return stamp_s - stamp_error_s; }
 };
 
 OdometryIncrement incrementOf(const FilterState& state);
@@ -112,8 +123,8 @@ class PoseFilter {
   /// Starts anew: the next sweep's pose is T_odom_cog.
   void reset(const Pose& T_odom_cog);
 
-  /// False if the stamp is not after the last estimate's. `set_back_s`: SweepPrediction's.
-  bool predict(double stamp_s, SweepPrediction& prediction, double set_back_s = 0.0);
+  /// False if the sweep's time is not after the last estimate's.
+  bool predict(const SweepTime& time, SweepPrediction& prediction);
 
   /// Closes the sweep that was predicted last.
   /// `middle_s`: SweepCorrectorReport's.
@@ -159,6 +170,7 @@ class PoseFilter {
   SweepPrediction prediction_;
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
+  double interval_sigma_s_ = 0.0;                  ///< SweepTime's, of the last prediction
   bool started_ = false;
   bool tells_no_motion_ = false, told_no_motion_ = false;   ///< the last sweep's measurements: it coasts
   bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction

@@ -47,6 +47,7 @@ struct SweepFindings {
   double far_share = 0.0;         ///< share of the points beyond visible_range_m
   int repetitions = 0;            ///< sweeps in a row that repeated the one before
   double middle_s = 0.0;          ///< SweepCorrectorReport's; not found by SweepCheck
+  double revolution_s = 0.0;      ///< likewise
 };
 
 /// Keeps stamp and fingerprint of the last sweep: give it every sweep, in order, also the first after stamps jumped

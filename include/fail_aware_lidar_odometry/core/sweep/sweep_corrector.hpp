@@ -21,6 +21,7 @@ struct SweepCorrectorReport {
   /// Middle of the points' times, s relative to the stamp; 0 if nothing was corrected. At this instant the sweep's
   /// place does not depend on the motion that was corrected for.
   double middle_s = 0.0;
+  double revolution_s = 0.0;  ///< of the head, as the points' times tell it (revolution.hpp); 0: they do not
 };
 
 class SweepCorrector {
@@ -39,10 +40,7 @@ class SweepCorrector {
   const LevelKeeping& levelKeeping() const { return level_keeping_; }
 
   /// Everything anew.
-  void reset() {
-    timing_.reset();
-    level_keeping_.reset();
-  }
+  void reset() { level_keeping_.reset(); }
 
  private:
   VerticalAngleCorrectionParams vertical_angle_;

@@ -12,17 +12,13 @@
 //
 // `stamp_reference`, the instant of the sweep that its stamp means, gives the result's interval: start [0, T],
 // mid [-T/2, T/2], end [-T, 0]. "auto": from the sign of the field, else end. KITTI: mid.
-// T: `sweep_period_s`, or the median of the recent differences of stamps, none longer than 0.22 s. Once 11 are known, a
-// difference of several periods counts as that many, so sweeps may be lost for as long as they like. Where every other
-// sweep is lost from the start that median is wrong, and a head that is set to turn half as fast in a drive is taken for
-// one whose sweeps are lost: give the period.
+// T: `sweep_period_s`, or what the sweep clock (sweep_clock.hpp) finds. Where every other sweep is lost from the start
+// and points have no times, that is wrong: give the period.
 //
 // Failure is data: with any status but kOk the times are empty. Cost: about 0.25 ms for 120 000 points.
 #pragma once
 
 #include <Eigen/Core>
-#include <deque>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -98,7 +94,6 @@ struct SweepTimingParams {
 void timesByAzimuth(const SweepTimingParams& params, const std::vector<Eigen::Vector3f>& points_lidar,
                     double zero_position, double period_s, std::vector<float>& times_s);
 
-/// Keeps the recent stamps, to measure the period: give it every sweep, in order.
 class SweepTiming {
  public:
   using Params = SweepTimingParams;
@@ -106,23 +101,16 @@ class SweepTiming {
   SweepTiming() : SweepTiming(Params()) {}
   explicit SweepTiming(const Params& params);
 
-  /// Seconds from the stamp's instant to each point's, in the sweep's order.
-  TimingResult assign(const Sweep& sweep, std::vector<float>& times_relative_to_stamp_s);
-
-  /// Forgets the stamps.
-  void reset();
+  /// Seconds from the stamp's instant to each point's, in the sweep's order. `measured_period_s`: of the head, as the
+  /// sweep clock finds it; 0: not known.
+  TimingResult assign(const Sweep& sweep, double measured_period_s,
+                      std::vector<float>& times_relative_to_stamp_s) const;
 
  private:
-  void observeStamp(double stamp_s);
-  std::optional<double> measuredPeriod_s() const;
-  double withoutGap(double interval_s) const;
   TimeField assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) const;
   StampReference referenceOr(StampReference automatic) const;
 
   Params params_;
-  bool has_stamp_ = false;
-  double last_stamp_s_ = 0.0;
-  std::deque<double> periods_s_;
 };
 
 }  // namespace fail_aware
