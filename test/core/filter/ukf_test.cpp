@@ -96,7 +96,9 @@ TEST(Ukf, covarianceStaysPositiveDefiniteOverTenThousandSteps) {
   std::normal_distribution<double> normal;
   Ukf ukf{Ukf::Params()};
   ASSERT_TRUE(ukf.reset(Vector6d::Zero(), 0.01 * Matrix6d::Identity()));
-  const Matrix6d Q = Vector6d(0.0024, 0.0019, 0.0146, 0.0212, 0.0212, 1.9e-5).asDiagonal();
+  Vector6d variances;
+  variances << 0.0024, 0.0019, 0.0146, 0.0212, 0.0212, 1.9e-5;
+  const Matrix6d Q = variances.asDiagonal();
   const auto drive = [](const Vector6d& s) {
     Vector6d out = s;
     out.head<3>() += rotationFromRpy(s[3], s[4], s[5]) * Eigen::Vector3d(1.5, 0.0, 0.0);

@@ -13,7 +13,8 @@ namespace fail_aware {
 // nested structs without naming them finds nothing wrong with them any more.
 template <class Params>
 void validateAs(const std::string& prefix, const Params& params) {
-  Params::visit(params, [&](const char* name, const auto& field) {
+  // maybe_unused: g++ 9 sees no use where `if constexpr` drops it
+  Params::visit(params, [&]([[maybe_unused]] const char* name, [[maybe_unused]] const auto& field) {
     using Field = std::decay_t<decltype(field)>;
     if constexpr (!detail::is_parameter_value<Field>) validateAs(prefix + name + '.', field);
   });
@@ -26,7 +27,7 @@ void validateAs(const std::string& prefix, const Params& params) {
 
 template <class Params>
 void validateNested(const Params& params) {
-  Params::visit(params, [](const char* name, const auto& field) {
+  Params::visit(params, []([[maybe_unused]] const char* name, [[maybe_unused]] const auto& field) {
     using Field = std::decay_t<decltype(field)>;
     if constexpr (!detail::is_parameter_value<Field>) validateAs(std::string(name) + '.', field);
   });
