@@ -9,7 +9,7 @@ COLUMNS = ("kind", "start_s", "duration_s")
 def read(path, begin_s):
     """faults.csv of simulate_drive; its times count from the first sweep."""
     try:
-        with open(path, newline="", encoding="utf-8", errors="replace") as file:
+        with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
             rows = list(csv.DictReader(file))
             names = rows[0].keys() if rows else COLUMNS
     except OSError as error:

@@ -83,7 +83,7 @@ def read_rows(path, widths):
     """A text file of numbers, every row as long as the first, whose length must be one of `widths`."""
     rows = []
     try:
-        with open(path, encoding="utf-8", errors="replace") as file:
+        with open(path, encoding="utf-8-sig", errors="replace") as file:
             for number, line in enumerate(file, 1):
                 if not line.strip() or line.startswith("#"):
                     continue
@@ -117,7 +117,7 @@ def from_tum_rows(rows):
 def read_lidar_to_camera(path):
     """The line "Tr:" of KITTI's calib.txt."""
     try:
-        with open(path, encoding="utf-8", errors="replace") as file:
+        with open(path, encoding="utf-8-sig", errors="replace") as file:
             for line in file:
                 if line.startswith("Tr:") or line.startswith("Tr_velo_to_cam:"):
                     return from_kitti_rows(np.array([[float(cell) for cell in line.split()[1:]]]))[0]

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/text_lines.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
@@ -64,9 +65,10 @@ std::vector<std::uint64_t> sortScans(std::vector<fs::path>& scans) {
 std::vector<std::string> readLines(const fs::path& path) {
   std::ifstream file(path);
   if (!file) throw InputError(path.string() + ": cannot be read");
+  skipByteOrderMark(file, path.string());
   std::vector<std::string> lines;
-  for (std::string line; std::getline(file, line);) {
-    while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
+  for (std::string line; nextLine(file, line);) {
+    while (!line.empty() && (line.back() == ' ' || line.back() == '\t')) line.pop_back();
     lines.push_back(line);
   }
   while (!lines.empty() && lines.back().empty()) lines.pop_back();

@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/text_lines.hpp"
 
 namespace fail_aware {
 
@@ -26,6 +27,7 @@ std::ifstream openForReading(const std::string& path) {
   errno = 0;
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be opened: " + std::strerror(errno));
+  skipByteOrderMark(file, path);
   return file;
 }
 
@@ -78,7 +80,7 @@ template <class Row>
 std::size_t forEachRow(const std::string& path, bool has_comments, Row&& row) {
   std::ifstream file = openForReading(path);
   std::size_t line = 0, rows = 0, empty_line = 0;
-  for (std::string text; std::getline(file, text);) {
+  for (std::string text; nextLine(file, text);) {
     ++line;
     const std::size_t begin = text.find_first_not_of(" \t\r");
     if (has_comments && begin != std::string::npos && text[begin] == '#') continue;
@@ -164,7 +166,7 @@ std::vector<double> readTimes(const std::string& path) {
 Pose readLidarToCamera(const std::string& path) {
   std::ifstream file = openForReading(path);
   std::size_t line = 0;
-  for (std::string text; std::getline(file, text);) {
+  for (std::string text; nextLine(file, text);) {
     ++line;
     if (text.rfind("Tr:", 0) == 0) {
       return poseFromRow(parseNumbers(text.substr(3), 12, place(path, line)), place(path, line));

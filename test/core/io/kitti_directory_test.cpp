@@ -60,7 +60,9 @@ class KittiDirectoryTest : public ::testing::Test {
 
 TEST_F(KittiDirectoryTest, ReadsScansInOrderWithTimesAndIntensities) {
   writeScans(3);
-  writeText("times.txt", "0.0\n1.0360e-01\r\n0.2072\n\n");
+  writeText("times.txt",
+            "\xEF\xBB\xBF"
+            "0.0\r\n1.0360e-01\r\n0.2072\n\r\n");
   const KittiDirectory kitti = KittiDirectory::open(root_.string());
   ASSERT_EQ(kitti.size(), 3u);
   EXPECT_FALSE(kitti.hasPointTimes());

@@ -65,6 +65,11 @@ class MonitorLog : public ::testing::Test {
                       ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
 };
 
+TEST_F(MonitorLog, TextOfWindowsIsRead) {
+  EXPECT_EQ(errorOf("\xEF\xBB\xBF" + monitorLogHeader() + "\r\n" + monitorLogRow(oddNumbers()) + "\r\n"), "");
+  EXPECT_EQ(readMonitorLog(path_).at(0).row, 17u);
+}
+
 TEST_F(MonitorLog, EveryNumberReadsBackAsItself) {
   const MonitorInput input = oddNumbers();
   std::ofstream(path_) << monitorLogHeader() << '\n'

@@ -91,6 +91,19 @@ TEST_F(TrajectoryIo, WindowsLineEndsAndEmptyLinesAtTheEndAreFine) {
   EXPECT_EQ(readKittiTrajectory(file(std::string(kIdentityRow) + "\r\n" + kIdentityRow + "\r\n\r\n\n")).size(), 2u);
 }
 
+TEST_F(TrajectoryIo, AByteOrderMarkIsNoPartOfTheFirstNumber) {
+  const std::string mark = "\xEF\xBB\xBF";
+  EXPECT_EQ(readKittiTrajectory(file(mark + kIdentityRow + "\r\n" + kIdentityRow + "\r\n")).size(), 2u);
+  EXPECT_EQ(readTumTrajectory(file(mark + "# stamp x y z\r\n12.5 1 2 3 0 0 0 1\r\n")).at(0).stamp_s, 12.5);
+  EXPECT_EQ(readTimes(file(mark + "0.5\r\n0.6\r\n")).front(), 0.5);
+  EXPECT_TRUE(readLidarToCamera(file(mark + "Tr: 1 0 0 7 0 1 0 0 0 0 1 0\r\n"))
+                  .translation()
+                  .isApprox(Eigen::Vector3d(7, 0, 0)));
+  EXPECT_EQ(errorOf([&] { readTimes(file(std::string("\xFF\xFE") + "0\0.\0" + "5\0")); }),
+            path_ + ": is not text, or is text in UTF-16; save it as UTF-8");
+  EXPECT_EQ(errorOf([&] { readTimes(file(mark)); }), path_ + ": holds no times");
+}
+
 TEST_F(TrajectoryIo, ErrorsNameFileAndLine) {
   const std::string good = std::string(kIdentityRow) + "\n";
   const auto kitti = [&](const std::string& content) { return errorOf([&] { readKittiTrajectory(file(content)); }); };

@@ -125,6 +125,16 @@ TEST_F(YamlFile, loadsASubsetOnlyWhenTold) {
   EXPECT_EQ(params.source, "auto");
 }
 
+TEST_F(YamlFile, textOfWindowsIsRead) {
+  const YamlParameters yaml = parseYaml(
+      "\xEF\xBB\xBF"
+      "filter:\r\n  steps: 7 # of them\r\nsource: \"none\"\r\nenabled: no\r\n",
+      "p");
+  EXPECT_EQ(std::get<int>(yaml.values.at("filter.steps")), 7);
+  EXPECT_EQ(std::get<std::string>(yaml.values.at("source")), "none");
+  EXPECT_EQ(std::get<bool>(yaml.values.at("enabled")), false);
+}
+
 TEST_F(YamlFile, unknownKeysAndWrongTypesNameTheLine) {
   Params params;
   write("enabled: true\nfilter:\n  noise:\n    sigma: 0.1\n");

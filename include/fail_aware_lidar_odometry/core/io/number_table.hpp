@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/text_lines.hpp"
 
 namespace fail_aware {
 
@@ -86,12 +87,13 @@ template <class Table>
 std::vector<typename Table::Row> readNumberTable(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be read");
+  skipByteOrderMark(file, path);
   std::string line;
-  if (!std::getline(file, line) || line != numberTableHeader<Table>()) {
+  if (!nextLine(file, line) || line != numberTableHeader<Table>()) {
     throw InputError(path + ":1: not the columns of this version's " + Table::kName + ": run offline_odometry again");
   }
   std::vector<typename Table::Row> rows;
-  for (std::size_t number = 2; std::getline(file, line); ++number) {
+  for (std::size_t number = 2; nextLine(file, line); ++number) {
     const auto at = path + ':' + std::to_string(number) + ": ";
     typename Table::Row row;
     number_table::Cells cells(line);
