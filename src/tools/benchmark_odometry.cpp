@@ -185,9 +185,9 @@ int main(int argc, char** argv) {
     app.add_option("--sensor", options.files.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
     app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
     app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
-    app.add_option("--threads", options.threads, "of the odometry")->check(CLI::Range(1, 256))->capture_default_str();
-    app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);
-    app.add_option("--count", options.count, "number of scans (default: all)")->check(CLI::PositiveNumber);
+    app.add_option("--threads", options.threads, "of the odometry")->check(wholeNumber(1, 256))->capture_default_str();
+    app.add_option("--first", options.first, "first scan, counted from 0")->check(wholeNumber(0));
+    app.add_option("--count", options.count, "number of scans (default: all)")->check(wholeNumber(1));
     app.add_flag("--without-pcl", options.without_pcl, "the odometry alone");
     app.add_option("--json", options.json, "file for the figures");
     if (!parseArguments(app, argc, argv)) return kExitDone;

@@ -46,10 +46,6 @@ std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, 
 }
 
 int run(Options options) {
-  if (options.eta_failed_by) requireWithin("--eta-failed-by", *options.eta_failed_by, 0.0, 1.0);
-  requireWithin("--eta-passed-by", options.eta_passed_by, 0.0, 1.0);
-  requireWithin("--late", options.late_share, 0.0, 1.0);
-  requireWithin("--alarm", options.alarm_share, 0.0, 1.0);
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   ParameterList list;
@@ -114,14 +110,20 @@ int main(int argc, char** argv) {
     app.add_option("--output", options.output, "yaml file with the fitted parameters, for --parameters");
     addAlertLimitOption(app, options.alert_limit_m);
     app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
+        ->check(positiveNumber())
         ->capture_default_str();
     app.add_option("--eta-passed-by", options.eta_passed_by,
                    "share of the episodes without a failure that may pass eta's threshold")
+        ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
     app.add_option("--eta-failed-by", options.eta_failed_by,
-                   "instead: share of the episodes that failed by eta's threshold (0.5: the article's meaning)");
-    app.add_option("--late", options.late_share, "share of late predictions that is borne")->capture_default_str();
+                   "instead: share of the episodes that failed by eta's threshold (0.5: the article's meaning)")
+        ->check(realNumber(0.0, 1.0));
+    app.add_option("--late", options.late_share, "share of late predictions that is borne")
+        ->check(realNumber(0.0, 1.0))
+        ->capture_default_str();
     app.add_option("--alarm", options.alarm_share, "share of the time without a failure that the alarm may be up")
+        ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
     if (!parseArguments(app, argc, argv)) return kExitDone;
     return run(options);

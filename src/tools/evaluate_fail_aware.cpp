@@ -33,17 +33,19 @@ void addOptions(CLI::App& app, Options& options) {
   addRunOptions(app, options.runs);
   app.add_option("--output", options.output, "folder for fail_aware.json, predictions.csv and the plots");
   addAlertLimitOption(app, options.alert_limit_m);
-  app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")->capture_default_str();
+  app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
+      ->check(positiveNumber())
+      ->capture_default_str();
   app.add_option("--early", options.report.early_s, "an alarm more than this before a failure is a false one, s")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--resamples", options.report.resamples, "of the bootstrap")
-      ->check(CLI::Range(1, 1000000))
+      ->check(wholeNumber(1, 1000000))
       ->capture_default_str();
-  app.add_option("--seed", options.report.seed, "of the bootstrap")->capture_default_str();
+  app.add_option("--seed", options.report.seed, "of the bootstrap")->check(wholeNumber(0))->capture_default_str();
 }
 
 int run(Options options) {
-  requirePositive("--early", options.report.early_s);
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   const fs::path folder = options.output;

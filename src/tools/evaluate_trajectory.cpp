@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,14 +50,19 @@ void declareOptions(CLI::App& app, Options& options) {
   app.add_option("--lengths", options.lengths_m,
                  "segment lengths of the KITTI metric in m, comma-separated (default 100,200,...,800; "
                  "5,10,20,40,80 and step 1 if no segment of 100 m fits)")
-      ->delimiter(',');
-  app.add_option("--step", options.step, "segments begin at every n-th pose (default 10)");
+      ->delimiter(',')
+      ->check(positiveNumber());
+  app.add_option("--step", options.step, "segments begin at every n-th pose (default 10)")
+      ->check(wholeNumber(1, std::numeric_limits<int>::max()));
   app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that is a failure, m")
+      ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between the starts of episodes, s")
+      ->check(positiveNumber())
       ->capture_default_str();
   auto* times = app.add_option("--times", options.times, "stamps of the poses, one a row, s");
   app.add_option("--period", options.period_s, "time between poses where --times is not given, s")
+      ->check(positiveNumber())
       ->capture_default_str()
       ->excludes(times);
 }
@@ -74,7 +80,6 @@ Trajectories load(const Options& options) {
   if (!options.times.empty()) {
     in.stamps_s = readTimes(options.times);
   } else {
-    requirePositive("--period", options.period_s);
     for (std::size_t i = 0; i < in.truth.size(); ++i) {
       in.stamps_s.push_back(static_cast<double>(i) * options.period_s);
     }

@@ -45,15 +45,18 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--with-tf", options.with_tf,
                "the true pose also as /tf world -> base_link, as kitti2bag does; the "
                "odometry must then not publish odom -> base_link");
-  app.add_option("--period", options.period_s, "s between scans where there is no times.txt")->capture_default_str();
-  app.add_option("--start", options.start_s, "s added to the stamps (default: 1317000000 if they begin near zero)");
+  app.add_option("--period", options.period_s, "s between scans where there is no times.txt")
+      ->check(positiveNumber())
+      ->capture_default_str();
+  app.add_option("--start", options.start_s, "s added to the stamps (default: 1317000000 if they begin near zero)")
+      ->check(realNumber(-kLatest_s, kLatest_s));
   app.add_option("--sensor", options.files.sensor,
                  "a file of cfg/sensors, or a yaml file: its lidar_in_base becomes "
                  "base_link -> velo_link")
       ->capture_default_str();
   app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
-  app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);
-  app.add_option("--count", options.count, "number of scans (default: all)")->check(CLI::PositiveNumber);
+  app.add_option("--first", options.first, "first scan, counted from 0")->check(wholeNumber(0));
+  app.add_option("--count", options.count, "number of scans (default: all)")->check(wholeNumber(1));
 }
 
 ros::Time bagTime(double stamp_s) {
@@ -74,7 +77,6 @@ double startOf(const Options& options, const std::vector<double>& stamps_s) {
 int run(const Options& options) {
   KittiDirectoryParams params;
   params.nominal_period_s = options.period_s;
-  if (!(options.period_s > 0.0) || !std::isfinite(options.period_s)) throw InputError("--period: must be positive");
   const KittiDirectory directory = KittiDirectory::open(options.directory, params);
   const auto all = static_cast<long>(directory.size());
   if (options.first >= all) {

@@ -45,10 +45,11 @@ void addOptions(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--manager", options.manager, "node whose process is watched (default: NAMESPACE/manager)");
   app.add_option("--duration", options.duration_s, "s from the first cloud (default: until Ctrl-C)")
-      ->check(CLI::PositiveNumber);
+      ->check(positiveNumber());
   app.add_option("--idle", options.idle_s, "ends when nothing came for so many s after the first cloud")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--skip", options.skip, "answered sweeps at the start that the latency leaves out");
+      ->check(positiveNumber());
+  app.add_option("--skip", options.skip, "answered sweeps at the start that the latency leaves out")
+      ->check(wholeNumber(0));
   app.add_option("--json", options.json, "file for the figures");
   app.add_option("--trajectory", options.trajectory, "file for the odometry, TUM format");
 }

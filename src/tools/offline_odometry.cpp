@@ -72,13 +72,14 @@ void addOptions(CLI::App& app, Options& options) {
       ->take_all();
   app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
   app.add_option("--threads", options.threads, "measurements run beside each other")
-      ->check(CLI::Range(1, 256))
+      ->check(wholeNumber(1, 256))
       ->capture_default_str();
-  app.add_option("--first", options.first, "first scan, counted from 0")->check(CLI::NonNegativeNumber);
-  app.add_option("--count", options.count, "number of scans (default: all)")->check(CLI::PositiveNumber);
+  app.add_option("--first", options.first, "first scan, counted from 0")->check(wholeNumber(0));
+  app.add_option("--count", options.count, "number of scans (default: all)")->check(wholeNumber(1));
   app.add_option("--redundant-at", options.redundant_at_s,
                  "t1: seconds from the first sweep at which the odometry "
                  "begins to serve as the localisation")
+      ->check(realNumber(0.0))
       ->capture_default_str();
 }
 
@@ -153,7 +154,6 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
 }
 
 int run(const Options& options) {
-  requireNotNegative("--redundant-at", options.redundant_at_s);
   PipelineParameters params = loadPipelineParameters(options.files);
   const std::unique_ptr<SweepSource> drive = openDrive(options, params.sensor);
   const std::string& drive_name = options.bag.empty() ? options.kitti : options.bag;

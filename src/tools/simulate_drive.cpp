@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -39,20 +40,24 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--scene", simulation.scene,
                  "town, country, highway, tunnel or open; or one after the other, with lengths in m: town:250,tunnel")
       ->capture_default_str();
-  app.add_option("--duration", simulation.duration_s, "s")->capture_default_str();
-  app.add_option("--seed", simulation.seed, "another seed: another world and another drive")->capture_default_str();
+  app.add_option("--duration", simulation.duration_s, "s")->check(realNumber(0.1, 1e6))->capture_default_str();
+  app.add_option("--seed", simulation.seed, "another seed: another world and another drive")
+      ->check(wholeNumber(0, std::numeric_limits<int>::max()))
+      ->capture_default_str();
   app.add_option("--fault", options.faults, "KIND[:START[:DURATION[:SEVERITY]]], s; may be repeated; kinds: below")
       ->take_all();
   app.add_option("--speed", simulation.drive.speed.speed_mps, "speed limit in m/s (0: the scene's own)")
+      ->check(realNumber(0.0, 60.0))
       ->capture_default_str();
   app.add_option("--start-speed", simulation.drive.start_speed_mps,
                  "m/s (-1: the scene's own; standing in town, else 0.7 of the limit)")
+      ->check(realNumber(-1.0, 60.0))
       ->capture_default_str();
   app.add_flag("--no-rolling-shutter", options.no_rolling_shutter,
                "all points from the sweep's middle (and no point times)");
   app.add_flag("--no-traffic", options.no_traffic, "no other vehicles");
   app.add_option("--threads", options.threads, "for the ray casting; does not change the result")
-      ->check(CLI::Range(1, 256))
+      ->check(wholeNumber(1, 256))
       ->capture_default_str();
 }
 

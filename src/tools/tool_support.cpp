@@ -3,9 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
+#include <optional>
 #include <sstream>
 
 namespace fail_aware {
@@ -17,6 +20,57 @@ int reportError(const std::string& name, std::string message, int exit_code) {
   }
   std::cerr << name << ": error: " << message << std::endl;
   return exit_code;
+}
+
+namespace {
+
+/// "from LOW on" or "from LOW to HIGH".
+template <class Value>
+std::string limits(Value low, Value high) {
+  std::ostringstream text;
+  text << "from " << low;
+  if (high == std::numeric_limits<Value>::max()) return text.str() + " on";
+  text << " to " << high;
+  return text.str();
+}
+
+/// `parse` gives the number or nothing; `fits` says whether it is within the limits.
+template <class Parse, class Fits>
+CLI::Validator checked(const std::string& limits, Parse&& parse, Fits&& fits) {
+  const auto check = [=](const std::string& text) {
+    const auto value = parse(text);
+    return value && fits(*value) ? std::string() : "'" + text + "' is not " + limits;
+  };
+  return CLI::Validator([check](std::string& text) { return check(text); }, std::string());
+}
+
+std::optional<long> wholeNumberIn(const std::string& text) {
+  char* end = nullptr;
+  errno = 0;
+  const long value = std::strtol(text.c_str(), &end, 10);
+  return text.empty() || *end != '\0' || errno != 0 ? std::nullopt : std::optional<long>(value);
+}
+
+std::optional<double> numberIn(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return text.empty() || *end != '\0' || !std::isfinite(value) ? std::nullopt : std::optional<double>(value);
+}
+
+}  // namespace
+
+CLI::Validator wholeNumber(long low, long high) {
+  return checked("a whole number " + limits(low, high), wholeNumberIn,
+                 [=](long value) { return value >= low && value <= high; });
+}
+
+CLI::Validator realNumber(double low, double high) {
+  return checked("a number " + limits(low, high), numberIn,
+                 [=](double value) { return value >= low && value <= high; });
+}
+
+CLI::Validator positiveNumber() {
+  return checked("a number above 0", numberIn, [](double value) { return value > 0.0; });
 }
 
 bool parseArguments(CLI::App& app, int argc, const char* const* argv) {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <exception>
+#include <limits>
 #include <ostream>
 #include <string>
 
@@ -37,6 +38,11 @@ int runTool(const std::string& name, Work&& work) {
     return reportError(name, "unknown failure", kExitFailed);
   }
 }
+
+/// What a numeric option takes, ends included. Its error names option, value and limits; text is no number, nor is nan or inf.
+CLI::Validator wholeNumber(long low, long high = std::numeric_limits<long>::max());
+CLI::Validator realNumber(double low, double high = std::numeric_limits<double>::max());
+CLI::Validator positiveNumber();
 
 /// Parses into `app`'s options; throws InputError for bad ones. False: help was asked for and printed.
 bool parseArguments(CLI::App& app, int argc, const char* const* argv);

@@ -54,6 +54,41 @@ TEST(ParseArguments, HelpAndBadOptions) {
   EXPECT_THROW(parse({"--stop", "4"}), InputError);
 }
 
+TEST(ParseArguments, ANumberOutOfItsLimitsIsAnsweredWithThem) {
+  long count = 0;
+  double share = 0.0, period_s = 0.0;
+  std::vector<double> lengths_m;
+  const auto errorOf = [&](std::vector<const char*> words) -> std::string {
+    CLI::App app("about");
+    app.add_option("--count", count, "n")->check(wholeNumber(0));
+    app.add_option("--threads", count, "n")->check(wholeNumber(1, 256));
+    app.add_option("--share", share, "n")->check(realNumber(0.0, 1.0));
+    app.add_option("--period", period_s, "n")->check(positiveNumber());
+    app.add_option("--lengths", lengths_m, "n")->delimiter(',')->check(positiveNumber());
+    words.insert(words.begin(), "tool");
+    try {
+      parseArguments(app, static_cast<int>(words.size()), words.data());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(errorOf({"--count", "-5"}), "--count: '-5' is not a whole number from 0 on (see --help)");
+  EXPECT_EQ(errorOf({"--threads", "0"}), "--threads: '0' is not a whole number from 1 to 256 (see --help)");
+  EXPECT_EQ(errorOf({"--share", "1.5"}), "--share: '1.5' is not a number from 0 to 1 (see --help)");
+  EXPECT_EQ(errorOf({"--period", "0"}), "--period: '0' is not a number above 0 (see --help)");
+  for (const char* bad : {"1.5", "one", "1e3", "99999999999999999999", "0x10", "1 2"}) {
+    EXPECT_NE(errorOf({"--count", bad}).find("is not a whole number from 0 on"), std::string::npos) << bad;
+  }
+  for (const char* bad : {"nan", "inf", "-inf", "1e999", "0,5", "five"}) {
+    EXPECT_NE(errorOf({"--share", bad}).find("is not a number from 0 to 1"), std::string::npos) << bad;
+  }
+  EXPECT_NE(errorOf({"--lengths", "5,-1"}).find("--lengths: '-1' is not a number above 0"), std::string::npos);
+  EXPECT_EQ(errorOf({"--count", "7", "--share", "1", "--period", "1e-3", "--lengths", "5,10"}), "");
+  EXPECT_EQ(count, 7);
+  EXPECT_EQ(lengths_m, (std::vector<double>{5.0, 10.0}));
+}
+
 TEST(ProgressText, CountShareRateAndTimeLeft) {
   EXPECT_EQ(progressText(0, 271, 0.0), "0/271 (0 %)");
   EXPECT_EQ(progressText(120, 270, 12.0), "120/270 (44 %), 10.0 per s, 0:15 left");
