@@ -33,11 +33,26 @@ def read_truth(path):
     return truth
 
 
+def _refuse_other_recordings(path):
+    """As src/bridge/bag_sweep_source.cpp."""
+    try:
+        with open(path, "rb") as file:
+            begin = file.read(15)
+    except OSError:
+        return
+    for magic, extension, what in ((b"SQLite format 3", ".db3", "a ROS 2 bag (sqlite3)"),
+                                   (b"\x89MCAP", ".mcap", "an MCAP file (ROS 2 bag)")):
+        if begin.startswith(magic) or path.endswith(extension):
+            raise InputError(f"{path} is {what}, not a ROS 1 bag; convert its folder: pip install rosbags; "
+                             "rosbags-convert --src FOLDER --dst FILE.bag")
+
+
 class _Bag:
     """A bag whose failures are InputErrors."""
 
     def __init__(self, path):
         import rosbag  # only bags need it
+        _refuse_other_recordings(path)
         self._path = path
         try:
             self._bag = rosbag.Bag(path)

@@ -1,12 +1,15 @@
 #include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
 
 #include <sensor_msgs/PointCloud2.h>
-#include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <utility>
 
+#include "constant_transforms.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
@@ -17,10 +20,28 @@ namespace fail_aware {
 namespace {
 
 const std::string kCloudType = ros::message_traits::datatype<sensor_msgs::PointCloud2>();
+const std::vector<std::string> kTransformTopics = {"/tf_static", "tf_static", "/tf", "tf"};
+
+/// What a file or folder is that people take for a bag of ROS 1; empty: nothing of that kind.
+std::string otherRecording(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::exists(std::filesystem::path(path) / "metadata.yaml", error)) return "a ROS 2 bag";
+  char begin[16] = {};
+  std::ifstream(path, std::ios::binary).read(begin, sizeof(begin));
+  const std::string extension = std::filesystem::path(path).extension().string();
+  if (std::string(begin, 15) == "SQLite format 3" || extension == ".db3") return "a ROS 2 bag (sqlite3)";
+  if (std::string(begin, 5) == "\x89MCAP" || extension == ".mcap") return "an MCAP file (ROS 2 bag)";
+  return {};
+}
 
 void open(rosbag::Bag& bag, const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path + ": no such file");
+  if (const std::string other = otherRecording(path); !other.empty()) {
+    throw InputError(
+        path + ": is " + other +
+        ", not a ROS 1 bag; convert its folder: pip install rosbags; rosbags-convert --src FOLDER --dst FILE.bag");
+  }
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": not a file");
   try {
     bag.open(path, rosbag::bagmode::Read);
@@ -33,14 +54,20 @@ void open(rosbag::Bag& bag, const std::string& path) {
   }
 }
 
-/// The topics that hold clouds, or the named one; the bag's other topics are for the error's text.
-std::string chooseTopic(const rosbag::Bag& bag, const std::string& path, const std::string& wanted) {
+/// Topics and their types.
+std::map<std::string, std::string> topicsOf(const rosbag::Bag& bag, const std::string& path) {
   rosbag::View all(bag);
   if (all.size() == 0) throw InputError(path + ": the bag has no messages");
   std::map<std::string, std::string> types;
   for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
     types[connection->topic] = connection->datatype;
   }
+  return types;
+}
+
+/// The topics that hold clouds, or the named one; the bags' other topics are for the error's text.
+std::string chooseTopic(const std::map<std::string, std::string>& types, const std::string& path,
+                        const std::string& wanted) {
   std::string clouds;
   std::size_t cloud_topics = 0;
   std::string only;
@@ -87,59 +114,109 @@ ReadStatus toReadStatus(CloudStatus status) {
 
 }  // namespace
 
-BagSweepSource::BagSweepSource(const std::string& path, const std::string& topic) : path_(path) {
-  open(bag_, path);
-  try {
-    topic_ = chooseTopic(bag_, path, topic);
-    view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(topic_));
-    if (view_->size() == 0) throw InputError(path + ": no message on " + topic_);
-    at_ = view_->begin();
-  } catch (const ros::Exception& error) {
-    throw InputError(path + ": damaged (" + error.what() + ")");
+BagSweepSource::BagSweepSource(const std::vector<std::string>& paths, const std::string& topic) {
+  std::map<std::string, std::string> types;
+  std::string names;
+  for (const std::string& path : paths) {
+    std::error_code error;
+    for (const auto& part : parts_) {
+      if (std::filesystem::equivalent(part->path, path, error)) throw InputError(path + ": given twice");
+    }
+    parts_.push_back(std::make_unique<Part>());
+    parts_.back()->path = path;
+    open(parts_.back()->bag, path);
+    parts_.back()->types = topicsOf(parts_.back()->bag, path);
+    for (const auto& [name, type] : parts_.back()->types) {
+      const std::string& known = types.emplace(name, type).first->second;
+      if (known != type)
+        throw InputError(path + ": " + name + " is of type " + type + ", in the bags before it of " + known);
+    }
+    names += (names.empty() ? "" : ", ") + path;
   }
+  topic_ = chooseTopic(types, names, topic);
+  for (const auto& part : parts_) {
+    if (part->types.count(topic_) == 0 &&
+        !std::any_of(kTransformTopics.begin(), kTransformTopics.end(),
+                     [&](const auto& name) { return part->types.count(name) != 0; })) {
+      throw InputError(part->path + ": neither clouds on " + topic_ + " nor transforms in it");
+    }
+    try {
+      part->view.addQuery(part->bag, rosbag::TopicQuery(topic_));
+      part->at = part->view.begin();
+      size_ += part->view.size();
+    } catch (const ros::Exception& error) {
+      throw InputError(part->path + ": damaged (" + error.what() + ")");
+    }
+  }
+  if (size_ == 0) throw InputError(names + ": no message on " + topic_);
+  const auto first = [](const std::unique_ptr<Part>& part) {
+    return part->view.size() == 0 ? ros::TIME_MAX : part->view.getBeginTime();
+  };
+  std::sort(parts_.begin(), parts_.end(), [&](const auto& a, const auto& b) {
+    return std::make_pair(first(a), a->path) < std::make_pair(first(b), b->path);
+  });
   std::string reason;
-  for (rosbag::View::iterator at = view_->begin(); at != view_->end(); ++at) {
-    const sensor_msgs::PointCloud2ConstPtr cloud = cloudAt(at, reason);
-    if (!cloud) continue;
-    lidar_frame_ = withoutSlash(cloud->header.frame_id);
-    return;
+  for (const auto& part : parts_) {
+    for (rosbag::View::iterator at = part->view.begin(); at != part->view.end(); ++at) {
+      const sensor_msgs::PointCloud2ConstPtr cloud = cloudAt(at, reason);
+      if (!cloud) continue;
+      lidar_frame_ = withoutSlash(cloud->header.frame_id);
+      return;
+    }
   }
-  throw InputError(path + ": no message on " + topic_ + " can be read (" + reason + ")");
+  throw InputError(names + ": no message on " + topic_ + " can be read (" + reason + ")");
 }
 
-std::optional<Pose> BagSweepSource::lidarInBase(const std::string& base_frame) const {
+BagSweepSource::Mounting BagSweepSource::lidarInBase(const std::string& base_frame) const {
   const std::string base = withoutSlash(base_frame);
-  if (base == lidar_frame_) return Pose::Identity();
-  tf2::BufferCore transforms;
-  rosbag::View view(bag_, rosbag::TopicQuery(std::vector<std::string>{"/tf_static", "tf_static"}));
-  try {
-    for (const rosbag::MessageInstance& instance : view) {
-      const tf2_msgs::TFMessageConstPtr message = instance.instantiate<tf2_msgs::TFMessage>();
-      if (!message) continue;
-      for (const geometry_msgs::TransformStamped& transform : message->transforms) {
-        transforms.setTransform(transform, path_, true);
+  if (lidar_frame_.empty()) return {std::nullopt, "the clouds on " + topic_ + " have an empty header.frame_id"};
+  if (base == lidar_frame_) return {Pose::Identity(), {}};
+  ConstantTransforms transforms;
+  ConstantTransforms::Result found;
+  for (const std::string topic : {"tf_static", "tf"}) {
+    for (const auto& part : parts_) {
+      try {
+        rosbag::View view(part->bag, rosbag::TopicQuery(std::vector<std::string>{'/' + topic, topic}));
+        for (const rosbag::MessageInstance& instance : view) {
+          if (const tf2_msgs::TFMessageConstPtr message = instance.instantiate<tf2_msgs::TFMessage>()) {
+            transforms.add(*message);
+          }
+        }
+      } catch (const ros::Exception& error) {
+        throw InputError(part->path + ": damaged (" + error.what() + ")");
       }
-      if (!transforms.canTransform(base, lidar_frame_, ros::Time(0))) continue;
-      return fromMessage(transforms.lookupTransform(base, lidar_frame_, ros::Time(0)).transform);
     }
-  } catch (const rosbag::BagException& error) {
-    throw InputError(path_ + ": damaged (" + error.what() + ")");
+    found = transforms.between(base, lidar_frame_);
+    if (found.T_target_source) break;
   }
-  return std::nullopt;
+  return {found.T_target_source, found.why_not};
+}
+
+BagSweepSource::Part& BagSweepSource::earliest() {
+  Part* found = nullptr;
+  for (const auto& part : parts_) {
+    if (part->next == part->view.size()) continue;
+    if (found == nullptr || part->at->getTime() < found->at->getTime()) found = part.get();
+  }
+  return *found;
 }
 
 void BagSweepSource::skip(std::size_t count) {
-  next_ += count;
-  for (; count > 0; --count) ++at_;
+  for (; count > 0; --count) {
+    Part& part = earliest();
+    ++part.at;
+    ++part.next;
+  }
 }
 
 ReadResult BagSweepSource::next(Sweep& sweep) {
-  ++next_;
+  Part& part = earliest();
+  last_ = &part;
+  ++part.next;
   std::string reason;
-  const ros::Time recorded = at_->getTime();
-  const sensor_msgs::PointCloud2ConstPtr cloud = cloudAt(at_, reason);
-  ++at_;
-  ReadResult result;
+  const ros::Time recorded = part.at->getTime();
+  const sensor_msgs::PointCloud2ConstPtr cloud = cloudAt(part.at, reason);
+  ++part.at;
   if (!cloud) {
     sweep = Sweep();
     sweep.stamp_s = recorded.toSec();
@@ -156,6 +233,8 @@ ReadResult BagSweepSource::next(Sweep& sweep) {
   return {toReadStatus(read.status), name() + ": " + read.reason};
 }
 
-std::string BagSweepSource::name() const { return path_ + ", cloud " + std::to_string(next_ - 1) + " of " + topic_; }
+std::string BagSweepSource::name() const {
+  return last_->path + ", cloud " + std::to_string(last_->next - 1) + " of " + topic_;
+}
 
 }  // namespace fail_aware

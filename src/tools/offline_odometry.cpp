@@ -17,6 +17,7 @@
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
@@ -36,7 +37,9 @@ constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", 
                                   "measurements.csv",     "summary.json",       "parameters.yaml"};
 
 struct Options {
-  std::string kitti, bag, topic, base_frame = "base_link";
+  std::string kitti, topic, base_frame = "base_link";
+  std::vector<std::string> bags;
+  std::vector<double> lidar_in_base;
   std::string output;
   ProfileFiles files;
   std::vector<std::string> parameters, set;
@@ -50,18 +53,26 @@ void addOptions(CLI::App& app, Options& options) {
   [[maybe_unused]] CLI::Option* kitti = app.add_option(
       "--kitti", options.kitti, "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32");
 #ifdef FAIL_AWARE_WITH_BAGS
-  CLI::Option* bag = app.add_option("--bag", options.bag,
-                                    "bag with clouds; where the lidar sits is taken from its "
-                                    "/tf_static, if it is there")
-                         ->excludes(kitti);
+  CLI::Option* bag =
+      app.add_option(
+             "--bag", options.bags,
+             "bag with clouds; may be repeated: the parts of one drive, in the order of their recording. Where the "
+             "lidar sits is taken from /tf_static or from /tf, if it is constant there")
+          ->take_all()
+          ->excludes(kitti);
   app.add_option("--topic", options.topic, "of the clouds (default: the bag's only sensor_msgs/PointCloud2)")
       ->needs(bag);
-  app.add_option("--base-frame", options.base_frame, "the vehicle's frame in the bag's /tf_static")
+  app.add_option("--base-frame", options.base_frame, "the vehicle's frame in the bag's /tf_static and /tf")
       ->needs(bag)
       ->capture_default_str();
 #else
   kitti->required();
 #endif
+  app.add_option("--lidar-in-base", options.lidar_in_base,
+                 "X,Y,Z,ROLL,PITCH,YAW of the lidar in base_link, m and rad; overrides the transforms of a bag and the "
+                 "parameter sensor.lidar_in_base")
+      ->delimiter(',')
+      ->expected(1, 6);
   app.add_option("--output", options.output, "folder for the results; made if it does not exist")->required();
   app.add_option("--profile", options.files.profile, "default, paper, or a yaml file")->capture_default_str();
   app.add_option("--vehicle", options.files.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
@@ -132,20 +143,38 @@ Json describeRun(const PipelineParameters& params, long first, std::optional<dou
   return json;
 }
 
+/// Whether the command line says where the lidar sits. The sensor's file has no say in it over a bag: it always holds some
+/// place.
+bool saysWhereLidarSits(const Options& options) {
+  const std::string key = "sensor.lidar_in_base";
+  const auto sets = [&](const std::string& assignment) { return assignment.rfind(key + '=', 0) == 0; };
+  const auto holds = [&](const std::string& file) { return readYaml(file).values.count(key) != 0; };
+  return !options.lidar_in_base.empty() || std::any_of(options.set.begin(), options.set.end(), sets) ||
+         std::any_of(options.parameters.begin(), options.parameters.end(), holds);
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
 /// Opens the drive, and gives the sensor what the drive knows of it.
 std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters& sensor) {
 #ifdef FAIL_AWARE_WITH_BAGS
-  if (options.kitti.empty() && options.bag.empty()) throw InputError("--kitti or --bag is needed (see --help)");
-  if (!options.bag.empty()) {
-    auto bag = std::make_unique<BagSweepSource>(options.bag, options.topic);
+  if (options.kitti.empty() && options.bags.empty()) throw InputError("--kitti or --bag is needed (see --help)");
+  if (!options.bags.empty()) {
+    auto bag = std::make_unique<BagSweepSource>(options.bags, options.topic);
     if (bag->topic().rfind("/kitti/", 0) == 0) sensor.timing.useKittiStamps();
-    if (const std::optional<Pose> T_base_lidar = bag->lidarInBase(options.base_frame)) {
-      const Vector6d lidar_in_base = vectorFromPose(*T_base_lidar);
-      sensor.lidar_in_base.assign(lidar_in_base.data(), lidar_in_base.data() + 6);
-    } else {
-      std::cerr << kName << ": warning: " << options.bag << " has no transform " << options.base_frame << " -> "
-                << bag->lidarFrame() << " in /tf_static; taken from the parameter sensor.lidar_in_base" << std::endl;
+    if (saysWhereLidarSits(options)) return bag;
+    const BagSweepSource::Mounting mounting = bag->lidarInBase(options.base_frame);
+    if (!mounting.T_base_lidar) {
+      throw InputError(joined(options.bags) + ": " + mounting.why_not +
+                       "; give the lidar's place with --lidar-in-base X,Y,Z,ROLL,PITCH,YAW (m, rad), or the vehicle's "
+                       "frame with --base-frame");
     }
+    const Vector6d lidar_in_base = vectorFromPose(*mounting.T_base_lidar);
+    sensor.lidar_in_base.assign(lidar_in_base.data(), lidar_in_base.data() + 6);
     return bag;
   }
 #endif
@@ -154,9 +183,10 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
 }
 
 int run(const Options& options) {
+  if (!options.lidar_in_base.empty()) requireMounting("--lidar-in-base", options.lidar_in_base);
   PipelineParameters params = loadPipelineParameters(options.files);
   const std::unique_ptr<SweepSource> drive = openDrive(options, params.sensor);
-  const std::string& drive_name = options.bag.empty() ? options.kitti : options.bag;
+  const std::string drive_name = options.bags.empty() ? options.kitti : joined(options.bags);
   const auto all = static_cast<long>(drive->size());
   if (options.first >= all) {
     throw InputError("--first " + std::to_string(options.first) + ": " + drive_name + " has " + std::to_string(all) +
@@ -164,6 +194,7 @@ int run(const Options& options) {
   }
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
   overrideParameters(params, options.parameters, options.set);
+  if (!options.lidar_in_base.empty()) params.sensor.lidar_in_base = options.lidar_in_base;
   const fs::path output = makeOutput(options.output);
 
   OdometryPipeline pipeline(params, options.threads);

@@ -141,9 +141,32 @@ TEST_F(BagTools, whereTheLidarSitsIsTakenFromTheBagOrSaid) {
   ASSERT_EQ(offline("--bag '" + bag() + "'", "tf").exit_code, 0);
   EXPECT_NE(contentOf(folder_ / "tf" / "parameters.yaml").find("lidar_in_base: [-0.595, 0.0, 1.73, "),
             std::string::npos);
-  const ToolRun run = offline("--bag '" + bag() + "' --base-frame rear_axle", "none");
-  EXPECT_EQ(run.exit_code, 0);
-  EXPECT_NE(run.err.find("no transform rear_axle -> velo_link"), std::string::npos) << run.err;
+  const std::string other = "--bag '" + bag() + "' --base-frame rear_axle ";
+  expectRefused(offline(other, "none"), "offline_odometry",
+                "do not connect rear_axle -> velo_link; give the lidar's place");
+  EXPECT_FALSE(fs::exists(folder_ / "none"));
+  std::ofstream(folder_ / "mounting.yaml") << "sensor:\n  lidar_in_base: [-1.5, 0.0, 1.5, 0.0, 0.0, 0.0]\n";
+  for (const std::string given : {std::string("--lidar-in-base -1.5,0,1.5,0,0,0"),
+                                  "--parameters '" + (folder_ / "mounting.yaml").string() + "'"}) {
+    const ToolRun run = offline(other + given, "given");
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(contentOf(folder_ / "given" / "parameters.yaml").find("lidar_in_base: [-1.5, 0.0, 1.5, "),
+              std::string::npos);
+  }
+}
+
+/// Two bags of a drive, in whichever order, give the trajectory of the whole.
+TEST_F(BagTools, partsOfADriveAreOne) {
+  const std::string drive = makeDrive(false), later = (folder_ / "a_later.bag").string();
+  ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "'").exit_code, 0);
+  ASSERT_EQ(offline("--bag '" + bag() + "'", "whole").exit_code, 0);
+  ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "' --count 3").exit_code, 0);
+  ASSERT_EQ(toBag("'" + drive + "' '" + later + "' --first 3 --start 1317000000").exit_code, 0);
+  const ToolRun run = offline("--bag '" + later + "' --bag '" + bag() + "'", "parts");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(nlohmann::json::parse(run.out)["sweeps"], kScansOfTheBag);
+  ASSERT_FALSE(trajectory("whole").empty());
+  EXPECT_TRUE(trajectory("parts") == trajectory("whole"));
 }
 
 TEST_F(BagTools, kittiToBagRefusesInOneLine) {
