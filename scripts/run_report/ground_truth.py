@@ -41,6 +41,8 @@ def matched(run, trajectory):
         raise NotAvailable("the run has no trajectory (trajectory_tum.txt, or the topic odometry)")
     if trajectory is None:
         raise NotAvailable("no ground truth was given (--ground-truth)")
+    if trajectory.stamp_s is run.stamp_s:  # sweep by sweep, whatever the stamps
+        return trajectory.T, np.ones(len(trajectory.T), bool)
     T, covered = poses.at_stamps(trajectory, run.stamp_s)
     if not covered.any():
         raise InputError("the ground truth and the run have no time in common: stamps "

@@ -1,12 +1,12 @@
 """Reads what offline_odometry wrote into its output folder."""
 import csv
-import json
 import os
 
 import numpy as np
 
 from . import poses
 from .run import InputError, Measurement, Monitor, Run
+from .run_folder import read_summary
 
 MEASUREMENTS = [("point", "multiplex ICP"), ("plane", "normal-filtered ICP"), ("corners", "corner SVD")]
 STAGES = [("correction", "sweep correction"), ("point", "multiplex ICP"), ("plane", "normal-filtered ICP"),
@@ -14,12 +14,12 @@ STAGES = [("correction", "sweep correction"), ("point", "multiplex ICP"), ("plan
 
 
 class _Table:
-    """per_sweep.csv, without the rows of refused sweeps (their stamp did not advance; the pose is the last one)."""
+    """per_sweep.csv, without the rows of refused sweeps: they have no pose."""
 
     def __init__(self, path):
         self.path = path
         try:
-            with open(path, newline="", encoding="utf-8", errors="replace") as file:
+            with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
                 rows = list(csv.reader(file))
         except OSError as error:
             raise InputError(f"cannot read {path}: {error.strerror}")
@@ -56,21 +56,6 @@ class _Table:
         if unknown is not None:
             values[values == unknown] = np.nan
         return values
-
-
-def _read_json(path):
-    try:
-        with open(path, encoding="utf-8", errors="replace") as file:
-            content = json.load(file)
-    except FileNotFoundError:
-        return {}
-    except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror}")
-    except ValueError:
-        raise InputError(f"{path} is not JSON")
-    if not isinstance(content, dict):
-        raise InputError(f"{path} is not a JSON object")
-    return content
 
 
 def _covariance(table):
@@ -111,23 +96,23 @@ def _measurements(table):
 
 
 def _trajectory(folder, table):
-    """base_link at each kept sweep, from trajectory_tum.txt, which has a row for each scan file."""
+    """base_link at each kept sweep, from trajectory_tum.txt."""
     path = os.path.join(folder, "trajectory_tum.txt")
     if not os.path.exists(path):
         return None
     trajectory = poses.from_tum_rows(poses.read_rows(path, (8,)))
-    if len(trajectory.T) != len(table.kept):
-        raise InputError(f"{path} has {len(trajectory.T)} rows, {table.path} {len(table.kept)}")
-    return trajectory.T[table.kept]
+    if len(trajectory.T) != table.kept.sum():
+        raise InputError(f"{path} has {len(trajectory.T)} rows, {table.path} {table.kept.sum()} accepted sweeps")
+    return trajectory.T
 
 
 def read(folder):
+    summary = read_summary(folder)
     table = _Table(os.path.join(folder, "per_sweep.csv"))
     stamp_s = table.numbers("stamp")
     if stamp_s is None or np.isnan(stamp_s).any():
         raise InputError(f"{table.path}: no column stamp, or a stamp that is not finite")
-    summary = _read_json(os.path.join(folder, "summary.json"))
-    described = summary.get("run") or {}
+    described = summary["run"]
     run = Run(source=folder, kind="offline run", stamp_s=stamp_s, scans=len(table.kept),
               scan_of_sweep=np.flatnonzero(table.kept))
     run.status = table.text("status")

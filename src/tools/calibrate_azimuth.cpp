@@ -12,6 +12,7 @@
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 #include "result_files.hpp"
+#include "run_folder.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -56,6 +57,7 @@ int run(const Options& options) {
   }
   SensorParameters sensor;
   for (const fs::path folder : options.runs) {
+    readRunSummary(folder);
     const SensorParameters own = sensorOf(folder);
     if (trajectories.empty()) sensor = own;
     if (own.azimuth.angle_deg != sensor.azimuth.angle_deg || own.lidar_in_base != sensor.lidar_in_base) {

@@ -19,6 +19,7 @@
 #include "json.hpp"
 #include "plot_script.hpp"
 #include "result_files.hpp"
+#include "run_folder.hpp"
 #include "tool_support.hpp"
 
 namespace fail_aware {
@@ -43,7 +44,11 @@ struct Trajectories {
 
 void declareOptions(CLI::App& app, Options& options) {
   app.add_option("--ground-truth", options.ground_truth, "true poses, KITTI rows (12 numbers)")->required();
-  app.add_option("--estimate", options.estimate, "estimated poses, KITTI rows, lidar frame")->required();
+  app.add_option(
+         "--estimate", options.estimate,
+         "estimated poses, KITTI rows, lidar frame: one a true pose; or trajectory_kitti.txt in the folder of a "
+         "run of offline_odometry, which says which scans they are")
+      ->required();
   app.add_option("--calib", options.calib,
                  "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' brings it to the lidar's");
   app.add_option("--output", options.output, "folder for evaluation.json, trajectory.csv and the plots");
@@ -67,11 +72,36 @@ void declareOptions(CLI::App& app, Options& options) {
       ->excludes(times);
 }
 
+/// Where the estimate is the trajectory of a run: the rows of the ground truth that its poses belong to. Otherwise none:
+/// row by row.
+std::optional<std::vector<std::size_t>> truthRowsOfRun(const Options& options, std::size_t truth_rows) {
+  const fs::path estimate = options.estimate, folder = estimate.parent_path();
+  std::error_code error;
+  if (estimate.filename() != "trajectory_kitti.txt" || !fs::exists(folder / "per_sweep.csv", error))
+    return std::nullopt;
+  const RunRows rows = runRows(readRunSummary(folder), folder / "summary.json");
+  const std::size_t first = firstTruthRow(rows, truth_rows, options.ground_truth, options.estimate);
+  std::vector<std::size_t> truth_of_row;
+  for (const std::size_t scan : rows.accepted) truth_of_row.push_back(first + scan);
+  return truth_of_row;
+}
+
+template <class Value>
+std::vector<Value> chosen(const std::vector<Value>& values, const std::vector<std::size_t>& rows) {
+  std::vector<Value> some;
+  some.reserve(rows.size());
+  for (const std::size_t row : rows) some.push_back(values[row]);
+  return some;
+}
+
 Trajectories load(const Options& options) {
   Trajectories in;
   in.truth = readKittiTrajectory(options.ground_truth);
   in.estimate = readKittiTrajectory(options.estimate);
   if (!options.calib.empty()) in.truth = lidarFromCameraTrajectory(in.truth, readLidarToCamera(options.calib));
+  const std::size_t all = in.truth.size();
+  const std::optional<std::vector<std::size_t>> rows = truthRowsOfRun(options, all);
+  if (rows) in.truth = chosen(in.truth, *rows);
   requirePosePairs(in.truth, in.estimate);
   if (movesLikeACamera(in.truth) && !movesLikeACamera(in.estimate)) {
     std::cerr << kName << ": warning: " << options.ground_truth
@@ -80,10 +110,9 @@ Trajectories load(const Options& options) {
   if (!options.times.empty()) {
     in.stamps_s = readTimes(options.times);
   } else {
-    for (std::size_t i = 0; i < in.truth.size(); ++i) {
-      in.stamps_s.push_back(static_cast<double>(i) * options.period_s);
-    }
+    for (std::size_t i = 0; i < all; ++i) in.stamps_s.push_back(static_cast<double>(i) * options.period_s);
   }
+  if (rows && in.stamps_s.size() == all) in.stamps_s = chosen(in.stamps_s, *rows);
   return in;
 }
 

@@ -2,13 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "json.hpp"
 #include "parameter_overrides.hpp"
+#include "run_folder.hpp"
+#include "tool_support.hpp"
 
 namespace fail_aware {
 
@@ -16,25 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The scan of its drive that a run began with (offline_odometry --first), which its rows are counted from.
-std::size_t firstScan(const fs::path& run) {
-  const fs::path path = run / "summary.json";
-  std::ifstream file(path);
-  if (!file) return 0;
-  const Json summary = Json::parse(file, nullptr, false);
-  const Json::json_pointer first("/run/first");
-  if (!summary.is_object()) throw InputError(path.string() + ": cannot be read as JSON");
-  if (!summary.contains(first)) return 0;
-  if (!summary.at(first).is_number_unsigned())
-    throw InputError(path.string() + ": run.first: must be a number of scans");
-  return summary.at(first).get<std::size_t>();
-}
-
 FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth, const FailAwareRunOptions& options) {
   FailAwareRun run;
   fs::path path(folder);
   if (path.filename().empty()) path = path.parent_path();
   run.name = path.filename().string();
+  const RunRows rows = runRows(readRunSummary(path), path / "summary.json");
   run.log = readMonitorLog((path / "monitor_log.csv").string());
   const fs::path measurements = path / "measurements.csv";
   if (fs::exists(measurements)) run.measurements = readMeasurementLog(measurements.string());
@@ -44,12 +31,11 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
 
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);
   if (!options.calib.empty()) poses = lidarFromCameraTrajectory(poses, readLidarToCamera(options.calib));
-  const std::size_t first = firstScan(path);
+  const std::size_t first = firstTruthRow(rows, poses.size(), ground_truth, path.string());
   for (const MonitorInput& input : run.log) {
-    if (first < poses.size() && input.row < poses.size() - first) continue;
-    throw InputError(ground_truth + " has " + std::to_string(poses.size()) + " poses, " + path.string() + " has row " +
-                     std::to_string(input.row) + " after scan " + std::to_string(first) +
-                     ": they do not belong together");
+    if (input.row < rows.scans) continue;
+    throw InputError((path / "monitor_log.csv").string() + ": has row " + std::to_string(input.row) + " of " +
+                     std::to_string(rows.scans) + " scans");
   }
   const Pose T_lidar_cog = run.params.sensor.T_base_lidar().inverse() * run.params.vehicle.T_base_cog();
   for (const MonitorInput& input : run.log) run.truth.push_back(poses[first + input.row] * T_lidar_cog);
@@ -85,7 +71,8 @@ std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
 void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m) {
   app.add_option("--alert-limit", alert_limit_m,
                  "horizontal error that is a failure, m (default: that of the monitor, "
-                 "monitor.predictor.alert_limit_m of the runs or of --set)");
+                 "monitor.predictor.alert_limit_m of the runs or of --set)")
+      ->check(positiveNumber());
 }
 
 double alertLimitOf(const std::vector<FailAwareRun>& runs, const std::optional<double>& given_m) {

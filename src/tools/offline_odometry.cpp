@@ -5,11 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
@@ -21,6 +21,7 @@
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
+#include "run_folder.hpp"
 #include "sweep_log.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
@@ -33,8 +34,8 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "offline_odometry";
-constexpr const char* kFiles[] = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv",  "monitor_log.csv",
-                                  "measurements.csv",     "summary.json",       "parameters.yaml"};
+const std::vector<std::string> kFiles = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv",
+                                         "monitor_log.csv",      "measurements.csv",   "parameters.yaml"};
 
 struct Options {
   std::string kitti, topic, base_frame = "base_link";
@@ -94,21 +95,6 @@ void addOptions(CLI::App& app, Options& options) {
       ->capture_default_str();
 }
 
-fs::path makeOutput(const std::string& output) {
-  std::error_code error;
-  fs::create_directories(output, error);
-  const fs::path probe = fs::path(output) / ".write_test";
-  if (error || !fs::is_directory(output) || !std::ofstream(probe)) {
-    throw InputError("cannot write in the output folder " + output);
-  }
-  fs::remove(probe, error);
-  for (const char* name : kFiles) {
-    const fs::path file = fs::path(output) / name;
-    if (fs::exists(file) && !std::ofstream(file, std::ios::app)) throw InputError("cannot write " + file.string());
-  }
-  return output;
-}
-
 double maxRssMb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -129,10 +115,12 @@ struct BadScan {
 };
 
 /// What a reader of per_sweep.csv needs to know of the run. `t1_stamp_s`: none if the run ended before t1.
-Json describeRun(const PipelineParameters& params, long first, std::optional<double> t1_stamp_s) {
+Json describeRun(const PipelineParameters& params, long first, const SweepLog& log, std::optional<double> t1_stamp_s) {
   const MonitorParameters& monitor = params.profile.monitor;
   Json json;
   json["first"] = first;
+  json["scans"] = log.sweeps();
+  json["refused"] = log.refused();
   json["t1_stamp_s"] = t1_stamp_s ? Json(*t1_stamp_s) : Json(nullptr);
   json["eta_threshold_rad"] = monitor.indicator.threshold;
   json["horizon_s"] = monitor.predictor.horizon_s;
@@ -195,7 +183,8 @@ int run(const Options& options) {
   const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
   overrideParameters(params, options.parameters, options.set);
   if (!options.lidar_in_base.empty()) params.sensor.lidar_in_base = options.lidar_in_base;
-  const fs::path output = makeOutput(options.output);
+  RunFolder folder(options.output, kFiles);
+  const fs::path& output = folder.unfinished();
 
   OdometryPipeline pipeline(params, options.threads);
   const Pose T_base_lidar = params.sensor.T_base_lidar();
@@ -203,7 +192,7 @@ int run(const Options& options) {
   std::vector<StampedPose> base_trajectory;
   SweepLog log(output);
   std::vector<BadScan> bad_scans;
-  std::size_t side_file_problems = 0, points_dropped = 0;
+  std::size_t side_file_problems = 0, points_dropped = 0, set_back = 0;
   Pose T_odom_lidar_first = Pose::Identity();
   std::optional<double> t1_stamp_s;
   Sweep sweep;
@@ -221,21 +210,31 @@ int run(const Options& options) {
       const double stamp_s = sweep.stamp_s;
       const SweepResult result = pipeline.step(sweep);
       if (!t1_stamp_s && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s = result.monitor.t1_stamp_s;
-      const Pose T_odom_lidar = result.T_odom_base * T_base_lidar;
-      if (i == options.first) T_odom_lidar_first = T_odom_lidar;
-      lidar_trajectory.push_back(orthonormalized(T_odom_lidar_first.inverse() * T_odom_lidar));
-      base_trajectory.push_back({stamp_s, result.T_odom_base});
       log.add(stamp_s, result);
+      if (SweepLog::isAccepted(result.status)) {
+        const Pose T_odom_lidar = result.T_odom_base * T_base_lidar;
+        if (lidar_trajectory.empty()) T_odom_lidar_first = T_odom_lidar;
+        lidar_trajectory.push_back(orthonormalized(T_odom_lidar_first.inverse() * T_odom_lidar));
+        if (!base_trajectory.empty() && stamp_s <= base_trajectory.back().stamp_s) ++set_back;
+        base_trajectory.push_back({stamp_s, result.T_odom_base});
+      }
       progress.update(static_cast<std::size_t>(i - options.first + 1));
     }
   }
   for (const BadScan& bad : bad_scans) {
     std::cerr << kName << ": warning: " << bad.reason << "; carried on as over a dropped sweep" << std::endl;
   }
-  if (const std::size_t refused = log.count(SweepStatus::kStampNotAdvancing)) {
-    std::cerr << kName << ": warning: the stamps of " << refused << " of " << lidar_trajectory.size()
+  if (const std::size_t refused = log.refused().size()) {
+    std::cerr << kName << ": warning: the stamps of " << refused << " of " << log.sweeps()
               << " sweeps were refused (duplicate, out of order, far ahead): "
-              << toString(SweepStatus::kStampNotAdvancing) << " in per_sweep.csv" << std::endl;
+              << toString(SweepStatus::kStampNotAdvancing) << " in per_sweep.csv, no row in the trajectories"
+              << std::endl;
+  }
+  if (set_back > 0) {
+    std::cerr
+        << kName << ": warning: the clock was set back " << set_back
+        << " times; the trajectories keep the order of the recording, the stamps of trajectory_tum.txt go back there"
+        << std::endl;
   }
   if (!t1_stamp_s) {
     std::cerr << kName << ": warning: the drive ended before --redundant-at: there is no t1, every state is UNKNOWN"
@@ -246,7 +245,6 @@ int run(const Options& options) {
   saveYaml((output / "parameters.yaml").string(), params);
 
   Json summary = log.summary();
-  summary["sweeps"] = lidar_trajectory.size();
   summary["dropped"] = bad_scans.size();
   summary["bad_scans"] = Json::array();
   for (const BadScan& bad : bad_scans) summary["bad_scans"].push_back({{"file", bad.file}, {"reason", bad.reason}});
@@ -255,15 +253,11 @@ int run(const Options& options) {
   summary["level_keeping"] = levelSummary(pipeline.levelKeeping().report());
   summary["threads"] = options.threads;
   summary["profile"] = options.files.profile;
-  summary["run"] = describeRun(params, options.first, t1_stamp_s);
-  // a file's name need not be UTF-8
-  const std::string json = summary.dump(2, ' ', false, Json::error_handler_t::replace);
-  std::ofstream file(output / "summary.json");
-  file << json << "\n";
-  if (!file.flush()) throw std::runtime_error("cannot write " + (output / "summary.json").string());
+  summary["run"] = describeRun(params, options.first, log, t1_stamp_s);
   log.close();
-  std::cout << json << std::endl;
-  if (bad_scans.size() == lidar_trajectory.size()) {
+  summary = folder.finish(std::move(summary));
+  std::cout << summary.dump(2, ' ', false, Json::error_handler_t::replace) << std::endl;
+  if (bad_scans.size() == log.sweeps()) {
     return reportError(kName, "no scan of " + drive_name + " could be used", kExitFailed);
   }
   return kExitDone;

@@ -75,7 +75,11 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   const double dt_s = r.state.dt_s;
   out_ << ',' << (dt_s > 0.0 ? r.state.T_previous_now.translation().x() / dt_s : 0.0) << ','
        << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0) << '\n';
-  if (r.status != SweepStatus::kStampNotAdvancing) logSweep(total_ms_.size(), r);
+  if (isAccepted(r.status)) {
+    logSweep(total_ms_.size(), r);
+  } else {
+    refused_.push_back(total_ms_.size());
+  }
   total_ms_.push_back(t.total_ms);
   ++by_status_[static_cast<std::size_t>(r.status)];
 }

@@ -39,6 +39,7 @@ TEST_F(EvaluateFailAware, ARowThatTheTruthDoesNotHaveIsRefused) {
   const std::size_t row = text.find("\n10,");
   ASSERT_NE(row, std::string::npos) << text.substr(0, 400);
   std::ofstream(log) << text.substr(0, row) << "\n1000000," << text.substr(row + 4);
+  made_up.seal(folder_ / "run");
   expectRefused(options("run"), "has row 1000000");
 }
 
@@ -99,6 +100,7 @@ TEST_F(EvaluateFailAware, EachMeasurementsCovarianceIsHeldAgainstTheTruth) {
   run_.write(folder_ / "run");
   run_.write(folder_ / "before_they_were_logged");
   fs::remove(folder_ / "before_they_were_logged" / "measurements.csv");
+  run_.seal(folder_ / "before_they_were_logged", {"monitor_log.csv", "parameters.yaml"});
   run(options("run") + options("before_they_were_logged") + " --resamples 1 --episode-every 100 --output '" +
       (folder_ / "result").string() + "'");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
@@ -176,16 +178,69 @@ TEST_F(EvaluateFailAware, ALaterPartOfADriveHasItsOwnTruth) {
   for (int i = 0; i < kFirst; ++i) longer << "1 0 0 " << i << " 0 1 0 0 0 0 1 0\n";  // before it
   longer << truth;
   longer.close();
-  std::ofstream(folder_ / "run" / "summary.json") << "{\"run\": {\"first\": " << kFirst << "}}";
+  made_up.first = kFirst;
+  made_up.seal(folder_ / "run");
   run(options("run") + output);
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(report(), whole);
-  std::ofstream(folder_ / "run" / "summary.json") << "{\"run\": {\"first\": " << kFirst + 1 << "}}";
+  made_up.first = kFirst + 1;
+  made_up.seal(folder_ / "run");
   expectRefused(options("run"), "do not belong together");
-  std::ofstream(folder_ / "run" / "summary.json") << "{\"run\": {\"first\": -1}}";
-  expectRefused(options("run"), "run.first");
+  std::string summary = contentOf(folder_ / "run" / "summary.json");
+  summary.replace(summary.find("\"first\": 8"), 10, "\"first\": -1");
+  std::ofstream(folder_ / "run" / "summary.json") << summary;
+  expectRefused(options("run"), "/run/first");
   std::ofstream(folder_ / "run" / "summary.json") << "{";
-  expectRefused(options("run"), "summary.json");
+  expectRefused(options("run"), "summary.json: cannot be read as JSON");
+}
+
+TEST_F(EvaluateFailAware, FilesOfTwoRunsOrOfAnUnfinishedOneAreRefused) {
+  MadeUpRun made_up, other;
+  made_up.sweeps = other.sweeps = 60;
+  other.speed_mps = 11.0;
+  const fs::path run_folder = folder_ / "run";
+  for (const char* name : {"monitor_log.csv", "measurements.csv", "parameters.yaml"}) {
+    made_up.write(run_folder);
+    other.write(folder_ / "other", [] {
+      PipelineParameters params;
+      params.profile.monitor.predictor.horizon_s = 50.0;
+      return params;
+    }());
+    run(options("run") + " --resamples 1");
+    ASSERT_EQ(result_.exit_code, 0) << result_.err;
+    fs::copy_file(folder_ / "other" / name, run_folder / name, fs::copy_options::overwrite_existing);
+    expectRefused(options("run"),
+                  std::string(name) + ": not the file that run r0123456789abcdef of summary.json wrote");
+    fs::remove(run_folder / name);
+    expectRefused(options("run"), std::string(name) + ": missing");
+  }
+  made_up.write(run_folder);
+  std::ofstream(run_folder / "monitor_log.csv", std::ios::app) << " ";
+  expectRefused(options("run"), "run offline_odometry again");
+  made_up.write(run_folder);
+  fs::create_directory(run_folder / "unfinished_r0123456789abcdef");
+  expectRefused(options("run"), "did not finish");
+  fs::remove(run_folder / "unfinished_r0123456789abcdef");
+  fs::remove(run_folder / "summary.json");
+  expectRefused(options("run"), "not the folder of a finished run; run offline_odometry again");
+  std::ofstream(run_folder / "summary.json") << R"({"run": {"first": 0}})";
+  expectRefused(options("run"), "names no run (run.id, files)");
+}
+
+TEST_F(EvaluateFailAware, RefusedSweepsDoNotShiftTheTruth) {
+  MadeUpRun made_up;
+  made_up.sweeps = 120;
+  made_up.sigma_m = made_up.said_sigma_m;
+  const std::string output = " --resamples 1 --episode-every 100 --output '" + (folder_ / "result").string() + "'";
+  made_up.write(folder_ / "run");
+  run(options("run") + output);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const nlohmann::json all = report();
+  made_up.refused = {3, 40, 41};
+  made_up.write(folder_ / "run");
+  run(options("run") + output);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(report()["run"]["failing"], all["run"]["failing"]) << "a row of truth off by one is 1 m, and a failure";
 }
 
 TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
@@ -194,15 +249,16 @@ TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
   made_up.write(folder_ / "run");
   expectRefused("", "--ground-truth");
   expectRefused("--run x --run y --ground-truth z", "as many of one as of the other");
-  expectRefused(options("absent"), "monitor_log.csv: cannot be read");
+  expectRefused(options("absent"), "absent: no such folder");
   expectRefused(options("run") + " --set monitor.nonsense=1", "monitor.nonsense");
-  expectRefused(options("run") + " --alert-limit -1", "alert_limit_m");
-  expectRefused(options("run") + " --alert-limit 0", "alert_limit_m");
+  expectRefused(options("run") + " --alert-limit -1", "--alert-limit: '-1' is not a number above 0");
+  expectRefused(options("run") + " --alert-limit 0", "--alert-limit");
   expectRefused(options("run") + " --resamples 0", "--resamples");
   std::ofstream(folder_ / "short.txt") << "1 0 0 0 0 1 0 0 0 0 1 0\n";
   expectRefused("--ground-truth '" + (folder_ / "short.txt").string() + "' --run '" + (folder_ / "run").string() + "'",
                 "do not belong together");
   std::ofstream(folder_ / "run" / "monitor_log.csv") << "stamp\n1\n";
+  made_up.seal(folder_ / "run");
   expectRefused(options("run"), "run offline_odometry again");
 }
 

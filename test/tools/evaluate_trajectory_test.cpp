@@ -8,7 +8,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "../../src/tools/run_folder.hpp"
 #include "../support/tool_run.hpp"
 
 namespace fail_aware {
@@ -42,6 +44,49 @@ class EvaluateTrajectory : public ::testing::Test {
   fs::path folder_ = fs::path(::testing::TempDir()) / ("evaluate_trajectory_" + std::to_string(getpid()));
   ToolRun result_;
 };
+
+/// A folder as offline_odometry writes it: of each scan that the run accepted the pose, scans 1 m apart.
+void writeRun(const fs::path& folder, std::size_t first, std::size_t scans, const std::vector<std::size_t>& refused) {
+  fs::create_directories(folder);
+  std::ofstream trajectory(folder / "trajectory_kitti.txt"), table(folder / "per_sweep.csv");
+  table << "stamp,status\n";
+  for (std::size_t i = 0; i < scans; ++i) {
+    const bool is_refused = std::find(refused.begin(), refused.end(), i) != refused.end();
+    table << 0.1 * static_cast<double>(i) << (is_refused ? ",stamp_not_advancing\n" : ",corrected\n");
+    if (!is_refused) trajectory << "1 0 0 " << i << " 0 1 0 0 0 0 1 0\n";
+  }
+  trajectory.close();
+  table.close();
+  Json summary;
+  summary["run"] = {{"first", first}, {"scans", scans}, {"refused", refused}};
+  sealRun(folder, {"trajectory_kitti.txt", "per_sweep.csv"}, "r0123456789abcdef", summary);
+}
+
+TEST_F(EvaluateTrajectory, ARunIsHeldAgainstTheTruthOfItsScans) {
+  const std::string truth = straight("truth", 61, 1.0), estimate = (folder_ / "run/trajectory_kitti.txt").string();
+  const std::string files = "--ground-truth " + truth + " --estimate " + estimate + " --alert-limit 0.5";
+  const auto expectNoError = [&](std::size_t poses) {
+    run(files);
+    ASSERT_EQ(result_.exit_code, 0) << result_.err;
+    const nlohmann::json json = nlohmann::json::parse(result_.out);
+    EXPECT_EQ(json["poses"], poses);
+    EXPECT_NEAR(json["ate_max_m"].get<double>(), 0.0, 1e-6);
+    EXPECT_EQ(json["episodes"]["failed"], 0);
+  };
+  writeRun(folder_ / "run", 0, 61, {});
+  expectNoError(61);
+  writeRun(folder_ / "run", 0, 61, {5, 6, 30});
+  expectNoError(58);
+  writeRun(folder_ / "run", 4, 50, {1});
+  expectNoError(49);
+  writeRun(folder_ / "run", 12, 50, {});
+  expectRefused(files, "do not belong together");
+
+  writeRun(folder_ / "other", 0, 61, {7});
+  writeRun(folder_ / "run", 0, 61, {5});
+  fs::copy_file(folder_ / "other/trajectory_kitti.txt", estimate, fs::copy_options::overwrite_existing);
+  expectRefused(files, "trajectory_kitti.txt: not the file that run r0123456789abcdef of summary.json wrote");
+}
 
 TEST_F(EvaluateTrajectory, ReportsTheMetricOfAOnePercentScaleError) {
   const std::string truth = straight("truth", 301, 1.0 + 1e-9),
@@ -111,10 +156,10 @@ TEST_F(EvaluateTrajectory, UnusableInputIsRefusedInOneLine) {
   expectRefused("--ground-truth /no/such/file --estimate " + truth, "/no/such/file");
   std::ofstream(folder_ / "nan") << "1 0 0 nan 0 1 0 0 0 0 1 0\n";
   expectRefused("--ground-truth " + truth + " --estimate " + (folder_ / "nan").string(), "nan:1: 'nan' is not finite");
-  expectRefused(files + " --step 0", "step");
+  expectRefused(files + " --step 0", "--step: '0' is not a whole number from 1 to 2147483647");
   expectRefused(files + " --step many", "--step");
-  expectRefused(files + " --lengths 5,-1", "lengths_m");
-  expectRefused(files + " --alert-limit nan", "alert_limit_m");
+  expectRefused(files + " --lengths 5,-1", "--lengths: '-1' is not a number above 0");
+  expectRefused(files + " --alert-limit nan", "--alert-limit");
   expectRefused(files + " --period 0", "--period");
   expectRefused(files + " --nonsense", "--nonsense");
   expectRefused(files + " --calib " + truth, "Tr:");

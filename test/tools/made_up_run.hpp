@@ -2,11 +2,14 @@
 // known covariance, and its ground truth.
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <random>
 #include <string>
+#include <vector>
 
+#include "../../src/tools/run_folder.hpp"
 #include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
@@ -26,9 +29,11 @@ struct MadeUpRun {
   double said_sigma_m = 0.01;  ///< what the filter says of them
   double said_sigma_yaw_rad = 2e-4;
   unsigned seed = 1;
+  std::size_t first = 0;               ///< scan of its drive
+  std::vector<std::size_t> refused{};  ///< sweeps that have a scan and a true pose, and no row in the logs
 
   /// Writes FOLDER/monitor_log.csv, FOLDER/measurements.csv (the first measurement is the estimate, the second too, but
-  /// says twice its standard deviation), FOLDER/parameters.yaml and FOLDER/poses.txt.
+  /// says twice its standard deviation), FOLDER/parameters.yaml, FOLDER/poses.txt and FOLDER/summary.json.
   void write(const std::filesystem::path& folder, const PipelineParameters& params = {}) const {
     std::filesystem::create_directories(folder);
     std::mt19937_64 random(seed);
@@ -70,11 +75,22 @@ struct MadeUpRun {
         }
       }
       s.T_odom_cog = T;
-      log << monitorLogRow(input) << '\n';
+      if (std::find(refused.begin(), refused.end(), input.row) == refused.end()) log << monitorLogRow(input) << '\n';
       truth.push_back(T_true * T_lidar_cog.inverse());
     }
     saveYaml((folder / "parameters.yaml").string(), params);
     writeKittiTrajectory((folder / "poses.txt").string(), truth);
+    log.close();
+    measurements.close();
+    seal(folder);
+  }
+
+  /// Writes FOLDER/summary.json anew, for these files as they are.
+  void seal(const std::filesystem::path& folder,
+            const std::vector<std::string>& files = {"monitor_log.csv", "measurements.csv", "parameters.yaml"}) const {
+    Json summary;
+    summary["run"] = {{"first", first}, {"scans", sweeps}, {"refused", refused}};
+    sealRun(folder, files, "r0123456789abcdef", summary);
   }
 };
 

@@ -15,9 +15,11 @@
 #include <string>
 #include <vector>
 
+#include "../../src/tools/run_folder.hpp"
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
@@ -125,9 +127,9 @@ class OfflineOdometry : public ::testing::Test {
   fs::path out(const std::string& name) const { return folder_ / "out" / name; }
   nlohmann::json summary() const { return nlohmann::json::parse(contentOf(out("summary.json"))); }
 
-  void expectRows(std::size_t rows) const {
-    EXPECT_EQ(rowsOf(out("trajectory_kitti.txt")), rows);
-    EXPECT_EQ(rowsOf(out("trajectory_tum.txt")), rows);
+  void expectRows(std::size_t rows, std::size_t refused = 0) const {
+    EXPECT_EQ(rowsOf(out("trajectory_kitti.txt")), rows - refused);
+    EXPECT_EQ(rowsOf(out("trajectory_tum.txt")), rows - refused);
     EXPECT_EQ(readCsv(out("per_sweep.csv")).size(), rows);
     EXPECT_EQ(summary()["sweeps"], rows);
   }
@@ -317,18 +319,75 @@ TEST_F(OfflineOdometry, TheMonitorsLogReplaysToTheSameOutputForAnyStart) {
   }
 }
 
-TEST_F(OfflineOdometry, TellsHowManyStampsItRefused) {
+TEST_F(OfflineOdometry, RefusedSweepsAreToldAndHaveNoPose) {
   const fs::path drive = copyOfDrive();
   std::ofstream times(drive / "times.txt");
-  for (int i = 0; i < kScans; ++i) times << 0.1 * (i == 4 || i == 7 ? i - 1 : i) << "\n";
+  for (int i = 0; i < kScans; ++i) times << (i == 4 ? 0.3 : i == 7 ? 0.55 : 0.1 * i) << "\n";
   times.close();
   run(drive);
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  expectRows(kScans, 2);
+  EXPECT_EQ(summary()["run"]["scans"], kScans);
+  EXPECT_EQ(summary()["run"]["refused"], nlohmann::json({4, 7}));
+  const std::vector<StampedPose> tum = readTumTrajectory(out("trajectory_tum.txt").string());
+  const std::vector<Pose> lidar = readKittiTrajectory(out("trajectory_kitti.txt").string());
+  std::size_t row = 0;
+  for (const int scan : {0, 1, 2, 3, 5, 6, 8, 9}) {
+    EXPECT_NEAR(tum.at(row).stamp_s, 0.1 * scan, 1e-9);
+    EXPECT_NEAR(tum[row].T.translation().x(), 1.4 * scan, 0.1);
+    EXPECT_NEAR(lidar.at(row).translation().x(), 1.4 * scan, 0.15);
+    ++row;
+  }
   EXPECT_EQ(summary()["by_status"]["stamp_not_advancing"], 2);
   EXPECT_EQ(result_.err.rfind("offline_odometry: warning: the stamps of 2 of 10 sweeps were refused", 0), 0u)
       << result_.err;
   EXPECT_NE(result_.err.find("stamp_not_advancing in per_sweep.csv"), std::string::npos) << result_.err;
   EXPECT_EQ(linesOf(result_.err).size(), 1u) << result_.err;
+}
+
+TEST_F(OfflineOdometry, ARunThatIsCutOffLeavesTheResultsBeforeItAndSaysSo) {
+  run(base() / "drive", "--count 3");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  std::map<std::string, std::string> before;
+  for (const auto& entry : fs::directory_iterator(folder_ / "out")) {
+    before[entry.path().filename().string()] = contentOf(entry.path());
+  }
+  EXPECT_EQ(before.size(), 7u) << "nothing else is left";
+  EXPECT_NO_THROW(readRunSummary(folder_ / "out"));
+
+  // Cut off by a limit on the size of files, in the middle of the sweeps.
+  const std::string command = "bash -c 'ulimit -f 16; trap \"\" XFSZ; exec \"" +
+                              std::string(FAIL_AWARE_OFFLINE_ODOMETRY) + "\" --kitti " + (base() / "drive").string() +
+                              " --output " + (folder_ / "out").string() + "'";
+  const ToolRun cut = runProgram("env", command, folder_);
+  EXPECT_EQ(cut.exit_code, 1) << cut.out << cut.err;
+  for (const auto& [name, text] : before) EXPECT_EQ(contentOf(out(name)), text) << name;
+  EXPECT_THROW(readRunSummary(folder_ / "out"), InputError);
+
+  run(base() / "drive", "--count 4");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NO_THROW(readRunSummary(folder_ / "out"));
+  EXPECT_NE(contentOf(out("summary.json")), before["summary.json"]);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "out"), fs::directory_iterator()), 7)
+      << "and it is cleaned up";
+}
+
+TEST_F(OfflineOdometry, TakesTheLidarsPlaceFromTheCommandLine) {
+  run(base() / "drive", "--count 2 --lidar-in-base -0.5,0.25,1.5,0.01,-0.02,0.03");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(contentOf(out("parameters.yaml")).find("lidar_in_base: [-0.5, 0.25, 1.5, 0.01, -0.02, 0.03]"),
+            std::string::npos);
+  run(base() / "drive", "--count 2 --lidar-in-base -0.5 0.25 1.5 0 0 0");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(contentOf(out("parameters.yaml")).find("lidar_in_base: [-0.5, 0.25, 1.5, 0.0, 0.0, 0.0]"),
+            std::string::npos);
+  fs::remove_all(folder_ / "out");
+  const std::string good =
+      "--kitti '" + (base() / "drive").string() + "' --output '" + (folder_ / "out").string() + "' ";
+  expectRefused(good + "--lidar-in-base 1,2,3", "--lidar-in-base: must be 6");
+  expectRefused(good + "--lidar-in-base 1,2,3,0,0,180", "--lidar-in-base");
+  expectRefused(good + "--lidar-in-base here", "--lidar-in-base");
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
 TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
@@ -447,9 +506,9 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
   expectRefused(good + "--threads 0", "--threads");
   expectRefused(good + "--threads many", "--threads");
   expectRefused(good + "--first 10", "--first 10");
-  expectRefused(good + "--first -1", "--first");
-  expectRefused(good + "--count 0", "--count");
-  expectRefused(good + "--redundant-at -1", "--redundant-at = -1");
+  expectRefused(good + "--first -5", "--first: '-5' is not a whole number from 0 on");
+  expectRefused(good + "--count 0", "--count: '0' is not a whole number from 1 on");
+  expectRefused(good + "--redundant-at -1", "--redundant-at: '-1' is not a number from 0 on");
   expectRefused(good + "--redundant-at nan", "--redundant-at");
   expectRefused(good + "--nonsense", "--nonsense");
   EXPECT_FALSE(fs::exists(output)) << "nothing is made before everything is known to be good";
@@ -474,7 +533,7 @@ TEST_F(OfflineOdometry, HelpListsTheOptions) {
   EXPECT_EQ(result_.exit_code, 0);
   EXPECT_EQ(result_.err, "");
   for (const char* option : {"--kitti", "--output", "--profile", "--vehicle", "--sensor", "--cfg", "--parameters",
-                             "--set", "--threads", "--first", "--count", "--redundant-at"}) {
+                             "--set", "--threads", "--first", "--count", "--redundant-at", "--lidar-in-base"}) {
     EXPECT_NE(result_.out.find(option), std::string::npos) << option;
   }
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "../../src/tools/run_folder.hpp"
 #include "../support/tool_run.hpp"
 
 namespace fail_aware {
@@ -37,7 +38,7 @@ class Report : public ::testing::Test {
     }
     write("run/trajectory_tum.txt", tum.str());
     write("truth.txt", truth.str());
-    write("run/summary.json", R"({"dropped": 2, "profile": "default", "run": {"first": 0, "t1_stamp_s": 1.0,
+    seal(R"({"dropped": 2, "profile": "default", "run": {"first": 0, "t1_stamp_s": 1.0,
         "eta_threshold_rad": 0.001, "horizon_s": 60.0, "alert_limit_m": 0.6, "failing_s": 3.0, "degraded_s": 10.0,
         "lidar_in_base": [-0.5, 0, 1.7, 0, 0, 0]}})");
     write("faults.csv", "kind,start_s,duration_s,severity\nfog,2.0,1.5,0.5\n");
@@ -68,6 +69,19 @@ class Report : public ::testing::Test {
   }
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  /// summary.json for the files as they are.
+  void seal(const std::string& summary = R"({"run": {}})") const {
+    std::vector<std::string> files;
+    for (const char* name : {"per_sweep.csv", "trajectory_tum.txt"}) {
+      if (fs::exists(folder_ / "run" / name)) files.emplace_back(name);
+    }
+    Json json = Json::parse(summary);
+    sealRun(folder_ / "run", files, "r0123456789abcdef", json);
+  }
+  void writeSealed(const std::string& name, const std::string& text) const {
+    write(name, text);
+    seal();
+  }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   void run(const std::string& arguments) { result_ = runProgram(REPORT_SCRIPT, arguments, folder_); }
@@ -131,6 +145,7 @@ TEST_F(Report, ComesOutWithoutTruth) {
 
 TEST_F(Report, ComesOutWithoutATrajectory) {
   fs::remove(folder_ / "run/trajectory_tum.txt");
+  seal();
   const std::string page = runForPage("--ground-truth " + path("truth.txt"));
   expectPictures(page, {"trajectory", "error"}, "no trajectory");
 }
@@ -138,7 +153,7 @@ TEST_F(Report, ComesOutWithoutATrajectory) {
 TEST_F(Report, ComesOutOfASmallTable) {
   write("run/per_sweep.csv", "stamp,status\n0,first\n0.1,corrected\n0.2,corrected\n");
   fs::remove(folder_ / "run/trajectory_tum.txt");
-  fs::remove(folder_ / "run/summary.json");
+  seal();
   expectPictures(runForPage(""), kPictures, "No picture");
 }
 
@@ -151,11 +166,60 @@ TEST_F(Report, TruthMayBeLongerThanTheRunAndInTumRows) {
   EXPECT_NE(page.find("0.98 m horizontal"), std::string::npos);
 }
 
+TEST_F(Report, RefusesFilesOfTwoRunsAndAnUnfinishedOne) {
+  write("run/trajectory_tum.txt", contentOf(folder_ / "run/trajectory_tum.txt") + "6.0 61.2 0 0 0 0 0 1\n");
+  expectRefused(path("run"), "trajectory_tum.txt is not the file that run r0123456789abcdef of summary.json wrote");
+  fs::remove(folder_ / "run/trajectory_tum.txt");
+  expectRefused(path("run"), "trajectory_tum.txt is missing");
+  seal();
+  fs::create_directory(folder_ / "run/unfinished_r0123456789abcdef");
+  expectRefused(path("run"), "did not finish");
+  fs::remove(folder_ / "run/unfinished_r0123456789abcdef");
+  write("run/summary.json", R"({"run": {"first": 0}})");
+  expectRefused(path("run"), "run offline_odometry again");
+  fs::remove(folder_ / "run/summary.json");
+  expectRefused(path("run"), "not the folder of a finished run");
+}
+
+/// The sweep at 2.0 s comes again after the one at 2.1 s: it has no pose.
+TEST_F(Report, ARefusedSweepDoesNotShiftTheTruth) {
+  std::string table = perSweep();
+  const std::size_t line = table.find("\n2,") + 1, next = table.find("\n2.2,");
+  std::string refused = table.substr(line, table.find('\n', line) - line);
+  refused.replace(refused.find("corrected"), 9, "stamp_not_advancing");
+  table.insert(next, "\n" + refused);
+  write("run/per_sweep.csv", table);
+  std::istringstream rows(contentOf(folder_ / "truth.txt"));
+  std::ostringstream truth;
+  int i = 0;
+  for (std::string row; std::getline(rows, row); ++i) {
+    truth << row << "\n";
+    if (i == 21) truth << "1 0 0 20 0 1 0 0 0 0 1 0\n";
+  }
+  write("truth.txt", truth.str());
+  seal(R"({"run": {"first": 0, "t1_stamp_s": 1.0, "alert_limit_m": 0.6}})");
+  EXPECT_NE(runForPage("--ground-truth " + path("truth.txt")).find("0.98 m horizontal"), std::string::npos);
+}
+
+TEST_F(Report, TextFilesOfWindowsAreRead) {
+  const auto asOnWindows = [&](const std::string& name) {
+    std::string text = "\xEF\xBB\xBF";
+    for (const char c : contentOf(folder_ / name)) text += c == '\n' ? std::string("\r\n") : std::string(1, c);
+    write(name, text);
+  };
+  asOnWindows("truth.txt");
+  asOnWindows("faults.csv");
+  const std::string page = runForPage("--ground-truth " + path("truth.txt") + " --faults " + path("faults.csv"));
+  EXPECT_NE(page.find("0.98 m horizontal"), std::string::npos);
+}
+
 TEST_F(Report, RefusesWhatItCannotUse) {
   const std::string run_folder = path("run"), truth = " --ground-truth ";
   expectRefused(path("absent"), "there is no");
   expectRefused(folder_.string(), "cannot read");
   expectRefused(path("truth.txt"), "not a readable bag");
+  write("drive.db3", "SQLite format 3");
+  expectRefused(path("drive.db3"), "is a ROS 2 bag (sqlite3)");
   expectRefused(run_folder + truth + path("absent"), "cannot read");
   write("short.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   expectRefused(run_folder + truth + path("short.txt"), "has 1 poses, the run needs 60");
@@ -170,16 +234,15 @@ TEST_F(Report, RefusesWhatItCannotUse) {
   expectRefused(run_folder + " --output " + path("absent/page.html"), "cannot write");
   write("run/summary.json", "{");
   expectRefused(run_folder, "is not JSON");
-  fs::remove(folder_ / "run/summary.json");
-  write("run/trajectory_tum.txt", "0 0 0 0 0 0 0 1\n");
+  writeSealed("run/trajectory_tum.txt", "0 0 0 0 0 0 0 1\n");
   expectRefused(run_folder, "has 1 rows");
-  write("run/per_sweep.csv", "stamp,eta\n0,1,2\n");
+  writeSealed("run/per_sweep.csv", "stamp,eta\n0,1,2\n");
   expectRefused(run_folder, "line 2 has 3 cells");
-  write("run/per_sweep.csv", "stamp,eta\n0,high\n");
+  writeSealed("run/per_sweep.csv", "stamp,eta\n0,high\n");
   expectRefused(run_folder, "column eta");
-  write("run/per_sweep.csv", "stamp\n");
+  writeSealed("run/per_sweep.csv", "stamp\n");
   expectRefused(run_folder, "no sweep");
-  write("run/per_sweep.csv", "");
+  writeSealed("run/per_sweep.csv", "");
   expectRefused(run_folder, "no sweep");
 }
 
