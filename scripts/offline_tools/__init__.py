@@ -1,4 +1,6 @@
 """The package's tools and states, for the scripts that call and read them."""
+import argparse
+import math
 import os
 import pathlib
 import shutil
@@ -23,6 +25,21 @@ def find_tool(name, failure=end_of_script):
         if candidate and os.access(candidate, os.X_OK):
             return str(candidate)
     raise failure(f"{name} not found; build first (scripts/build)")
+
+
+def within(kind, low, high=math.inf):
+    """For argparse's `type`: an int or a float from low to high; the error names the limits."""
+    limits = f"a {'whole ' if kind is int else ''}number from {low:g} " + ("on" if high == math.inf else f"to {high:g}")
+
+    def parse(text):
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not (math.isfinite(value) and low <= value <= high):
+            raise argparse.ArgumentTypeError(f"'{text}' is not {limits}")
+        return value
+    return parse
 
 
 def last_line(text):
