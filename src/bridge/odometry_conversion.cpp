@@ -4,22 +4,26 @@ namespace fail_aware {
 
 namespace {
 
-void setTwist(const FilterState& state, const Pose& T_base_cog, geometry_msgs::TwistWithCovariance& message) {
+struct Twist {
+  Vector6d mean = Vector6d::Zero();
+  Matrix6d covariance;
+};
+
+Twist unknownTwist() {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(kUnknownSpeed_mps), Eigen::Vector3d::Constant(kUnknownRate_rps);
+  return {Vector6d::Zero(), sigmas.cwiseAbs2().asDiagonal()};
+}
+
+Twist twistOf(const FilterState& state, const Pose& T_base_cog) {
   const Pose T_cog_base = T_base_cog.inverse();
   const Pose T_increment = T_base_cog * state.T_previous_now * T_cog_base;
-  const std::optional<Vector6d> twist = twistFromIncrement(T_increment, state.dt_s);
-  if (!twist) return;
   const Matrix6d about_base = rotateCovariance(state.increment_covariance, T_base_cog.linear());
   const Matrix6d covariance = covarianceAfterOffset(about_base, T_base_cog * state.T_previous_now, T_cog_base);
+  const std::optional<Vector6d> twist = twistFromIncrement(T_increment, state.dt_s);
   const std::optional<Matrix6d> twist_covariance = twistCovariance(covariance, T_increment, state.dt_s);
-  if (!twist_covariance) return;
-  message.twist.linear.x = (*twist)[0];
-  message.twist.linear.y = (*twist)[1];
-  message.twist.linear.z = (*twist)[2];
-  message.twist.angular.x = (*twist)[3];
-  message.twist.angular.y = (*twist)[4];
-  message.twist.angular.z = (*twist)[5];
-  message.covariance = toCovarianceMessage(*twist_covariance);
+  if (!twist || !twist_covariance) return unknownTwist();
+  return {*twist, *twist_covariance};
 }
 
 }  // namespace
@@ -34,7 +38,14 @@ nav_msgs::Odometry toOdometryMessage(const FilterState& state, const Matrix6d& o
   message.pose.pose = toPoseMessage(state.T_odom_cog * T_cog_base);
   message.pose.covariance =
       toCovarianceMessage(covarianceAfterOffset(odometry_covariance, state.T_odom_cog, T_cog_base));
-  setTwist(state, T_base_cog, message.twist);
+  const Twist twist = twistOf(state, T_base_cog);
+  message.twist.twist.linear.x = twist.mean[0];
+  message.twist.twist.linear.y = twist.mean[1];
+  message.twist.twist.linear.z = twist.mean[2];
+  message.twist.twist.angular.x = twist.mean[3];
+  message.twist.twist.angular.y = twist.mean[4];
+  message.twist.twist.angular.z = twist.mean[5];
+  message.twist.covariance = toCovarianceMessage(twist.covariance);
   return message;
 }
 

@@ -277,7 +277,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     if (!outdated.empty()) return refusePose(outdated);
     const PoseSetting::AtEstimate set = pose_setting_.take(filter_->stateAsDriven(), T_base_cog_);
     if (!filter_->setPose(set.T_odom_cog)) return refusePose("the filter cannot stand there");
-    odometry_covariance_.reset(set.covariance);
+    odometry_covariance_.reset(set.covariance + startCovariance());
     sources_->forgetPoses();
     ++counts_.poses_set;
     const Eigen::Vector3d position = (set.T_odom_cog * T_base_cog_.inverse()).translation();
@@ -289,12 +289,15 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   /// The next sweep is the first; it tells the other nodelets so by its dt of 0.
   void reset() {
     filter_->reset(T_base_cog_);  // odom begins at base_link
-    odometry_covariance_.reset(start_sigmas_.cwiseAbs2().asDiagonal());
+    odometry_covariance_.reset(startCovariance());
     intake_.clear(open_.has_value());
     clock_.reset();
     open_.reset();
     counts_.no_transform += held_.size();
     held_.clear();
+  /// No pose is known better: a covariance that is published is positive definite, whatever set_pose says.
+  Matrix6d startCovariance() const { return start_sigmas_.cwiseAbs2().asDiagonal(); }
+
     if (pose_setting_.pending()) refusePose("a new drive began before it could be set");
     pose_setting_.clear();
     sources_->reset();

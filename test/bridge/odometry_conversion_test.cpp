@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
@@ -36,11 +38,30 @@ TEST(OdometryMessage, isThatOfTheBaseWithTwistInIt) {
   EXPECT_NEAR(fromMessage(message.pose.covariance).trace(), 0.06 + 2 * 1e-2 * (0.09 + 0.25), 1e-9);
 }
 
-TEST(OdometryMessage, firstSweepHasNoTwist) {
-  const nav_msgs::Odometry message =
-      toOdometryMessage(FilterState(), Matrix6d::Identity(), Pose::Identity(), "odom", "base_link");
+void expectUnknownTwist(const nav_msgs::Odometry& message) {
   EXPECT_EQ(message.twist.twist.linear.x, 0.0);
-  EXPECT_EQ(message.twist.covariance[0], 0.0);
+  EXPECT_EQ(message.twist.twist.angular.z, 0.0);
+  const Vector6d variances = symmetricEigenvalues(fromMessage(message.twist.covariance));
+  EXPECT_GE(variances[0], 100.0 * 100.0) << "rad^2/s^2: no measurement";
+  EXPECT_LE(variances[5], 1000.0 * variances[0]) << "can be inverted";
+  const Matrix6d C = fromMessage(message.twist.covariance);
+  EXPECT_GE(C(0, 0), 1000.0 * 1000.0) << "m^2/s^2";
+}
+
+TEST(OdometryMessage, aFirstSweepsTwistIsUnknown) {
+  expectUnknownTwist(toOdometryMessage(FilterState(), Matrix6d::Identity(), Pose::Identity(), "odom", "base_link"));
+}
+
+TEST(OdometryMessage, aTwistThatIsNotFiniteIsUnknown) {
+  FilterState state;
+  state.dt_s = 0.1;
+  state.increment_covariance = 1e-4 * Matrix6d::Identity();
+  FilterState bad_motion = state, bad_covariance = state;
+  bad_motion.T_previous_now.translation().x() = std::nan("");
+  bad_covariance.increment_covariance(0, 0) = std::nan("");
+  for (const FilterState& bad : {bad_motion, bad_covariance}) {
+    expectUnknownTwist(toOdometryMessage(bad, Matrix6d::Identity(), Pose::Identity(), "odom", "base_link"));
+  }
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "../support/driver_clouds.hpp"
 #include "../support/graph_driver.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 
 namespace fail_aware {
@@ -316,6 +317,18 @@ TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
     EXPECT_GT(stateAt(i).valid_inputs, 1u) << "references began anew, the motion is known";
     expectNear(T_set.inverse() * poseAt(i), truthAt(i, set_at), 0.06, std::to_string(i));
   }
+
+  publisher.publish(poseMessage(Pose::Identity(), 0.0, 0.0, "odom", ros::Time()));  // known exactly
+  const auto epoch_set = stateAt(set_at + 5).odom_epoch;
+  int known_at = set_at + 6;
+  for (;; ++known_at) {
+    ASSERT_LT(known_at, set_at + 16);
+    drive(known_at, known_at);
+    if (stateAt(known_at).odom_epoch != epoch_set) break;
+  }
+  const Matrix6d known = fromMessage(graph_->odometry.at(stampOfSweep(known_at)).pose.covariance);
+  EXPECT_GT(symmetricEigenvalues(known)[0], 0.0) << "others invert it";
+  EXPECT_LT(std::sqrt(known(0, 0)), 0.005);
 }
 
 // ---- extra sources --------------------------------------------------------------------------------------------------

@@ -284,6 +284,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
 
 FilterState PoseFilter::stateAsDriven() const {
   FilterState state = state_;
+  if (!prediction_.motion_known && !state.corrected) state.dt_s = 0.0;
   if (!state.interval_wrong) return state;
   state.dt_s = std::min(state.dt_s, kLongInterval_s);  // in which it turns by less than half a turn
   Vector6d twist_cog;

@@ -156,6 +156,20 @@ TEST(PoseFilter, AWayInAnotherIntervalThanTheStampsIsTakenAsThePoseAndNotAsAMoti
   }
 }
 
+TEST(PoseFilter, BeforeAMotionIsMeasuredThereIsNone) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  step(filter, drive.stamp(0), {});
+  EXPECT_EQ(filter.stateAsDriven().dt_s, 0.0);
+  const Step predicted = step(filter, drive.stamp(1), {});
+  EXPECT_NEAR(predicted.state.dt_s, kDt_s, 1e-9);
+  EXPECT_EQ(filter.stateAsDriven().dt_s, 0.0) << "it stands in the prediction only";
+  step(filter, drive.stamp(2), {measured(drive.at(2))});
+  EXPECT_NEAR(filter.stateAsDriven().dt_s, kDt_s, 1e-9);
+  step(filter, drive.stamp(3), {});
+  EXPECT_NEAR(filter.stateAsDriven().dt_s, kDt_s, 1e-9) << "from here on a prediction has a motion";
+}
+
 TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
   PoseFilter filter = makeFilter();
   const Drive drive;

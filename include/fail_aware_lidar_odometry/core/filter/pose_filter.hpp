@@ -141,7 +141,7 @@ class PoseFilter {
 
   /// With the motion that a vehicle can follow: where the stamps told another interval than was driven, the way between
   /// two estimates may be one back over all that the prediction was off by. There it is the way of the motion that
-  /// the filter keeps, in a dt that is kLongInterval_s at most.
+  /// the filter keeps, in a dt that is kLongInterval_s at most. Before any motion was measured dt is 0: there is none.
   FilterState stateAsDriven() const;
 
   bool started() const { return started_; }
