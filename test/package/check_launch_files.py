@@ -18,23 +18,29 @@ FITTED = "fitted.yaml"  # likewise
 OWN = {"profile": "profiles/default.yaml", "vehicle": "vehicles/passat_b6.yaml", "sensor": "sensors/hdl64e.yaml"}  # copied there
 FITTED_TEXT = "monitor:\n  drift:\n    scale_bias: 0.5\n"
 CASES = {
-    "odometry.launch": [{}, {"rviz": "true"}, {"start_manager": "false", "manager": "/other"}, {"profile": "paper"},
+    "odometry.launch": [{}, {"rviz": "true"}, {"respawn": "true"}, {"start_manager": "false", "manager": "/other"}, {"profile": "paper"},
                         {"namespace": "second"}, {"parameters": FITTED}, OWN],
     "kitti_replay.launch": [{"bag": BAG}, {"bag": BAG, "bag_tf": "true"}, {"play": "false"}, {"play": "false", "parameters": FITTED},
                             {"bag": BAG, "loop": "true", "rviz": "true"}],
     "velodyne_hdl64e.launch": [{}, {"driver": "false"}, {"calibration": "/data/head.yaml", "rviz": "true"},
-                               {"parameters": FITTED}, OWN],
+                               {"parameters": FITTED}, OWN,
+                               {"timestamp_first_packet": "true"}, {"gps_time": "true", "respawn": "true"},
+                               {"pcap": "/data/head.pcap", "pcap_time": "true", "read_once": "true", "max_range": "90.0"}],
+    "demo.launch": [{}, {"publish_tf": "false"}],
 }
 DRIVER = """<launch>
   %s
   <node pkg="nodelet" type="nodelet" name="$(arg manager)" args="manager"/>
   <node pkg="nodelet" type="nodelet" name="$(arg manager)_driver" args="load velodyne_driver/DriverNodelet $(arg manager)">
     <param name="cut_angle" type="double" value="$(arg cut_angle)"/>
+    <param name="gps_time" value="$(arg gps_time)"/>
+    <param name="pcap_time" value="$(arg pcap_time)"/>
+    <param name="timestamp_first_packet" value="$(arg timestamp_first_packet)"/>
   </node>
 </launch>
-""" % "\n  ".join('<arg name="%s" default="x"/>' % name for name in (
+""" % "\n  ".join('<arg name="%s" default="false"/>' % name for name in (
     "calibration", "device_ip", "frame_id", "manager", "max_range", "min_range", "pcap", "port", "read_fast", "read_once",
-    "repeat_delay", "rpm", "gps_time", "cut_angle", "timestamp_first_packet", "laserscan_ring", "laserscan_resolution"))
+    "repeat_delay", "rpm", "gps_time", "pcap_time", "cut_angle", "timestamp_first_packet", "laserscan_ring", "laserscan_resolution"))
 
 
 def stand_in_for_driver(folder):
@@ -113,11 +119,19 @@ def check(root, name, arguments, config, nodelets):
             expect(("--loop" in play.args) == ("loop" in arguments), play.args)
             expect(play.remap_args == ([] if bag_tf else [["/tf", "/kitti/tf"]]), play.remap_args)
     else:
-        expect(publish_tf is True, "publish_tf")
+        expect(publish_tf is (arguments.get("publish_tf") != "false"), "publish_tf")
+    own = [node for node in config.nodes if node.args.startswith("load %s/" % PACKAGE)]
+    expect(all(node.respawn is (arguments.get("respawn") == "true") for node in own), "respawn")
     if name == "velodyne_hdl64e.launch":
         manager = "manager" if arguments.get("driver") == "false" else "/velodyne_nodelet_manager"
         fusion = names["fusion_ukf"]
         expect(fusion.args.split()[2] == manager, fusion.args)
+        for key in ("gps_time", "pcap_time", "timestamp_first_packet") if arguments.get("driver") != "false" else ():
+            passed_on = values["/velodyne_nodelet_manager_driver/%s" % key]
+            expect(passed_on is (arguments.get(key) == "true"), "%s: %r" % (key, passed_on))
+        first_packet = arguments.get("timestamp_first_packet") == "true"
+        expect(values[namespace + "/sensor/timing/stamp_reference"] == ("start" if first_packet else "auto"),
+               "stamp_reference")
 
 
 def check_bag_is_refused(root, bag):
