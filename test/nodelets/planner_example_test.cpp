@@ -3,6 +3,7 @@
 #include <fail_aware_lidar_odometry/TimeToFailure.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
+#include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
 
 #include <string>
@@ -18,10 +19,14 @@ class PlannerExample : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     publisher_ = node_.advertise<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure", 1);
+    standing_ = node_.advertise<std_msgs::Bool>(std::string("/") + GetParam() + "/standing", 1, true);
     subscriber_ =
         node_.subscribe<std_msgs::String>(std::string("/") + GetParam() + "/action", 1,
                                           [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
-    ASSERT_TRUE(waitFor([&] { return publisher_.getNumSubscribers() == 2 && !action_.empty(); })) << "not up";
+    ASSERT_TRUE(waitFor([&] {
+      return publisher_.getNumSubscribers() == 2 && standing_.getNumSubscribers() == 1 && !action_.empty();
+    })) << "not up";
+    setStanding(true);
   }
 
   std::string await(const std::string& action) {
@@ -29,23 +34,43 @@ class PlannerExample : public testing::TestWithParam<const char*> {
     return action_;
   }
 
+  void say(std::uint8_t state, double time_s, double age_s = 0.0) {
+    TimeToFailure message;
+    message.header.stamp = ros::Time::now() - ros::Duration(age_s);
+    message.state = state;
+    message.horizon = 60.0;
+    message.time_to_failure = time_s;
+    publisher_.publish(message);
+    ros::WallDuration(0.02).sleep();
+  }
+
   /// What it does after some time of such messages.
   std::string reaction(const std::string& expected, std::uint8_t state, double time_s, double age_s = 0.0) {
     waitFor([&] {
-      TimeToFailure message;
-      message.header.stamp = ros::Time::now() - ros::Duration(age_s);
-      message.state = state;
-      message.horizon = 60.0;
-      message.time_to_failure = time_s;
-      publisher_.publish(message);
-      ros::WallDuration(0.02).sleep();
+      say(state, time_s, age_s);
       return action_ == expected;
     });
     return action_;
   }
 
+  /// What it does after a second of such messages.
+  std::string reactionAfterAWhile(std::uint8_t state, double time_s) {
+    const ros::SteadyTime end = ros::SteadyTime::now() + ros::WallDuration(1.0);
+    waitFor([&] {
+      say(state, time_s);
+      return ros::SteadyTime::now() > end;
+    });
+    return action_;
+  }
+
   ros::NodeHandle node_;
-  ros::Publisher publisher_;
+  void setStanding(bool standing) {
+    std_msgs::Bool message;
+    message.data = standing;
+    standing_.publish(message);
+  }
+
+  ros::Publisher publisher_, standing_;
   ros::Subscriber subscriber_;
   std::string action_;
 };
@@ -59,11 +84,28 @@ TEST_P(PlannerExample, doesWhatTheContractSays) {
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
   EXPECT_EQ(reaction("stop", TimeToFailure::OK, 3.9), "stop") << "less than a stop takes";
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
-  EXPECT_EQ(reaction("stop", TimeToFailure::DEGRADED, 9.0, 6.0), "stop") << "said 6 s ago";
+  EXPECT_EQ(reaction("stop", TimeToFailure::DEGRADED, 4.5, 0.8), "stop") << "said 0.8 s ago";
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0, 6.0), "stop blind") << "said 6 s ago";
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0, -3.0), "stop blind") << "said in the future";
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
   EXPECT_EQ(reaction("stop blind", TimeToFailure::FAILED, 0.0), "stop blind");
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
   EXPECT_EQ(reaction("stop blind", TimeToFailure::UNKNOWN, -1.0), "stop blind");
+}
+
+TEST_P(PlannerExample, AStopThatHasBegunIsCarriedThroughToStandstill) {
+  ASSERT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  setStanding(false);
+  ASSERT_EQ(reaction("slow down", TimeToFailure::DEGRADED, 60.0), "slow down");
+  ASSERT_EQ(reaction("stop", TimeToFailure::FAILING, 60.0), "stop");
+  EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop") << "though it is over";
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::FAILED, 0.0), "stop blind") << "from here on without the pose";
+  EXPECT_EQ(reactionAfterAWhile(TimeToFailure::FAILING, 60.0), "stop blind");
+  EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop blind");
+  setStanding(true);
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
 }
 
 INSTANTIATE_TEST_SUITE_P(Readme, PlannerExample, testing::Values("planner_cpp", "planner_python"));
