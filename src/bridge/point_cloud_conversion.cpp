@@ -219,11 +219,13 @@ void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensiti
   }
 }
 
-void writePoints(const std::vector<Eigen::Vector3d>& points, sensor_msgs::PointCloud2& cloud) {
-  layOut({"x", "y", "z"}, false, points.size(), cloud);
+void writePoints(const std::vector<Eigen::Vector3d>& points_odom, const Pose& T_odom_seen,
+                 sensor_msgs::PointCloud2& cloud) {
+  layOut({"x", "y", "z"}, false, points_odom.size(), cloud);
+  const Pose T_seen_odom = T_odom_seen.inverse();
   std::uint8_t* out = cloud.data.data();
-  for (const Eigen::Vector3d& point : points) {
-    const Eigen::Vector3f p = point.cast<float>();
+  for (const Eigen::Vector3d& point : points_odom) {
+    const Eigen::Vector3f p = (T_seen_odom * point).cast<float>();
     std::memcpy(out, p.data(), cloud.point_step);
     out += cloud.point_step;
   }

@@ -37,12 +37,12 @@ class CornerSvdAlgorithm {
   void place(const FilterState& state) { corners_.place(state); }
   void skip(const FilterState&) {}
   void reset() { corners_.reset(); }
-  void show(const std_msgs::Header& header) {
+  void show(const messages::SweepPrediction& sweep) {
     if (markers_.getNumSubscribers() == 0) return;
     std::vector<Corner> corners_odom;
     for (const Corner& corner : corners_.cornersCog()) corners_odom.push_back(movedCorner(T_odom_cog_, corner));
     markers_.publish(boost::make_shared<const visualization_msgs::MarkerArray>(
-        cornerMarkers(corners_odom, corners_.referenceOdom(), header)));
+        cornerMarkers(corners_odom, corners_.referenceOdom(), sweep.header)));
   }
 
  private:

@@ -1,8 +1,10 @@
 // Normal-filtered ICP in the live graph (core/registration/normal_filtered_icp.hpp). Its reference is also published,
-// as `local_map`, once a second of sweep time.
+// as `local_map`, once a second of sweep time: as seen from the lidar at the sweep before, whose pose is final. In odom's
+// own axes FLOAT32 would move the points by half a metre where odom has coordinates of a map (UTM).
 #include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 #include "measurement_nodelet.hpp"
@@ -38,13 +40,18 @@ class IcpPointToPlaneAlgorithm {
   void place(const FilterState& state) { front_.place(state); }
   void skip(const FilterState& state) { front_.skip(state); }
   void reset() { front_.reset(); }
-  void show(const std_msgs::Header& header) {
-    const double since_s = secondsFrom(shown_stamp_, header.stamp);
+  void show(const messages::SweepPrediction& sweep) {
+    const ros::Time stamp = sweep.previous_stamp;
+    const double since_s = secondsFrom(shown_stamp_, stamp);
     if (local_map_.getNumSubscribers() == 0 || (since_s >= 0.0 && since_s < kLocalMapPeriod_s)) return;
-    shown_stamp_ = header.stamp;
+    const std::optional<Pose> T_odom_cog = fromMessage(sweep.previous_pose),
+                              T_cog_lidar = fromMessage(sweep.lidar_in_cog);
+    if (stamp.isZero() || !T_odom_cog || !T_cog_lidar) return;
+    shown_stamp_ = stamp;
     const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
-    writePoints(front_.map().points(), *cloud);
-    cloud->header = header;
+    writePoints(front_.map().points(), *T_odom_cog * *T_cog_lidar, *cloud);
+    cloud->header.stamp = stamp;
+    cloud->header.frame_id = sweep.lidar_frame;
     local_map_.publish(sensor_msgs::PointCloud2ConstPtr(cloud));
   }
 

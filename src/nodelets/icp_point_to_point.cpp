@@ -37,9 +37,9 @@ class IcpPointToPointAlgorithm {
   void place(const FilterState& state) { front_.place(state); }
   void skip(const FilterState& state) { front_.skip(state); }
   void reset() { front_.reset(); }
-  void show(const std_msgs::Header& header) {
+  void show(const messages::SweepPrediction& sweep) {
     if (markers_.getNumSubscribers() == 0) return;
-    markers_.publish(boost::make_shared<const visualization_msgs::MarkerArray>(seedMarkers(tracks_, header)));
+    markers_.publish(boost::make_shared<const visualization_msgs::MarkerArray>(seedMarkers(tracks_, sweep.header)));
   }
 
  private:

@@ -6,8 +6,7 @@
 // nodelet that is overloaded skips to the newest sweep.
 // Algorithm: Algorithm(node, const PipelineParameters&), static name(), Config and Tuning (reconfiguration.hpp) with
 // tuning() and tune(tuning), measure(corrected, task), place(state), skip(state), reset(),
-// and show(header), which publishes what it has for rviz once its measurement is out (header: stamp of the sweep, frame
-// of the odometry).
+// and show(prediction), which publishes what it has for rviz once its measurement is out.
 #pragma once
 
 #include <nodelet/nodelet.h>
@@ -104,7 +103,7 @@ class MeasurementNodelet : public nodelet::Nodelet {
     if (measurement.ok()) ++usable_;
     rate_.tick();
     publisher_.publish(messages::PoseMeasurementConstPtr(message));
-    algorithm_->show(prediction.header);
+    algorithm_->show(prediction);
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

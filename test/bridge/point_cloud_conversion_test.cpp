@@ -232,14 +232,27 @@ TEST(CorrectedCloud, comesBackAsItWas) {
 
 TEST(WritePoints, areReadBack) {
   sensor_msgs::PointCloud2 cloud;
-  writePoints({{1.0, 2.0, 3.0}, {-4.0, 5.0, 6.0}}, cloud);
+  writePoints({{1.0, 2.0, 3.0}, {-4.0, 5.0, 6.0}}, Pose::Identity(), cloud);
   EXPECT_EQ(cloud.point_step, 12u);
   Sweep sweep;
   ASSERT_TRUE(readCloud(cloud, sweep).ok());
   EXPECT_EQ(sweep.points_lidar, (std::vector<Eigen::Vector3f>{{1, 2, 3}, {-4, 5, 6}}));
-  writePoints({}, cloud);
+  writePoints({}, Pose::Identity(), cloud);
   EXPECT_EQ(cloud.width, 0u);
   EXPECT_TRUE(cloud.data.empty());
+}
+
+TEST(WritePoints, ExactAtTheCoordinatesOfAMap) {
+  const Pose T_odom_lidar = poseFromVector((Vector6d() << 691234.567, 5334567.891, 519.0, 0.01, -0.02, 2.0).finished());
+  const std::vector<Eigen::Vector3d> points_lidar = {{12.345, -6.789, 0.123}, {12.346, -6.789, 0.123}};
+  sensor_msgs::PointCloud2 cloud;
+  writePoints({T_odom_lidar * points_lidar[0], T_odom_lidar * points_lidar[1]}, T_odom_lidar, cloud);
+  Sweep sweep;
+  ASSERT_TRUE(readCloud(cloud, sweep).ok());
+  ASSERT_EQ(sweep.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_LT((sweep.points_lidar[i].cast<double>() - points_lidar[i]).norm(), 1e-5) << "m";
+  }
 }
 
 }  // namespace

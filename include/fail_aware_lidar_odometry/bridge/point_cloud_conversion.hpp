@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 
 namespace fail_aware {
 
@@ -37,8 +38,10 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep);
 /// `intensities`: one a point, or empty (then 0). Times: relative to the stamp. Header left to the caller.
 void writeCloud(const CorrectedSweep& sweep, const std::vector<float>& intensities, sensor_msgs::PointCloud2& cloud);
 
-/// x y z, FLOAT32, point_step 12. Header left to the caller.
-void writePoints(const std::vector<Eigen::Vector3d>& points, sensor_msgs::PointCloud2& cloud);
+/// x y z, FLOAT32, point_step 12, as seen from where `T_odom_seen` is: exact however far from odom's origin that lies.
+/// Header left to the caller.
+void writePoints(const std::vector<Eigen::Vector3d>& points_odom, const Pose& T_odom_seen,
+                 sensor_msgs::PointCloud2& cloud);
 
 /// Back from writeCloud's cloud; times that are all zero mean no timing.
 CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, CorrectedSweep& sweep);
