@@ -43,7 +43,8 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--cloud", options.cloud, "the topic that the odometry reads")->capture_default_str();
   app.add_option("--namespace", options.graph, "of the graph: its odometry and filter_state are read")
       ->capture_default_str();
-  app.add_option("--manager", options.manager, "node whose process is watched (default: NAMESPACE/manager)");
+  app.add_option("--manager", options.manager,
+                 "node whose process is watched (default: the one that publishes NAMESPACE/odometry)");
   app.add_option("--duration", options.duration_s, "s from the first cloud (default: until Ctrl-C)")
       ->check(positiveNumber());
   app.add_option("--idle", options.idle_s, "ends when nothing came for so many s after the first cloud")
@@ -119,9 +120,12 @@ class Observer {
 /// The manager's process, sampled while clouds come.
 class ProcessWatch {
  public:
-  explicit ProcessWatch(std::string node) : node_(std::move(node)) {}
+  /// An empty node: the one that publishes `topic`.
+  ProcessWatch(std::string node, std::string topic) : node_(std::move(node)), topic_(std::move(topic)) {}
 
   void update() {
+    if (node_.empty()) node_ = publisherOf(topic_);
+    if (node_.empty()) return;
     if (!pid_) pid_ = processOfNode(node_);
     if (!pid_) return;
     const std::optional<ProcessSample> sample = sampleProcess(*pid_);
@@ -147,7 +151,7 @@ class ProcessWatch {
   }
 
  private:
-  std::string node_;
+  std::string node_, topic_;
   std::optional<long> pid_;
   std::optional<ProcessSample> first_, last_;
   double first_s_ = 0.0, last_s_ = 0.0, max_rss_mb_ = 0.0;
@@ -201,7 +205,9 @@ void printTable(const Json& json) {
                 process["rss_start_mb"].get<double>(), process["rss_end_mb"].get<double>(),
                 process["rss_max_mb"].get<double>());
   } else {
-    std::printf("%s: no such node on this machine\n", process["node"].get<std::string>().c_str());
+    const std::string node = process["node"].get<std::string>();
+    std::printf("CPU and memory           not measured: %s\n",
+                node.empty() ? "no node publishes the odometry" : (node + " is no node on this machine").c_str());
   }
   std::fflush(stdout);
 }
@@ -222,7 +228,7 @@ int run(const Options& options) {
   }
   ros::NodeHandle node;
   Observer observer(node, options);
-  ProcessWatch watch(options.manager.empty() ? options.graph + "/manager" : options.manager);
+  ProcessWatch watch(options.manager, ros::names::resolve(options.graph + "/odometry"));
   ros::AsyncSpinner spinner(2);
   spinner.start();
   while (ros::ok() && !finished(observer, options)) {

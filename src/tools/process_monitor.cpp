@@ -13,6 +13,19 @@
 
 namespace fail_aware {
 
+std::string publisherOf(const std::string& topic) {
+  XmlRpc::XmlRpcValue request, response, state;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, state, false)) return "";
+  XmlRpc::XmlRpcValue& published = state[0];  // (topic, (node, ...)), ...
+  for (int i = 0; i < published.size(); ++i) {
+    if (static_cast<std::string>(published[i][0]) == topic && published[i][1].size() > 0) {
+      return static_cast<std::string>(published[i][1][0]);
+    }
+  }
+  return "";
+}
+
 std::optional<long> processOfNode(const std::string& node_name) {
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
