@@ -239,6 +239,8 @@ void OdometryPipeline::reset() {
 
 const LevelKeeping& OdometryPipeline::levelKeeping() const { return stages_->corrector.levelKeeping(); }
 
+std::string OdometryPipeline::seamContradiction() const { return stages_->corrector.seamContradiction(); }
+
 std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->front.map().points(); }
 
 }  // namespace fail_aware

@@ -236,6 +236,9 @@ int run(const Options& options) {
         << " times; the trajectories keep the order of the recording, the stamps of trajectory_tum.txt go back there"
         << std::endl;
   }
+  if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) {
+    std::cerr << kName << ": warning: " << contradiction << std::endl;
+  }
   if (!t1_stamp_s) {
     std::cerr << kName << ": warning: the drive ended before --redundant-at: there is no t1, every state is UNKNOWN"
               << std::endl;

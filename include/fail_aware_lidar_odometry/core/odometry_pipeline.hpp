@@ -75,6 +75,9 @@ class OdometryPipeline {
   /// What has been found of tilt and drift so far.
   const LevelKeeping& levelKeeping() const;
 
+  /// One line: how the clouds contradict the sensor's timing parameters (sweep_seam.hpp). Empty: they do not.
+  std::string seamContradiction() const;
+
   /// The reference's points in odom.
   std::vector<Eigen::Vector3d> referencePoints() const;
 

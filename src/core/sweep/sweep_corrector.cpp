@@ -8,12 +8,23 @@
 
 namespace fail_aware {
 
+namespace {
+
+// Undoes SensorParameters::correctedTiming().
+SweepTimingParams timingOfRawPoints(SweepTimingParams timing, const AzimuthCorrectionParams& azimuth) {
+  timing.start_azimuth_deg -= azimuth.angle_deg;
+  return timing;
+}
+
+}  // namespace
+
 SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle,
                                const AzimuthCorrectionParams& azimuth, const SweepTimingParams& timing,
                                const SweepCorrectionParams& correction, const LevelKeepingParams& level_keeping)
     : vertical_angle_(vertical_angle),
       azimuth_(azimuth),
       timing_(timing),
+      seam_(timingOfRawPoints(timing, azimuth)),
       correction_(correction),
       level_keeping_(level_keeping) {
   vertical_angle_.validate();
@@ -24,6 +35,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
                                              CorrectedSweep& corrected) {
   SweepCorrectorReport report;
   if (sweep.rings.empty()) sweep.rings = ringsByOrder(sweep.points_lidar);
+  const std::optional<SweepSeam> seam = findSweepSeam(sweep.points_lidar);
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
   correctAzimuth(azimuth_, sweep.points_lidar);
   level_keeping_.apply(sweep.points_lidar);
@@ -31,6 +43,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   if (report.timing.source == TimingSource::kField) {
     report.revolution_s = revolutionFromTimes(sweep.points_lidar, times_s_);
   }
+  if (seam && report.timing.source == TimingSource::kAzimuth) seam_.observe(*seam);
   report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
                                           prediction.dt_s, T_cog_lidar, corrected);
   if (report.correction.corrected() && !times_s_.empty()) {

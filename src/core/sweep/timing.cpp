@@ -164,13 +164,15 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
   double offset = 0.0;
   if (low >= -limit && high <= limit) {
     const StampReference zero = referenceFromSign(low, high);
+    result.field_reference = zero;
     result.reference = referenceOr(zero);
     offset = (positionInSweep(zero) - positionInSweep(result.reference)) * result.period_s;
   } else {
     const double resolution = std::max(std::abs(low), std::abs(high)) * 1.2e-7;
     const bool of_this_sweep = low - sweep.stamp_s >= -limit && high - sweep.stamp_s <= limit;
     if (!of_this_sweep || resolution > kCoarsestFieldResolution_s) return TimeField::kBadScale;
-    result.reference = referenceOr(referenceFromSign(low - sweep.stamp_s, high - sweep.stamp_s));
+    result.field_reference = referenceFromSign(low - sweep.stamp_s, high - sweep.stamp_s);
+    result.reference = referenceOr(*result.field_reference);
     offset = -sweep.stamp_s;
   }
   times_s.resize(size);

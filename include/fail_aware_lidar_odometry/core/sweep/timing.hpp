@@ -58,6 +58,7 @@ struct TimingResult {
   TimeField field = TimeField::kNotRead;
   TimingSource source = TimingSource::kNone;
   StampReference reference = StampReference::kEnd;
+  std::optional<StampReference> field_reference{};  ///< what the signs of the field's times say, where it is used
   double period_s = 0.1;
   bool period_known = false;  ///< given or measured; otherwise nominal
 
