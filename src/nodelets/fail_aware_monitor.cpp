@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "clock_check.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
@@ -73,6 +74,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     const std::optional<FilterState> state = fromMessage(*message);
     if (!state) return;
     heard_s_ = now_s();
+    clock_.heard(message->header.stamp);
     rate_.tick();
     if (state->dt_s > 0.0) {
       period_s_ = state->dt_s;
@@ -140,6 +142,9 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
     const auto level = failed ? Level::ERROR : output_.state == FailAwareState::kOk ? Level::OK : Level::WARN;
     const std::string reasons = reasonText(output_.reasons);
     status.summary(level, std::string(toString(output_.state)) + (reasons.empty() ? "" : ": " + reasons));
+    if (const std::string fault = clock_.fault(); !fault.empty()) {
+      status.summary(std::max<decltype(level)>(level, Level::WARN), status.message + "; " + fault);
+    }
     status.addf("rate of filter states (Hz)", "%.2f", rate_.take_hz());
     status.addf("silence (s)", "%.3f", now_s() - heard_s_);
     const char* serves = monitor_->startPending() ? "waits for an observed motion" : monitor_->started() ? "yes" : "no";
@@ -163,6 +168,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   bool asked_ = false;  ///< ~start_redundant was called since the last filter state
   Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
   std_msgs::Header header_;  ///< of the last filter state
+  ClockCheck clock_;         ///< of the filter states
   RateMeter rate_;
   double period_s_ = kUsualPeriod_s;
   double heard_s_ = 0.0;

@@ -18,8 +18,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "clock_check.hpp"
 #include "deferred_call.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
@@ -34,8 +36,10 @@
 #include "odometry_output.hpp"
 #include "pose_setting.hpp"
 #include "private_parameters.hpp"
+#include "published_type.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
+#include "spoken_faults.hpp"
 #include "stamps.hpp"
 #include "sweep_intake.hpp"
 #include "topics.hpp"
@@ -55,6 +59,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; here it is counted
   static constexpr double kDeadlineCheck_s = 0.01;
   static constexpr double kSilent_s = 2.0;  ///< without a sweep: worth a diagnostic
+  static constexpr double kStarts_s = 8.0;  ///< until all the others are there: no line in the log before
   static constexpr std::size_t kHeld = 3;   ///< fewer than the correction keeps clouds
 
   struct Counts {
@@ -76,6 +81,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     T_base_cog_ = pipeline.vehicle.T_base_cog();
     start_sigmas_ << Eigen::Vector3d::Constant(profile.filter.initial_sigma_m),
         Eigen::Vector3d::Constant(profile.filter.initial_sigma_deg * kDegree);
+    loaded_at_ = ros::SteadyTime::now();
     filter_ = std::make_unique<PoseFilter>(profile.filter, profile.ukf,
                                            VehicleModel(pipeline.vehicle.dynamics, profile.model), profile.history,
                                            profile.road, profile.fusion);
@@ -126,6 +132,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) {
     const std_msgs::Header& header = cloud->header;
     heard_at_ = ros::SteadyTime::now();
+    clock_.heard(header.stamp);
     switch (lidar_.find(header.frame_id)) {
       case LidarPlace::Answer::kKnown: break;
       case LidarPlace::Answer::kNoTransform: hold(header); return;
@@ -159,7 +166,8 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void accept(const std_msgs::Header& header) {
     const ros::SteadyTime now = ros::SteadyTime::now();
     if (intake_.offer(header, now) == SweepIntake::Verdict::kNewDrive) {
-      NODELET_WARN("stamps jumped by %.3f s: starting anew", intake_.since_newest_s(header.stamp));
+      faults_.say("jump",
+                  "stamps jumped by " + std::to_string(intake_.since_newest_s(header.stamp)) + " s: starting anew");
       ++counts_.time_jumps;
       reset();
       intake_.offer(header, now);
@@ -286,6 +294,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   // ---- the rest -----------------------------------------------------------------------------------------------------
 
+  /// No pose is known better: a covariance that is published is positive definite, whatever set_pose says.
+  Matrix6d startCovariance() const { return start_sigmas_.cwiseAbs2().asDiagonal(); }
+
   /// The next sweep is the first; it tells the other nodelets so by its dt of 0.
   void reset() {
     filter_->reset(T_base_cog_);  // odom begins at base_link
@@ -295,9 +306,6 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     open_.reset();
     counts_.no_transform += held_.size();
     held_.clear();
-  /// No pose is known better: a covariance that is published is positive definite, whatever set_pose says.
-  Matrix6d startCovariance() const { return start_sigmas_.cwiseAbs2().asDiagonal(); }
-
     if (pose_setting_.pending()) refusePose("a new drive began before it could be set");
     pose_setting_.clear();
     sources_->reset();
@@ -320,17 +328,25 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using Level = diagnostic_msgs::DiagnosticStatus;
     const std::string absent = sources_->absent();
+    const std::string clock_fault = clock_.fault();
+    if (secondsSince(loaded_at_) > kStarts_s) faults_.say("clock", clock_fault);
     if (!lidar_.known() && missing_transform_) {
-      status.summary(Level::ERROR,
-                     "no transform " + params_.base_frame + " -> " + lidar_.lidarFrame() + ": " + lidar_.error());
+      status.summary(Level::ERROR, lidar_.fault());
+      faults_.say("transform", lidar_.fault());
+    } else if (heard_at_.isZero()) {
+      const std::string topic = cloud_subscriber_.getTopic(), type = publishedType(topic);
+      status.summary(Level::WARN, whyNoCloud(topic, type));
+      if (!type.empty() && secondsSince(loaded_at_) > kStarts_s) faults_.say("no cloud", status.message);
     } else if (counts_.sweeps == 0) {
-      status.summary(Level::WARN, intake_.lastRefused().empty() ? "no cloud yet" : noUsableCloud());
+      status.summary(Level::WARN, intake_.lastRefused().empty() ? "no sweep yet" : noUsableCloud());
     } else if (const double silent_s = secondsSince(heard_at_); silent_s > kSilent_s) {
       status.summaryf(Level::WARN, "no cloud for %.0f s", silent_s);
     } else if (!open_ && secondsSince(arrived_at_) > kSilent_s) {
       status.summary(Level::WARN, noUsableCloud());
     } else if (!absent.empty()) {
       status.summary(Level::WARN, "no answer from" + absent);
+    } else if (!clock_fault.empty()) {
+      status.summary(Level::WARN, clock_fault);
     } else if (!last_corrected_ && counts_.sweeps > 1) {
       status.summary(Level::WARN, "prediction only");
     } else {
@@ -347,13 +363,17 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     status.addf("jitter of the stamps (ms)", "%.3f", 1e3 * clock_.jitter_s().value_or(0.0));
     status.add("stamps that the period contradicts", clock_.outliers());
     const SweepIntake::Counts& dropped = intake_.counts();
-    status.add("dropped: overload", dropped.overload);
-    status.add("dropped: duplicate stamp", dropped.duplicate);
-    status.add("dropped: stamp out of order", dropped.reordered);
-    status.add("dropped: stamp far ahead", dropped.far_ahead);
-    status.add("dropped: stamp not usable", dropped.unusable_stamp);
-    status.add("dropped: frame is not " + lidar_.lidarFrame(), dropped.wrong_frame);
-    status.add("dropped: no transform", counts_.no_transform);
+    const std::pair<std::string, std::size_t> causes[] = {{"overload", dropped.overload},
+                                                          {"duplicate stamp", dropped.duplicate},
+                                                          {"stamp out of order", dropped.reordered},
+                                                          {"stamp far ahead", dropped.far_ahead},
+                                                          {"stamp not usable", dropped.unusable_stamp},
+                                                          {"frame is not " + lidar_.lidarFrame(), dropped.wrong_frame},
+                                                          {"no transform", counts_.no_transform}};
+    for (const auto& [cause, count] : causes) {
+      status.add("dropped: " + cause, count);
+      faults_.count("clouds dropped: " + cause, count);
+    }
     status.add("dropped: by a reset", dropped.reset);
     status.add("resets", counts_.resets);
     status.add("resets because stamps jumped", counts_.time_jumps);
@@ -379,8 +399,11 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   SweepPrediction prediction_;            ///< of the open sweep
   PoseSetting pose_setting_;
   bool last_corrected_ = false;
-  ros::Time last_stamp_;                    ///< closed
-  bool searches_ = false;                   ///< the open sweep, for the first motion
+  ros::Time last_stamp_;             ///< closed
+  bool searches_ = false;            ///< the open sweep, for the first motion
+  ClockCheck clock_;                 ///< of the clouds
+  SpokenFaults faults_{"odometry"};  ///< in the log
+  ros::SteadyTime loaded_at_;
   ros::SteadyTime heard_at_;                ///< the last cloud, whatever became of it
   ros::SteadyTime arrived_at_, opened_at_;  ///< the open sweep's cloud, itself
   double latency_s_ = 0.0;                  ///< of the last estimate

@@ -34,16 +34,21 @@ LidarPlace::Answer LidarPlace::find(const std::string& cloud_frame) {
     return frame == lidar_frame_ ? Answer::kKnown : Answer::kOtherFrame;
   }
   lidar_frame_ = frame;
+  const std::string what = "no transform " + base_frame_ + " -> " + frame + ": ";
   if (frame == base_frame_) {
     T_base_lidar_ = Pose::Identity();
+  } else if (frame.empty()) {
+    fault_ = "the clouds have no frame_id: set the driver's, to a frame that tf places in " + base_frame_;
   } else {
     try {
       // by way of the parameter's six numbers, as offline: the same to the last bit
       T_base_lidar_ = asMounting(fromMessage(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform));
     } catch (const tf2::TransformException& error) {
-      error_ = error.what();
+      fault_ = what + error.what() +
+               "; publish it (static_transform_publisher, robot description), or set lidar_in_base in the sensor file "
+               "and lidar_in_base_source to parameter";
     } catch (const ParameterError& error) {
-      error_ = error.what();
+      fault_ = what + error.what();
     }
   }
   if (!T_base_lidar_) return Answer::kNoTransform;

@@ -26,13 +26,13 @@ class LidarPlace {
   bool known() const { return T_base_lidar_.has_value(); }
   const Pose& T_base_lidar() const { return *T_base_lidar_; }
   const std::string& lidarFrame() const { return lidar_frame_; }
-  /// tf's own words about the transform that is missing, or what is wrong with it.
-  const std::string& error() const { return error_; }
+  /// Why the place is not known, and what to do: one line for people.
+  const std::string& fault() const { return fault_; }
 
  private:
   std::string base_frame_;
   std::string lidar_frame_;
-  std::string error_;
+  std::string fault_;
   std::optional<Pose> T_base_lidar_;
   std::unique_ptr<tf2_ros::Buffer> buffer_;
   std::unique_ptr<tf2_ros::TransformListener> listener_;

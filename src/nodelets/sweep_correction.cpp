@@ -9,6 +9,7 @@
 
 #include <memory>
 
+#include "clock_check.hpp"
 #include "exact_stamp_buffer.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
@@ -19,6 +20,8 @@
 #include "load_or_say_why.hpp"
 #include "private_parameters.hpp"
 #include "rate_meter.hpp"
+#include "spoken_faults.hpp"
+#include "stamp_fault.hpp"
 #include "stamps.hpp"
 #include "topics.hpp"
 
@@ -35,6 +38,7 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     NoOwnParams none;
     readPrivateParameters(getPrivateNodeHandle(), none, NoTuning());
     const PipelineParameters params = readPipelineParameters(node);
+    timing_params_ = params.sensor.timing;
     corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.azimuth,
                                                   params.sensor.correctedTiming(), params.profile.sweep_correction,
                                                   params.profile.level_keeping);
@@ -50,6 +54,7 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   }
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) {
+    clock_.heard(cloud->header.stamp);
     clouds_.push(cloud->header.stamp, cloud);
     advance(cloud->header.stamp);
   }
@@ -94,14 +99,27 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     last_stamp_ = cloud.header.stamp;
   }
 
+  /// What the clouds show of their timing, against the parameters.
+  std::string timingFault() const {
+    const std::string seam = corrector_->seamContradiction();
+    return seam.empty() ? stampFault(timing_params_, report_.timing, clock_.age_s()) : seam;
+  }
+
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using Level = diagnostic_msgs::DiagnosticStatus;
+    const std::string clock_fault = clock_.fault(), timing_fault = timingFault();
+    faults_.say("timing", timing_fault);
     if (refused_ > refused_reported_) {
       status.summary(Level::WARN, "clouds without usable points: " + last_reason_);
+      faults_.say("points", status.message);
     } else if (findings_.frozen || findings_.incomplete || findings_.low_visibility) {
       const char* what = findings_.incomplete ? "incomplete" : "cut short in range";
       if (findings_.frozen) what = "frozen: the driver repeats itself";
       status.summary(Level::WARN, std::string("the sweep is ") + what);
+    } else if (!timing_fault.empty()) {
+      status.summary(Level::WARN, timing_fault);
+    } else if (!clock_fault.empty()) {
+      status.summary(Level::WARN, clock_fault);
     } else {
       status.summary(Level::OK, sweeps_ == 0 ? "no sweep yet" : "correcting");
     }
@@ -119,11 +137,15 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     status.add("clouds without a prediction", unmatched_);
     status.add("timing source", toString(report_.timing.source));
     status.add("stamp reference", toString(report_.timing.reference));
+    status.addf("age of the clouds on arrival (s)", "%.3f", clock_.age_s());
     status.add("time field", toString(report_.timing.field));
     status.add("correction", toString(report_.correction.status));
   }
 
+  SweepTimingParams timing_params_;
   std::unique_ptr<SweepCorrector> corrector_;
+  ClockCheck clock_;                         ///< of the clouds
+  SpokenFaults faults_{"sweep_correction"};  ///< in the log
   ros::Publisher publisher_, check_publisher_;
   ExactStampBuffer<sensor_msgs::PointCloud2ConstPtr> clouds_{topics::kQueue};
   ExactStampBuffer<messages::SweepPredictionConstPtr> predictions_{topics::kQueue};

@@ -1,0 +1,60 @@
+// Do the stamps come from the clock of ROS time? Ages, silence and what a planner makes of a stamp need that. A stamp
+// since power-on, a lidar's clock that nobody sets, a recording played without /clock: all look healthy otherwise.
+#pragma once
+
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "stamps.hpp"
+
+namespace fail_aware {
+
+class ClockCheck {
+ public:
+  static constexpr double kOldest_s = 5.0;  ///< on arrival: no driver and no queue takes that long
+  static constexpr double kAhead_s = 0.5;
+  static constexpr std::size_t kStampsKept = 11;
+
+  /// A message that has just come.
+  void heard(const ros::Time& stamp, const ros::Time& now = ros::Time::now()) {
+    if (stamp.isZero()) return;  // none
+    ages_s_.push_back(secondsFrom(stamp, now));
+    if (ages_s_.size() > kStampsKept) ages_s_.pop_front();
+  }
+
+  /// Age of the messages on arrival, s: the median of the last ones; NaN: none yet.
+  double age_s() const {
+    if (ages_s_.empty()) return std::nan("");
+    std::vector<double> sorted(ages_s_.begin(), ages_s_.end());
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    return *middle;
+  }
+
+  /// One line for people; empty: nothing is wrong.
+  std::string fault(bool sim_time = ros::Time::isSimTime(), const ros::Time& now = ros::Time::now()) const {
+    if (sim_time && now.isZero()) {
+      return "use_sim_time is set and nothing publishes /clock, so ROS time stays 0: play with rosbag play --clock, or "
+             "set use_sim_time to false and start anew";
+    }
+    const double age = age_s();
+    if (!(age > kOldest_s || age < -kAhead_s)) return "";
+    char text[320];
+    std::snprintf(text, sizeof text,
+                  "stamps and ROS time are different clocks: a stamp is %.4g s %s when it comes; set the lidar's clock "
+                  "(PTP, or stamps of the host), or play recordings with use_sim_time and rosbag play --clock",
+                  std::abs(age), age > 0.0 ? "old" : "ahead");
+    return text;
+  }
+
+ private:
+  std::deque<double> ages_s_;
+};
+
+}  // namespace fail_aware

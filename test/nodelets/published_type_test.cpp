@@ -1,0 +1,24 @@
+#include "../../src/nodelets/published_type.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fail_aware {
+namespace {
+
+TEST(WhyNoCloud, AnotherTypeIsNamedWithWhatIsNeeded) {
+  const std::string said = whyNoCloud("/scan", "sensor_msgs/LaserScan");
+  for (const char* word : {"/scan", "sensor_msgs/LaserScan", "sensor_msgs/PointCloud2"}) {
+    EXPECT_NE(said.find(word), std::string::npos) << said;
+  }
+}
+
+TEST(WhyNoCloud, ATopicThatNobodyPublishesIsNamed) {
+  EXPECT_EQ(whyNoCloud("/points", ""), "no cloud yet: nobody publishes /points");
+}
+
+TEST(WhyNoCloud, TheRightTypeIsNoFault) {
+  EXPECT_EQ(whyNoCloud("/points", "sensor_msgs/PointCloud2"), "no cloud yet on /points");
+}
+
+}  // namespace
+}  // namespace fail_aware
