@@ -14,7 +14,7 @@ STAGES = [("correction", "sweep correction"), ("point", "multiplex ICP"), ("plan
 
 
 class _Table:
-    """per_sweep.csv, without the rows of refused sweeps: they have no pose."""
+    """per_sweep.csv, without the rows of sweeps that have no pose."""
 
     def __init__(self, path):
         self.path = path
@@ -32,7 +32,7 @@ class _Table:
             if len(row) != len(self.names):
                 raise InputError(f"{path}: line {number} has {len(row)} cells, the header {len(self.names)}")
         self.rows = rows[1:]
-        refused = [status == "stamp_not_advancing" for status in self.text("status") or []]
+        refused = [status in ("stamp_not_advancing", "not_started") for status in self.text("status") or []]
         self.kept = np.array([not bad for bad in refused] if refused else [True] * len(self.rows))
         self.rows = [row for row, keep in zip(self.rows, self.kept) if keep]
 

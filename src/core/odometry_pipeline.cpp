@@ -241,6 +241,8 @@ const LevelKeeping& OdometryPipeline::levelKeeping() const { return stages_->cor
 
 std::string OdometryPipeline::seamContradiction() const { return stages_->corrector.seamContradiction(); }
 
+const SweepClock& OdometryPipeline::sweepClock() const { return stages_->clock; }
+
 std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->front.map().points(); }
 
 }  // namespace fail_aware

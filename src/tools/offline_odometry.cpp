@@ -110,6 +110,14 @@ Json levelSummary(const LevelKeeping::Report& report) {
           {"bend_deg_per_m", report.bend_deg_per_m}};
 }
 
+/// Null: not found.
+Json clockSummary(const SweepClock& clock) {
+  const auto orNull = [](std::optional<double> value) { return value ? Json(*value) : Json(nullptr); };
+  return {{"period_s", orNull(clock.period_s())},
+          {"jitter_s", orNull(clock.jitter_s())},
+          {"stamps_left_out", clock.outliers()}};
+}
+
 struct BadScan {
   std::string file, reason;
 };
@@ -120,7 +128,7 @@ Json describeRun(const PipelineParameters& params, long first, const SweepLog& l
   Json json;
   json["first"] = first;
   json["scans"] = log.sweeps();
-  json["refused"] = log.refused();
+  json["without_pose"] = log.withoutPose();
   json["t1_stamp_s"] = t1_stamp_s ? Json(*t1_stamp_s) : Json(nullptr);
   json["eta_threshold_rad"] = monitor.indicator.threshold;
   json["horizon_s"] = monitor.predictor.horizon_s;
@@ -211,7 +219,7 @@ int run(const Options& options) {
       const SweepResult result = pipeline.step(sweep);
       if (!t1_stamp_s && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s = result.monitor.t1_stamp_s;
       log.add(stamp_s, result);
-      if (SweepLog::isAccepted(result.status)) {
+      if (SweepLog::hasPose(result.status)) {
         const Pose T_odom_lidar = result.T_odom_base * T_base_lidar;
         if (lidar_trajectory.empty()) T_odom_lidar_first = T_odom_lidar;
         lidar_trajectory.push_back(orthonormalized(T_odom_lidar_first.inverse() * T_odom_lidar));
@@ -224,7 +232,12 @@ int run(const Options& options) {
   for (const BadScan& bad : bad_scans) {
     std::cerr << kName << ": warning: " << bad.reason << "; carried on as over a dropped sweep" << std::endl;
   }
-  if (const std::size_t refused = log.refused().size()) {
+  if (const std::size_t unusable = log.count(SweepStatus::kNotStarted)) {
+    std::cerr << kName << ": warning: the odometry begins at the first sweep with usable points; " << unusable
+              << " sweeps without (" << toString(SweepStatus::kNotStarted)
+              << " in per_sweep.csv) have no row in the trajectories" << std::endl;
+  }
+  if (const std::size_t refused = log.count(SweepStatus::kStampNotAdvancing)) {
     std::cerr << kName << ": warning: the stamps of " << refused << " of " << log.sweeps()
               << " sweeps were refused (duplicate, out of order, far ahead): "
               << toString(SweepStatus::kStampNotAdvancing) << " in per_sweep.csv, no row in the trajectories"
@@ -240,8 +253,11 @@ int run(const Options& options) {
     std::cerr << kName << ": warning: " << contradiction << std::endl;
   }
   if (!t1_stamp_s) {
-    std::cerr << kName << ": warning: the drive ended before --redundant-at: there is no t1, every state is UNKNOWN"
-              << std::endl;
+    std::cerr
+        << kName
+        << ": warning: the drive ended before --redundant-at, or no motion was observed from there on: there is no t1, "
+           "every state is UNKNOWN"
+        << std::endl;
   }
   writeKittiTrajectory((output / "trajectory_kitti.txt").string(), lidar_trajectory);
   writeTumTrajectory((output / "trajectory_tum.txt").string(), base_trajectory);
@@ -254,6 +270,7 @@ int run(const Options& options) {
   summary["points_not_finite_or_zero"] = points_dropped;
   summary["max_rss_mb"] = maxRssMb();
   summary["level_keeping"] = levelSummary(pipeline.levelKeeping().report());
+  summary["sweep_clock"] = clockSummary(pipeline.sweepClock());
   summary["threads"] = options.threads;
   summary["profile"] = options.files.profile;
   summary["run"] = describeRun(params, options.first, log, t1_stamp_s);

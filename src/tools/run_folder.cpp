@@ -184,21 +184,21 @@ RunRows runRows(const Json& summary, const fs::path& path) {
   RunRows rows;
   rows.first = wholeNumber(summary, "/run/first", path);
   rows.scans = wholeNumber(summary, "/run/scans", path);
-  const Json::json_pointer refused_at("/run/refused");
-  if (!summary.contains(refused_at) || !summary.at(refused_at).is_array()) {
-    throw InputError(path.string() + ": no list at /run/refused" + kRunAgain);
+  const Json::json_pointer without_pose_at("/run/without_pose");
+  if (!summary.contains(without_pose_at) || !summary.at(without_pose_at).is_array()) {
+    throw InputError(path.string() + ": no list at /run/without_pose" + kRunAgain);
   }
-  const Json& refused = summary.at(refused_at);
-  std::vector<bool> is_refused;
-  for (const Json& scan : refused) {
+  const Json& without_pose = summary.at(without_pose_at);
+  std::vector<bool> has_no_pose;
+  for (const Json& scan : without_pose) {
     if (!scan.is_number_unsigned() || scan.get<std::size_t>() >= rows.scans) {
-      throw InputError(path.string() + ": run.refused: must be scans of the run" + kRunAgain);
+      throw InputError(path.string() + ": run.without_pose: must be scans of the run" + kRunAgain);
     }
-    is_refused.resize(rows.scans, false);
-    is_refused[scan.get<std::size_t>()] = true;
+    has_no_pose.resize(rows.scans, false);
+    has_no_pose[scan.get<std::size_t>()] = true;
   }
   for (std::size_t i = 0; i < rows.scans; ++i) {
-    if (is_refused.empty() || !is_refused[i]) rows.accepted.push_back(i);
+    if (has_no_pose.empty() || !has_no_pose[i]) rows.accepted.push_back(i);
   }
   return rows;
 }

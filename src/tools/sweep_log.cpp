@@ -75,10 +75,10 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   const double dt_s = r.state.dt_s;
   out_ << ',' << (dt_s > 0.0 ? r.state.T_previous_now.translation().x() / dt_s : 0.0) << ','
        << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0) << '\n';
-  if (isAccepted(r.status)) {
+  if (hasPose(r.status)) {
     logSweep(total_ms_.size(), r);
   } else {
-    refused_.push_back(total_ms_.size());
+    without_pose_.push_back(total_ms_.size());
   }
   total_ms_.push_back(t.total_ms);
   ++by_status_[static_cast<std::size_t>(r.status)];
@@ -105,8 +105,8 @@ Json SweepLog::summary() const {
   json["median_ms"] = quantileOrZero(0.5);
   json["p95_ms"] = quantileOrZero(0.95);
   json["p99_ms"] = quantileOrZero(0.99);
-  for (const SweepStatus status :
-       {SweepStatus::kNotStarted, SweepStatus::kFirst, SweepStatus::kCorrected, SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
+  for (const SweepStatus status : {SweepStatus::kNotStarted, SweepStatus::kFirst, SweepStatus::kCorrected,
+                                   SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
     json["by_status"][toString(status)] = count(status);
   }
   return json;

@@ -22,11 +22,13 @@ class SweepLog {
   void add(double stamp_s, const SweepResult& result);
 
   /// False: the sweep has no pose of its own; it has a row in per_sweep.csv and none in the other files.
-  static bool isAccepted(SweepStatus status) { return status != SweepStatus::kStampNotAdvancing; }
+  static bool hasPose(SweepStatus status) {
+    return status != SweepStatus::kStampNotAdvancing && status != SweepStatus::kNotStarted;
+  }
 
   std::size_t sweeps() const { return total_ms_.size(); }
   /// Rows of per_sweep.csv, counted from 0.
-  const std::vector<std::size_t>& refused() const { return refused_; }
+  const std::vector<std::size_t>& withoutPose() const { return without_pose_; }
   std::size_t count(SweepStatus status) const { return by_status_[static_cast<std::size_t>(status)]; }
 
   /// mean_ms, median_ms, p95_ms, p99_ms and counts by status.
@@ -41,7 +43,7 @@ class SweepLog {
   std::string path_, monitor_path_, measurement_path_;
   std::ofstream out_, monitor_log_, measurement_log_;
   std::vector<double> total_ms_;
-  std::vector<std::size_t> by_status_, refused_;
+  std::vector<std::size_t> by_status_, without_pose_;
 };
 
 }  // namespace fail_aware

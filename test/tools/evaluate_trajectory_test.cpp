@@ -58,7 +58,7 @@ void writeRun(const fs::path& folder, std::size_t first, std::size_t scans, cons
   trajectory.close();
   table.close();
   Json summary;
-  summary["run"] = {{"first", first}, {"scans", scans}, {"refused", refused}};
+  summary["run"] = {{"first", first}, {"scans", scans}, {"without_pose", refused}};
   sealRun(folder, {"trajectory_kitti.txt", "per_sweep.csv"}, "r0123456789abcdef", summary);
 }
 

@@ -89,7 +89,7 @@ struct MadeUpRun {
   void seal(const std::filesystem::path& folder,
             const std::vector<std::string>& files = {"monitor_log.csv", "measurements.csv", "parameters.yaml"}) const {
     Json summary;
-    summary["run"] = {{"first", first}, {"scans", sweeps}, {"refused", refused}};
+    summary["run"] = {{"first", first}, {"scans", sweeps}, {"without_pose", refused}};
     sealRun(folder, files, "r0123456789abcdef", summary);
   }
 };

@@ -328,7 +328,7 @@ TEST_F(OfflineOdometry, RefusedSweepsAreToldAndHaveNoPose) {
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   expectRows(kScans, 2);
   EXPECT_EQ(summary()["run"]["scans"], kScans);
-  EXPECT_EQ(summary()["run"]["refused"], nlohmann::json({4, 7}));
+  EXPECT_EQ(summary()["run"]["without_pose"], nlohmann::json({4, 7}));
   const std::vector<StampedPose> tum = readTumTrajectory(out("trajectory_tum.txt").string());
   const std::vector<Pose> lidar = readKittiTrajectory(out("trajectory_kitti.txt").string());
   std::size_t row = 0;

@@ -78,6 +78,9 @@ class OdometryPipeline {
   /// One line: how the clouds contradict the sensor's timing parameters (sweep_seam.hpp). Empty: they do not.
   std::string seamContradiction() const;
 
+  /// Period of the head and jitter of the stamps, as found so far.
+  const SweepClock& sweepClock() const;
+
   /// The reference's points in odom.
   std::vector<Eigen::Vector3d> referencePoints() const;
 
