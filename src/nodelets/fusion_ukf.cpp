@@ -92,7 +92,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     warnOfOtherValues(private_node, params_, tuning);
     tune(tuning);
     output_ = std::make_unique<OdometryOutput>(node, private_node, params_, T_base_cog_);
-    clock_ = SweepClock(pipeline.sensor.timing.sweep_period_s);
+    sweep_clock_ = SweepClock(pipeline.sensor.timing.sweep_period_s);
     reset();
     if (params_.lidar_in_base_source == "parameter") {
       lidar_.use(pipeline.sensor.T_base_lidar());
@@ -183,7 +183,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       if (!next) return;
       std_msgs::Header& header = next->header;
       SweepTask task;
-      if (!filter_->predict(clock_.next(header.stamp.toSec(), next->set_back_s), task.prediction)) {
+      if (!filter_->predict(sweep_clock_.next(header.stamp.toSec(), next->set_back_s), task.prediction)) {
         intake_.refuseStamp();
         continue;
       }
@@ -246,7 +246,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     const Pose T_odom_cog_previous = filter_->state().T_odom_cog;
     const FilterState& state = filter_->correct(inputs, account.findings ? account.findings->middle_s : 0.0);
-    if (account.findings) clock_.observeRevolution(account.findings->revolution_s);
+    if (account.findings) sweep_clock_.observeRevolution(account.findings->revolution_s);
     if (state.dt_s > 0.0 &&
         !odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state))) {
       NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: odometry's covariance goes without it");
@@ -302,7 +302,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     filter_->reset(T_base_cog_);  // odom begins at base_link
     odometry_covariance_.reset(startCovariance());
     intake_.clear(open_.has_value());
-    clock_.reset();
+    sweep_clock_.reset();
     open_.reset();
     counts_.no_transform += held_.size();
     held_.clear();
@@ -359,9 +359,9 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     status.add("sweeps", counts_.sweeps);
     status.add("sweeps without a usable measurement", counts_.predicted_only);
-    status.addf("period of the head (ms)", "%.3f", 1e3 * clock_.period_s().value_or(0.0));
-    status.addf("jitter of the stamps (ms)", "%.3f", 1e3 * clock_.jitter_s().value_or(0.0));
-    status.add("stamps that the period contradicts", clock_.outliers());
+    status.addf("period of the head (ms)", "%.3f", 1e3 * sweep_clock_.period_s().value_or(0.0));
+    status.addf("jitter of the stamps (ms)", "%.3f", 1e3 * sweep_clock_.jitter_s().value_or(0.0));
+    status.add("stamps that the period contradicts", sweep_clock_.outliers());
     const SweepIntake::Counts& dropped = intake_.counts();
     const std::pair<std::string, std::size_t> causes[] = {{"overload", dropped.overload},
                                                           {"duplicate stamp", dropped.duplicate},
@@ -392,7 +392,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   LidarPlace lidar_;
 
   SweepIntake intake_;
-  SweepClock clock_;
+  SweepClock sweep_clock_;
   std::deque<std_msgs::Header> held_;     ///< clouds that wait for the lidar's place
   bool missing_transform_ = false;        ///< some cloud did
   std::optional<std_msgs::Header> open_;  ///< frame: odom

@@ -48,8 +48,8 @@ TEST_F(VelodyneBagWriterTest, readsBackAsASourceOfSweeps) {
   BagSweepSource source(path_);
   EXPECT_EQ(source.topic(), "/velodyne_points");
   EXPECT_EQ(source.size(), 3u);
-  ASSERT_TRUE(source.lidarInBase("base_link").has_value());
-  EXPECT_TRUE(source.lidarInBase("base_link")->isApprox(T_base_lidar_));
+  ASSERT_TRUE(source.lidarInBase("base_link").T_base_lidar.has_value());
+  EXPECT_TRUE(source.lidarInBase("base_link").T_base_lidar->isApprox(T_base_lidar_));
   Sweep sweep;
   ASSERT_EQ(source.next(sweep).status, ReadStatus::kOk);
   EXPECT_EQ(sweep.points_lidar, sweepAt(0.1).points_lidar);
