@@ -336,7 +336,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     } else if (heard_at_.isZero()) {
       const std::string topic = cloud_subscriber_.getTopic(), type = publishedType(topic);
       status.summary(Level::WARN, whyNoCloud(topic, type));
-      if (!type.empty() && secondsSince(loaded_at_) > kStarts_s) faults_.say("no cloud", status.message);
+      if (isAnotherType(type) && secondsSince(loaded_at_) > kStarts_s) faults_.say("no cloud", status.message);
     } else if (counts_.sweeps == 0) {
       status.summary(Level::WARN, intake_.lastRefused().empty() ? "no sweep yet" : noUsableCloud());
     } else if (const double silent_s = secondsSince(heard_at_); silent_s > kSilent_s) {

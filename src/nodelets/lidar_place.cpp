@@ -11,6 +11,12 @@ namespace fail_aware {
 
 namespace {
 
+/// tf's words end in one full stop or several.
+std::string withoutStop(std::string text) {
+  while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
 Pose asMounting(const std::optional<Pose>& T) {
   if (!T) throw ParameterError("the transform's numbers are no pose");
   const Vector6d place = vectorFromPose(*T);
@@ -44,7 +50,7 @@ LidarPlace::Answer LidarPlace::find(const std::string& cloud_frame) {
       // by way of the parameter's six numbers, as offline: the same to the last bit
       T_base_lidar_ = asMounting(fromMessage(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform));
     } catch (const tf2::TransformException& error) {
-      fault_ = what + error.what() +
+      fault_ = what + withoutStop(error.what()) +
                "; publish it (static_transform_publisher, robot description), or set lidar_in_base in the sensor file "
                "and lidar_in_base_source to parameter";
     } catch (const ParameterError& error) {

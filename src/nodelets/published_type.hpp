@@ -22,10 +22,12 @@ inline std::string publishedType(const std::string& topic) {
   return "";
 }
 
+inline bool isAnotherType(const std::string& type) { return !type.empty() && type != "sensor_msgs/PointCloud2"; }
+
 /// One line for people. `type`: publishedType(topic).
 inline std::string whyNoCloud(const std::string& topic, const std::string& type) {
   if (type.empty()) return "no cloud yet: nobody publishes " + topic;
-  if (type == "sensor_msgs/PointCloud2") return "no cloud yet on " + topic;
+  if (!isAnotherType(type)) return "no cloud yet on " + topic;
   return "no cloud yet: " + topic + " carries " + type + ", and the odometry reads sensor_msgs/PointCloud2: give the " +
          "topic of the lidar's clouds (cloud:=/your/points)";
 }

@@ -18,6 +18,8 @@ TEST(WhyNoCloud, ATopicThatNobodyPublishesIsNamed) {
 
 TEST(WhyNoCloud, TheRightTypeIsNoFault) {
   EXPECT_EQ(whyNoCloud("/points", "sensor_msgs/PointCloud2"), "no cloud yet on /points");
+  EXPECT_FALSE(isAnotherType("sensor_msgs/PointCloud2") || isAnotherType(""));
+  EXPECT_TRUE(isAnotherType("sensor_msgs/LaserScan"));
 }
 
 }  // namespace
