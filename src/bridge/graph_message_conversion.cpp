@@ -124,6 +124,7 @@ messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points
   message.low_visibility = findings.low_visibility;
   message.frozen = findings.frozen;
   message.time_jump = findings.time_jump;
+  message.time_field_refused = findings.time_field_refused;
   message.azimuth_coverage = findings.azimuth_coverage;
   message.far_share = findings.far_share;
   message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
@@ -138,6 +139,7 @@ SweepFindings fromMessage(const messages::SweepCheck& message) {
   findings.low_visibility = message.low_visibility != 0;
   findings.frozen = message.frozen != 0;
   findings.time_jump = message.time_jump != 0;
+  findings.time_field_refused = message.time_field_refused != 0;
   findings.azimuth_coverage = message.azimuth_coverage;
   findings.far_share = message.far_share;
   findings.repetitions = static_cast<int>(message.repetitions);
@@ -197,6 +199,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.sweep_incomplete = findings.incomplete;
   message.sweep_low_visibility = findings.low_visibility;
   message.sweep_frozen = findings.frozen;
+  message.sweep_time_field_refused = findings.time_field_refused;
   message.time_jump = findings.time_jump;
   return message;
 }
@@ -249,6 +252,7 @@ SweepCondition conditionOf(const messages::FilterState& message) {
   condition.low_visibility = message.sweep_low_visibility != 0;
   condition.frozen = message.sweep_frozen != 0;
   condition.time_jump = message.time_jump != 0;
+  condition.time_field_refused = message.sweep_time_field_refused != 0;
   condition.no_answer = message.deadline_missed != 0;
   for (std::size_t i = 0; i < message.measurement_names.size(); ++i) {
     if (i >= message.measurement_status.size()) break;

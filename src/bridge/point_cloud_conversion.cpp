@@ -1,13 +1,17 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
+#include <optional>
 
 #include "cloud_layout.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
 
 namespace fail_aware {
 
@@ -30,35 +34,56 @@ std::size_t sizeOf(std::uint8_t datatype) {
 }
 
 template <class T>
-double load(const std::uint8_t* at) {
+double load(const std::uint8_t* at, bool big_endian) {
   T value;
-  std::memcpy(&value, at, sizeof value);
+  if (big_endian) {
+    std::uint8_t bytes[sizeof(T)];
+    std::reverse_copy(at, at + sizeof(T), bytes);
+    std::memcpy(&value, bytes, sizeof value);
+  } else {
+    std::memcpy(&value, at, sizeof value);
+  }
   return static_cast<double>(value);
 }
 
 /// A field that lies within the point.
 struct Field {
-  const char* name = nullptr;
+  std::string name;
   std::size_t offset = 0;
   std::uint8_t datatype = 0;
+  bool big_endian = false;
 
-  explicit operator bool() const { return name != nullptr; }
+  explicit operator bool() const { return !name.empty(); }
   bool isFloat() const { return datatype == PointField::FLOAT32 || datatype == PointField::FLOAT64; }
 
   double at(const std::uint8_t* point) const {
     const std::uint8_t* value = point + offset;
     switch (datatype) {
-      case PointField::INT8: return load<std::int8_t>(value);
-      case PointField::UINT8: return load<std::uint8_t>(value);
-      case PointField::INT16: return load<std::int16_t>(value);
-      case PointField::UINT16: return load<std::uint16_t>(value);
-      case PointField::INT32: return load<std::int32_t>(value);
-      case PointField::UINT32: return load<std::uint32_t>(value);
-      case PointField::FLOAT32: return load<float>(value);
-      default: return load<double>(value);
+      case PointField::INT8: return load<std::int8_t>(value, big_endian);
+      case PointField::UINT8: return load<std::uint8_t>(value, big_endian);
+      case PointField::INT16: return load<std::int16_t>(value, big_endian);
+      case PointField::UINT16: return load<std::uint16_t>(value, big_endian);
+      case PointField::INT32: return load<std::int32_t>(value, big_endian);
+      case PointField::UINT32: return load<std::uint32_t>(value, big_endian);
+      case PointField::FLOAT32: return load<float>(value, big_endian);
+      default: return load<double>(value, big_endian);
     }
   }
 };
+
+constexpr std::initializer_list<const char*> kRingNames = {"ring", "line", "channel", "layer"};
+
+/// What drivers call the time of a point, the most usual first.
+constexpr const char* kTimeNames[] = {"time", "t", "timestamp", "offset_time", "time_stamp", "ts"};
+
+/// Of a field that none of them is: likely a point's time.
+bool soundsLikeTime(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const char* part : {"time", "stamp", "nsec"}) {
+    if (name.find(part) != std::string::npos) return true;
+  }
+  return false;
+}
 
 /// A hundred times a large sweep; what is written of them stays below 2^32 bytes.
 constexpr std::size_t kMaxPoints = 10000000;
@@ -71,10 +96,6 @@ float finiteOrZero(double value) {
 class Layout {
  public:
   explicit Layout(const sensor_msgs::PointCloud2& cloud) : cloud_(cloud) {
-    if (cloud.is_bigendian) {
-      refuse(CloudStatus::kBigEndian, "big-endian clouds are not read");
-      return;
-    }
     count_ = static_cast<std::size_t>(cloud.width) * cloud.height;
     if (count_ == 0) {
       refuse(CloudStatus::kEmpty, "no points");
@@ -85,14 +106,16 @@ class Layout {
       return;
     }
     const std::uint64_t row = static_cast<std::uint64_t>(cloud.width) * cloud.point_step;
-    if (cloud.point_step == 0 || cloud.row_step < row) {
+    const bool packed = cloud.height == 1 || cloud.data.size() == row * cloud.height;
+    row_step_ = packed ? row : cloud.row_step;  // what row_step says has no meaning then, and some drivers leave it 0
+    if (cloud.point_step == 0 || row_step_ < row) {
       refuse(CloudStatus::kBadLayout, "row_step " + std::to_string(cloud.row_step) + " is less than width " +
                                           std::to_string(cloud.width) + " * point_step " +
                                           std::to_string(cloud.point_step));
       return;
     }
     // the last row needs no padding
-    const std::uint64_t needed = static_cast<std::uint64_t>(cloud.row_step) * (cloud.height - 1) + row;
+    const std::uint64_t needed = row_step_ * (cloud.height - 1) + row;
     if (cloud.data.size() < needed) {
       refuse(CloudStatus::kBadLayout,
              "data has " + std::to_string(cloud.data.size()) + " bytes, its layout needs " + std::to_string(needed));
@@ -102,8 +125,8 @@ class Layout {
     y = coordinate("y");
     z = coordinate("z");
     intensity = find({"intensity", "i"});
-    ring = find({"ring"});
-    time = find({"time", "t", "timestamp"});
+    ring = find(kRingNames);
+    findTimes();
   }
 
   const CloudReadResult& result() const { return result_; }
@@ -112,7 +135,7 @@ class Layout {
   template <class Visitor>
   void forEachPoint(const Visitor& visitor) const {
     for (std::uint32_t r = 0; r < cloud_.height; ++r) {
-      const std::uint8_t* point = cloud_.data.data() + static_cast<std::size_t>(r) * cloud_.row_step;
+      const std::uint8_t* point = cloud_.data.data() + r * row_step_;
       for (std::uint32_t c = 0; c < cloud_.width; ++c, point += cloud_.point_step) visitor(point);
     }
   }
@@ -123,7 +146,8 @@ class Layout {
     return valid ? static_cast<std::uint16_t>(number) : std::numeric_limits<std::uint16_t>::max();  // no beam
   }
 
-  Field x, y, z, intensity, ring, time;
+  Field x, y, z, intensity, ring;
+  std::vector<Field> times;  ///< what may be the points' time, the likeliest first; no more than kMostTimes
 
  private:
   void refuse(CloudStatus status, const std::string& reason) {
@@ -134,18 +158,41 @@ class Layout {
   Field find(std::initializer_list<const char*> names) {
     for (const char* name : names) {
       for (const PointField& field : cloud_.fields) {
-        if (field.name != name) continue;
-        const std::size_t size = sizeOf(field.datatype);
-        if (size == 0 || field.offset > cloud_.point_step || size > cloud_.point_step - field.offset) {
-          refuse(CloudStatus::kBadLayout, "field " + field.name + " (offset " + std::to_string(field.offset) +
-                                              ", datatype " + std::to_string(field.datatype) +
-                                              ") is not within point_step " + std::to_string(cloud_.point_step));
-          return {};
-        }
-        return {name, field.offset, field.datatype};
+        if (field.name == name) return located(field);
       }
     }
     return {};
+  }
+
+  /// Empty, and the cloud refused: the field does not lie within the point.
+  Field located(const PointField& field) {
+    const std::size_t size = sizeOf(field.datatype);
+    if (size == 0 || field.offset > cloud_.point_step || size > cloud_.point_step - field.offset) {
+      refuse(CloudStatus::kBadLayout, "field " + field.name + " (offset " + std::to_string(field.offset) +
+                                          ", datatype " + std::to_string(field.datatype) +
+                                          ") is not within point_step " + std::to_string(cloud_.point_step));
+      return {};
+    }
+    return {field.name, field.offset, field.datatype, cloud_.is_bigendian != 0};
+  }
+
+  void findTimes() {
+    constexpr std::size_t kMostTimes = 3;
+    const auto add = [&](const PointField& field) {
+      if (times.size() >= kMostTimes) return;
+      if (const Field found = located(field)) times.push_back(found);
+    };
+    const auto isUsual = [](const std::string& name) {
+      return std::find(std::begin(kTimeNames), std::end(kTimeNames), name) != std::end(kTimeNames);
+    };
+    for (const char* name : kTimeNames) {
+      for (const PointField& field : cloud_.fields) {
+        if (field.name == name) add(field);
+      }
+    }
+    for (const PointField& field : cloud_.fields) {
+      if (!isUsual(field.name) && soundsLikeTime(field.name)) add(field);
+    }
   }
 
   Field coordinate(const char* name) {
@@ -160,13 +207,33 @@ class Layout {
   const sensor_msgs::PointCloud2& cloud_;
   CloudReadResult result_;
   std::size_t count_ = 0;
+  std::uint64_t row_step_ = 0;
 };
+
+TimeNumber numberOf(const Field& field) {
+  if (field.datatype == PointField::FLOAT32) return TimeNumber::kFloat32;
+  return field.datatype == PointField::FLOAT64 ? TimeNumber::kFloat64 : TimeNumber::kInteger;
+}
+
+/// The first field whose numbers are times and differ; else why the first that is refused is so; else the first.
+void readTimes(const std::vector<Field>& fields, const std::vector<std::vector<double>>& numbers, Sweep& sweep) {
+  std::optional<std::size_t> refused;
+  const auto read = [&](std::size_t i) {
+    return readPointTimes(numbers[i], numberOf(fields[i]), fields[i].name, sweep);
+  };
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (read(i)) return;
+    if (!refused && !sweep.time_field.refused.empty()) refused = i;
+  }
+  if (!fields.empty()) read(refused.value_or(0));
+}
 
 void clear(Sweep& sweep) {
   sweep.points_lidar.clear();
   sweep.intensities.clear();
   sweep.times_s.clear();
   sweep.rings.clear();
+  sweep.time_field = TimeFieldSource();
   sweep.points_dropped = 0;
 }
 
@@ -181,9 +248,8 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
   sweep.points_lidar.reserve(count);
   if (layout.intensity) sweep.intensities.reserve(count);
   if (layout.ring) sweep.rings.reserve(count);
-  if (layout.time) sweep.times_s.reserve(count);
-  const double time_unit_s = layout.time.isFloat() ? 1.0 : 1e-9;
-  constexpr double kAbsolute_s = 1e6;  // a sweep's own times are far below, a clock's far above
+  std::vector<std::vector<double>> times(layout.times.size());
+  for (std::vector<double>& numbers : times) numbers.reserve(count);
   layout.forEachPoint([&](const std::uint8_t* point) {
     const Eigen::Vector3f p(static_cast<float>(layout.x.at(point)), static_cast<float>(layout.y.at(point)),
                             static_cast<float>(layout.z.at(point)));
@@ -194,13 +260,10 @@ CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
     sweep.points_lidar.push_back(p);
     if (layout.intensity) sweep.intensities.push_back(finiteOrZero(layout.intensity.at(point)));
     if (layout.ring) sweep.rings.push_back(layout.ringAt(point));
-    if (layout.time) {
-      double time_s = time_unit_s * layout.time.at(point);
-      if (layout.time.datatype == PointField::FLOAT64 && std::abs(time_s) > kAbsolute_s) time_s -= sweep.stamp_s;
-      sweep.times_s.push_back(static_cast<float>(time_s));
-    }
+    for (std::size_t i = 0; i < times.size(); ++i) times[i].push_back(layout.times[i].at(point));
   });
   if (sweep.empty()) return {CloudStatus::kEmpty, "no point is finite and not zero"};
+  readTimes(layout.times, times, sweep);
   return {};
 }
 
@@ -238,18 +301,19 @@ CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, Correc
   sweep.rings.clear();
   const Layout layout(cloud);
   if (!layout.result().ok()) return layout.result();
+  const Field time = layout.times.empty() ? Field() : layout.times.front();
   sweep.points_lidar.reserve(layout.count());
   if (layout.ring) sweep.rings.reserve(layout.count());
-  if (layout.time) sweep.times_s.reserve(layout.count());
+  if (time) sweep.times_s.reserve(layout.count());
   bool timed = false;
   layout.forEachPoint([&](const std::uint8_t* point) {
     const Eigen::Vector3f p(static_cast<float>(layout.x.at(point)), static_cast<float>(layout.y.at(point)),
                             static_cast<float>(layout.z.at(point)));
-    const float time_s = layout.time ? static_cast<float>(layout.time.at(point)) : 0.0f;
+    const float time_s = time ? static_cast<float>(time.at(point)) : 0.0f;
     if (!p.allFinite() || !std::isfinite(time_s)) return;
     sweep.points_lidar.push_back(p);
     if (layout.ring) sweep.rings.push_back(layout.ringAt(point));
-    if (!layout.time) return;
+    if (!time) return;
     timed = timed || time_s != 0.0f;
     sweep.times_s.push_back(time_s);
   });

@@ -153,6 +153,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   condition.low_visibility = findings.low_visibility;
   condition.frozen = findings.frozen;
   condition.time_jump = findings.time_jump;
+  condition.time_field_refused = result.timing.guessed();
   condition.point_missing = use.use_point && !result.point.ok();
   condition.plane_missing = use.use_plane && !result.plane.ok();
   condition.corners_missing = use.use_corners && !result.corners.ok();
@@ -192,6 +193,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   const SweepFindings findings = check.check(sweep);
   const SweepCorrectorReport corrected_as = corrector.correct(sweep, prediction, T_cog_lidar, corrected);
   corrected.stamp_s = prediction.time_s();
+  result.timing = corrected_as.timing;
   if (findings.repeats && prediction.dt_s > 0.0) corrected.clear();
   result.times.correction_ms = stage.lapMs();
   measure(prediction, result);

@@ -87,6 +87,13 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     report_ = corrector_->correct(sweep_, task.prediction, task.T_cog_lidar, corrected_);
     findings_.middle_s = report_.middle_s;
     findings_.revolution_s = report_.revolution_s;
+    findings_.time_field_refused = report_.timing.guessed();
+    if (findings_.time_field_refused) {
+      ++guessed_;
+      last_refusal_ = describeGuess(report_.timing);
+    }
+    if (report_.timing.source == TimingSource::kHeld) ++held_;
+    outliers_ += report_.timing.outliers;
     check_publisher_.publish(messages::SweepCheckConstPtr(
         boost::make_shared<messages::SweepCheck>(toMessage(findings_, sweep_.size(), cloud.header))));
     if (findings_.repeats && !task.first()) corrected_.clear();
@@ -116,6 +123,8 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
       const char* what = findings_.incomplete ? "incomplete" : "cut short in range";
       if (findings_.frozen) what = "frozen: the driver repeats itself";
       status.summary(Level::WARN, std::string("the sweep is ") + what);
+    } else if (guessed_ > guessed_reported_) {
+      status.summary(Level::WARN, last_refusal_);
     } else if (!timing_fault.empty()) {
       status.summary(Level::WARN, timing_fault);
     } else if (!clock_fault.empty()) {
@@ -124,6 +133,7 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
       status.summary(Level::OK, sweeps_ == 0 ? "no sweep yet" : "correcting");
     }
     refused_reported_ = refused_;
+    guessed_reported_ = guessed_;
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
     if (!last_stamp_.isZero()) {
       status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
@@ -139,6 +149,10 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
     status.add("stamp reference", toString(report_.timing.reference));
     status.addf("age of the clouds on arrival (s)", "%.3f", clock_.age_s());
     status.add("time field", toString(report_.timing.field));
+    status.add("time field's name", sweep_.time_field.name);
+    status.add("sweeps timed by a guess", guessed_);
+    status.add("sweeps timed as those before", held_);
+    status.add("points without a usable time", outliers_);
     status.add("correction", toString(report_.correction.status));
   }
 
@@ -156,8 +170,9 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
   SweepFindings findings_;
   RateMeter rate_;
   ros::Time last_stamp_;
-  std::string last_reason_;
+  std::string last_reason_, last_refusal_;
   std::size_t sweeps_ = 0, refused_ = 0, refused_reported_ = 0, unmatched_ = 0;
+  std::size_t guessed_ = 0, guessed_reported_ = 0, held_ = 0, outliers_ = 0;
   // What calls back is destroyed first, and waits for a call that is under way.
   ros::Subscriber cloud_subscriber_, prediction_subscriber_;
   std::unique_ptr<Health> health_;

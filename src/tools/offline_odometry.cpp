@@ -252,6 +252,9 @@ int run(const Options& options) {
   if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) {
     std::cerr << kName << ": warning: " << contradiction << std::endl;
   }
+  if (const std::optional<std::string> warning = log.timingWarning()) {
+    std::cerr << kName << ": warning: " << *warning << std::endl;
+  }
   if (!t1_stamp_s) {
     std::cerr
         << kName

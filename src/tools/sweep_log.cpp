@@ -82,6 +82,11 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   }
   total_ms_.push_back(t.total_ms);
   ++by_status_[static_cast<std::size_t>(r.status)];
+  if (r.status == SweepStatus::kStampNotAdvancing || r.condition.empty) return;
+  ++by_timing_[r.timing.source];
+  outliers_ += r.timing.outliers;
+  if (r.timing.guessed() || guessed_ == 0) timing_ = r.timing;
+  if (r.timing.guessed()) ++guessed_;
 }
 
 void SweepLog::logSweep(std::size_t row, const SweepResult& r) {
@@ -109,7 +114,19 @@ Json SweepLog::summary() const {
                                    SweepStatus::kPredicted, SweepStatus::kStampNotAdvancing}) {
     json["by_status"][toString(status)] = count(status);
   }
+  for (const auto& [source, sweeps] : by_timing_) json["timing"]["by_source"][toString(source)] = sweeps;
+  json["timing"]["stamp_reference"] = toString(timing_.reference);
+  json["timing"]["time_field"] = toString(timing_.field);
+  json["timing"]["refused"] = guessed_;
+  json["timing"]["refusal"] = timing_.refusal;
+  json["timing"]["points_without_usable_time"] = outliers_;
   return json;
+}
+
+std::optional<std::string> SweepLog::timingWarning() const {
+  if (guessed_ == 0) return std::nullopt;
+  return "in " + std::to_string(guessed_) + " of " + std::to_string(total_ms_.size()) + " sweeps " +
+         describeGuess(timing_);
 }
 
 void SweepLog::close() {

@@ -6,6 +6,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,8 +33,11 @@ class SweepLog {
   const std::vector<std::size_t>& withoutPose() const { return without_pose_; }
   std::size_t count(SweepStatus status) const { return by_status_[static_cast<std::size_t>(status)]; }
 
-  /// mean_ms, median_ms, p95_ms, p99_ms and counts by status.
+  /// mean_ms, median_ms, p95_ms, p99_ms, counts by status, and how points were timed.
   Json summary() const;
+
+  /// Of the sweeps that were timed by a guess; nothing if there was none.
+  std::optional<std::string> timingWarning() const;
 
   /// Throws std::runtime_error if the file could not be completed.
   void close();
@@ -44,6 +49,9 @@ class SweepLog {
   std::ofstream out_, monitor_log_, measurement_log_;
   std::vector<double> total_ms_;
   std::vector<std::size_t> by_status_, without_pose_;
+  std::map<TimingSource, std::size_t> by_timing_;
+  std::size_t guessed_ = 0, outliers_ = 0;
+  TimingResult timing_;  ///< of the last sweep that was guessed(), else of the last
 };
 
 }  // namespace fail_aware

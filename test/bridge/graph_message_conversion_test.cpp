@@ -44,7 +44,8 @@ TEST(GraphMessages, reasonBitsAndStatesAreTheCores) {
   EXPECT_EQ(Message::REASON_LOW_VISIBILITY, kReasonLowVisibility);
   EXPECT_EQ(Message::REASON_NO_ANSWER, kReasonNoAnswer);
   EXPECT_EQ(Message::REASON_MOTION_UNKNOWN, kReasonMotionUnknown);
-  EXPECT_EQ(reasonText(Message::REASON_MOTION_UNKNOWN << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
+  EXPECT_EQ(Message::REASON_TIME_FIELD_REFUSED, kReasonTimeFieldRefused);
+  EXPECT_EQ(reasonText(Message::REASON_TIME_FIELD_REFUSED << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
   EXPECT_EQ(Message::UNKNOWN, static_cast<int>(FailAwareState::kUnknown));
   EXPECT_EQ(Message::OK, static_cast<int>(FailAwareState::kOk));
   EXPECT_EQ(Message::DEGRADED, static_cast<int>(FailAwareState::kDegraded));
@@ -250,12 +251,15 @@ TEST(GraphMessages, conditionTellsWhatTheSweepsCheckFound) {
   SweepCondition condition = conditionOf(toMessage(someState(), account, someHeader()));
   EXPECT_FALSE(condition.no_answer) << "nobody waits for it";
   EXPECT_TRUE(condition.incomplete && condition.frozen);
-  EXPECT_FALSE(condition.low_visibility || condition.time_jump);
+  EXPECT_FALSE(condition.low_visibility || condition.time_jump || condition.time_field_refused);
   account.findings->incomplete = account.findings->frozen = false;
   account.findings->low_visibility = account.findings->time_jump = true;
+  findings.time_field_refused = true;
+  EXPECT_TRUE(fromMessage(toMessage(findings, 77, someHeader())).time_field_refused);
+  account.findings->time_field_refused = true;
   condition = conditionOf(toMessage(someState(), account, someHeader()));
   EXPECT_FALSE(condition.incomplete || condition.frozen);
-  EXPECT_TRUE(condition.low_visibility && condition.time_jump);
+  EXPECT_TRUE(condition.low_visibility && condition.time_jump && condition.time_field_refused);
 }
 
 TEST(GraphMessages, timesToFailureAreNeverMistaken) {

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fail_aware {
@@ -149,11 +151,73 @@ TEST(ReadCloud, timeOfEveryType) {
   auto absolute = timedCloud("timestamp", PointField::FLOAT64);
   put(absolute, 12, 1000000000.45);
   ASSERT_TRUE(readCloud(absolute, sweep).ok());
-  EXPECT_NEAR(sweep.times_s.at(0), -0.05, 1e-6);
+  EXPECT_NEAR(sweep.time_field.origin_s + sweep.times_s.at(0), 1000000000.45, 1e-6);
   auto nanoseconds = timedCloud("t", PointField::UINT32);
   put(nanoseconds, 12, std::uint32_t{25000000});
   ASSERT_TRUE(readCloud(nanoseconds, sweep).ok());
   EXPECT_NEAR(sweep.times_s.at(0), 0.025, 1e-9);
+}
+
+TEST(ReadCloud, rowStepCountsOnlyWhereRowsArePadded) {
+  Sweep sweep;
+  for (const std::uint32_t row_step : {0u, 1u, 65u, 66u, 0xffffffffu}) {
+    auto cloud = velodyneCloud(kPoints);
+    cloud.row_step = row_step;
+    ASSERT_TRUE(readCloud(cloud, sweep).ok()) << "one row, row_step " << row_step;
+    EXPECT_EQ(sweep.points_lidar, kPoints);
+    cloud.height = 3;
+    cloud.width = 1;
+    ASSERT_TRUE(readCloud(cloud, sweep).ok()) << "three packed rows, row_step " << row_step;
+    EXPECT_EQ(sweep.points_lidar, kPoints);
+  }
+}
+
+TEST(ReadCloud, bigEndian) {
+  const auto cloud = velodyneCloud(kPoints);
+  auto swapped = cloud;
+  swapped.is_bigendian = true;
+  const std::vector<std::pair<std::size_t, std::size_t>> numbers = {{0, 4}, {4, 4}, {8, 4}, {12, 4}, {16, 2}, {18, 4}};
+  for (std::size_t i = 0; i < kPoints.size(); ++i) {
+    for (const auto& [offset, size] : numbers) {
+      const auto at = swapped.data.begin() + static_cast<std::ptrdiff_t>(22 * i + offset);
+      std::reverse(at, at + static_cast<std::ptrdiff_t>(size));
+    }
+  }
+  Sweep sweep, expected;
+  ASSERT_TRUE(readCloud(swapped, sweep).ok());
+  ASSERT_TRUE(readCloud(cloud, expected).ok());
+  EXPECT_EQ(sweep.points_lidar, expected.points_lidar);
+  EXPECT_EQ(sweep.intensities, expected.intensities);
+  EXPECT_EQ(sweep.rings, expected.rings);
+  EXPECT_EQ(sweep.times_s, expected.times_s);
+}
+
+TEST(ReadCloud, takesTheTimeFieldThatTellsTimes) {
+  auto cloud = makeCloud({{"x", 0, PointField::FLOAT32},
+                          {"y", 4, PointField::FLOAT32},
+                          {"z", 8, PointField::FLOAT32},
+                          {"time", 12, PointField::FLOAT32},
+                          {"Point_Stamp", 16, PointField::UINT32}},
+                         20, 50);
+  for (std::size_t i = 0; i < 50; ++i) {
+    put(cloud, 20 * i, 1.0f + static_cast<float>(i));
+    put(cloud, 20 * i + 16, static_cast<std::uint32_t>(2000 * i));  // us
+  }
+  Sweep sweep;
+  ASSERT_TRUE(readCloud(cloud, sweep).ok());
+  EXPECT_EQ(sweep.time_field.name, "Point_Stamp") << "`time` is left empty";
+  EXPECT_STREQ(sweep.time_field.unit, "us");
+  EXPECT_NEAR(sweep.times_s.back(), 0.098, 1e-6);
+  cloud.fields[4].name = "stump";
+  ASSERT_TRUE(readCloud(cloud, sweep).ok());
+  EXPECT_EQ(sweep.time_field.name, "time");
+  EXPECT_EQ(sweep.times_s, std::vector<float>(50, 0.0f));
+  EXPECT_EQ(sweep.time_field.refused, "");
+  for (std::size_t i = 0; i < 50; ++i) put(cloud, 20 * i + 12, 0.3f * static_cast<float>(i));
+  ASSERT_TRUE(readCloud(cloud, sweep).ok());
+  EXPECT_EQ(sweep.time_field.name, "time");
+  EXPECT_NE(sweep.time_field.refused, "");
+  EXPECT_TRUE(sweep.times_s.empty());
 }
 
 TEST(ReadCloud, refusesWithAReason) {
@@ -164,13 +228,13 @@ TEST(ReadCloud, refusesWithAReason) {
     EXPECT_EQ(result.ok(), result.reason.empty());
     return result.status;
   };
-  auto cloud = velodyneCloud(kPoints);
-  cloud.is_bigendian = true;
-  EXPECT_EQ(status(cloud), CloudStatus::kBigEndian);
   EXPECT_EQ(status(velodyneCloud({})), CloudStatus::kEmpty);
   EXPECT_EQ(status(sensor_msgs::PointCloud2()), CloudStatus::kEmpty);
-  cloud = velodyneCloud(kPoints);
-  cloud.row_step -= 1;
+  auto cloud = velodyneCloud(kPoints);
+  cloud.height = 3;
+  cloud.width = 1;
+  cloud.row_step = 21;
+  cloud.data.push_back(0);  // neither rows of row_step nor rows without padding
   EXPECT_EQ(status(cloud), CloudStatus::kBadLayout);
   cloud = velodyneCloud(kPoints);
   cloud.data.pop_back();

@@ -1,8 +1,11 @@
 // sensor_msgs/PointCloud2 <-> sweeps.
 //
-// Read: x y z (FLOAT32 or FLOAT64), and where they are there intensity | i, ring, time | t | timestamp, of any numeric
-// type at any offset, aligned or not. Points that are not finite or exactly zero are left out and counted. Times:
-// floats are s (absolute ones, FLOAT64, become relative to the stamp), integers ns. A ring that is none: 65535.
+// Read: x y z (FLOAT32 or FLOAT64), and where they are there intensity | i, ring | line | channel | layer, and a time,
+// of any numeric type at any offset, aligned or not, of either byte order. Points that are not finite or exactly zero
+// are left out and counted. A ring that is none: 65535. row_step is not looked at where it has no meaning (one row, or
+// rows without padding).
+// Time: time | t | timestamp | offset_time | time_stamp | ts, else a field whose name holds "time", "stamp" or "nsec".
+// Of several, the first whose numbers are times of a sweep and differ. Unit and clock: core/sweep/point_times.hpp.
 // Failure: status and a reason; the sweep is then empty. Never reads out of bounds. Cost: one pass over the cloud.
 #pragma once
 
@@ -19,7 +22,6 @@ namespace fail_aware {
 enum class CloudStatus {
   kOk,
   kEmpty,  ///< no point, or none that could be used
-  kBigEndian,
   kNoCoordinates,  ///< x, y or z is missing or is no FLOAT32, FLOAT64
   kBadLayout       ///< point_step, row_step, data or a field's place contradict each other
 };

@@ -18,6 +18,7 @@
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
 namespace fail_aware {
 
@@ -48,6 +49,7 @@ struct SweepResult {
   Measurement point;
   Measurement plane;
   Measurement corners;
+  TimingResult timing;       ///< of its points
   SweepCondition condition;  ///< what the monitor heard beside `state`
   MonitorOutput monitor;
   StageTimes times;

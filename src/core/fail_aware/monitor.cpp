@@ -87,6 +87,7 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
   add(condition.low_visibility, kReasonLowVisibility);
   add(condition.frozen, kReasonFrozenCloud);
   add(condition.time_jump, kReasonTimeJump);
+  add(condition.time_field_refused, kReasonTimeFieldRefused);
   add(condition.no_answer, kReasonNoAnswer);
   add(condition.dropped_before > 0, kReasonDroppedSweeps);
   add(start_pending_, kReasonMotionUnknown);

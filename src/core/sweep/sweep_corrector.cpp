@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fail_aware_lidar_odometry/core/sweep/revolution.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/rings_by_order.hpp"
@@ -14,6 +15,24 @@ namespace {
 SweepTimingParams timingOfRawPoints(SweepTimingParams timing, const AzimuthCorrectionParams& azimuth) {
   timing.start_azimuth_deg -= azimuth.angle_deg;
   return timing;
+}
+
+/// Leaves out the points whose time is NaN.
+void dropUntimed(Sweep& sweep, std::vector<float>& times_s) {
+  const std::size_t size = sweep.size();
+  const auto compact = [&](auto& values) {
+    if (values.size() != size) return;  // empty
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (std::isfinite(times_s[i])) values[kept++] = values[i];
+    }
+    values.resize(kept);
+  };
+  for (auto* values : {&sweep.intensities, &sweep.times_s}) compact(*values);
+  compact(sweep.rings);
+  compact(sweep.points_lidar);
+  times_s.erase(std::remove_if(times_s.begin(), times_s.end(), [](float t) { return !std::isfinite(t); }),
+                times_s.end());
 }
 
 }  // namespace
@@ -40,6 +59,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   correctAzimuth(azimuth_, sweep.points_lidar);
   level_keeping_.apply(sweep.points_lidar);
   report.timing = timing_.assign(sweep, prediction.period_s, times_s_);
+  if (report.timing.outliers > 0) dropUntimed(sweep, times_s_);
   if (report.timing.source == TimingSource::kField) {
     report.revolution_s = revolutionFromTimes(sweep.points_lidar, times_s_);
   }

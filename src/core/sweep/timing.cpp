@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 #include "point_block.hpp"
 
@@ -56,6 +59,7 @@ const char* toString(TimingSource source) {
     case TimingSource::kNone: return "none";
     case TimingSource::kField: return "field";
     case TimingSource::kAzimuth: return "azimuth";
+    case TimingSource::kHeld: return "held";
   }
   return "unknown";
 }
@@ -91,6 +95,15 @@ const char* toString(TimeField field) {
   return "unknown";
 }
 
+std::string describeGuess(const TimingResult& timing) {
+  const std::string instead = timing.ok() ? "points are timed by their azimuth, as if the stamp were the sweep's " +
+                                                std::string(toString(timing.reference)) + ", which is a guess"
+                                          : std::string("points are not timed");
+  return "point times are refused (" + timing.refusal + "); " + instead +
+         ". Mend the driver's field, or set sensor.timing.source to azimuth (or none, if the driver compensates the "
+         "motion) and sensor.timing.stamp_reference to what the stamps mean";
+}
+
 void SweepTimingParams::validate() const {
   requireParameter(source == "auto" || source == "field" || source == "azimuth" || source == "none", "source", source,
                    "auto, field, azimuth or none");
@@ -104,6 +117,11 @@ void SweepTimingParams::validate() const {
 }
 
 SweepTiming::SweepTiming(const Params& params) : params_(params) { params_.validate(); }
+
+void SweepTiming::reset() {
+  clock_.reset();
+  held_.reset();
+}
 
 StampReference SweepTiming::referenceOr(StampReference automatic) const {
   if (params_.stamp_reference == "start") return StampReference::kStart;
@@ -137,6 +155,12 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
       result.source = TimingSource::kField;
       return result;
     }
+    if (held_.apply(sweep, times_relative_to_stamp_s)) {
+      result.status = TimingStatus::kOk;
+      result.source = TimingSource::kHeld;
+      result.reference = last_reference_;
+      return result;
+    }
     if (params_.source == "field") {
       times_relative_to_stamp_s.clear();
       result.status = TimingStatus::kNoField;
@@ -150,33 +174,83 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
   return result;
 }
 
-TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) const {
+namespace {
+
+std::string inMs(double time_s) {
+  std::string text = std::to_string(1e3 * time_s);
+  return text.substr(0, text.find('.') + 2) + " ms";
+}
+
+}  // namespace
+
+// The first sweep tells another clock, for good. Later on, a sweep that fits neither its stamp nor zero has a wrong stamp.
+SweepTiming::Clock SweepTiming::clockOf(double first_s, double last_s, double stamp_s, double limit_s) const {
+  if (clock_ == Clock::kOther) return Clock::kOther;
+  const auto near = [&](double zero_s, double limit) { return first_s - zero_s >= -limit && last_s - zero_s <= limit; };
+  if (near(0.0, limit_s)) return Clock::kSweep;
+  // at the limit, jitter must not tell another clock each sweep
+  return near(stamp_s, clock_ == Clock::kStamp ? 2.0 * limit_s : limit_s) ? Clock::kStamp : Clock::kOther;
+}
+
+TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) {
+  const auto refuse = [&](TimeField why, const std::string& text) {
+    result.refusal =
+        (sweep.time_field.name.empty() ? "the sweep's times" : "field `" + sweep.time_field.name + "`") + ": " + text;
+    return why;
+  };
+  if (!sweep.time_field.refused.empty()) return refuse(TimeField::kBadScale, sweep.time_field.refused);
   const std::size_t size = sweep.times_s.size();
   if (size != sweep.size()) return TimeField::kAbsent;
-  const Eigen::Map<const Eigen::ArrayXf> field(sweep.times_s.data(), static_cast<Eigen::Index>(size));
-  if (!field.allFinite()) return TimeField::kNotFinite;
-  const double low = field.minCoeff(), high = field.maxCoeff();
-  if (high - low < params_.min_field_spread_s) return TimeField::kNoSpread;
+  const std::optional<TimeRange> range = rangeOfTimes(sweep.times_s, result.period_known ? result.period_s : 0.0);
+  if (!range) return refuse(TimeField::kNotFinite, "more than a tenth of its values are not finite");
+  if (range->span_s() < params_.min_field_spread_s) return TimeField::kNoSpread;
 
   const double limit = result.period_known ? kFieldLimitPeriods * result.period_s : kFieldLimitUnknownPeriod_s;
-  if (high - low > limit) return TimeField::kBadScale;
+  if (range->span_s() > limit) {
+    return refuse(TimeField::kBadScale, "its values span " + inMs(range->span_s()) + ", more than the " + inMs(limit) +
+                                            " that a cloud may take");
+  }
+  const double resolution_s = std::max(std::abs(range->first_s), std::abs(range->last_s)) * 1.2e-7;
+  if (resolution_s > kCoarsestFieldResolution_s) {
+    return refuse(TimeField::kBadScale, "its values are too coarse: 32 bits hold them to " + inMs(resolution_s));
+  }
 
-  double offset = 0.0;
-  if (low >= -limit && high <= limit) {
-    const StampReference zero = referenceFromSign(low, high);
-    result.field_reference = zero;
-    result.reference = referenceOr(zero);
-    offset = (positionInSweep(zero) - positionInSweep(result.reference)) * result.period_s;
-  } else {
-    const double resolution = std::max(std::abs(low), std::abs(high)) * 1.2e-7;
-    const bool of_this_sweep = low - sweep.stamp_s >= -limit && high - sweep.stamp_s <= limit;
-    if (!of_this_sweep || resolution > kCoarsestFieldResolution_s) return TimeField::kBadScale;
-    result.field_reference = referenceFromSign(low - sweep.stamp_s, high - sweep.stamp_s);
-    result.reference = referenceOr(*result.field_reference);
-    offset = -sweep.stamp_s;
+  const double origin_s = sweep.time_field.origin_s;
+  double offset = 0.0;  // from the sweep's times to those relative to the stamp
+  const Clock clock = clockOf(origin_s + range->first_s, origin_s + range->last_s, sweep.stamp_s, limit);
+  if (!clock_ || clock != Clock::kOther) clock_ = clock;
+  switch (clock) {
+    case Clock::kSweep: {
+      const StampReference zero = referenceFromSign(range->first_s, range->last_s);
+      result.field_reference = zero;
+      result.reference = referenceOr(zero);
+      offset = origin_s + (positionInSweep(zero) - positionInSweep(result.reference)) * result.period_s;
+      break;
+    }
+    case Clock::kStamp:
+      offset = origin_s - sweep.stamp_s;
+      result.field_reference = referenceFromSign(range->first_s + offset, range->last_s + offset);
+      result.reference = referenceOr(*result.field_reference);
+      break;
+    case Clock::kOther:
+      if (clock_ == Clock::kOther) {
+        result.reference = referenceOr(StampReference::kStart);
+        offset = -range->first_s - positionInSweep(result.reference) * result.period_s;
+      } else {
+        result.reference = last_reference_;
+        offset = last_first_s_ - range->first_s;
+      }
+      break;
   }
   times_s.resize(size);
-  for (std::size_t i = 0; i < size; ++i) times_s[i] = static_cast<float>(sweep.times_s[i] + offset);
+  for (std::size_t i = 0; i < size; ++i) {
+    const bool usable = range->contains(sweep.times_s[i]);
+    times_s[i] = usable ? static_cast<float>(sweep.times_s[i] + offset) : std::numeric_limits<float>::quiet_NaN();
+    if (!usable) ++result.outliers;
+  }
+  last_first_s_ = range->first_s + offset;
+  last_reference_ = result.reference;
+  held_.keep(sweep, times_s, last_first_s_, result.period_s);
   return TimeField::kUsed;
 }
 

@@ -51,6 +51,7 @@ TEST(StateFor, Reasons) {
   EXPECT_EQ(stateAt(0.0, kReasonFrozenCloud), State::kFailed);
   EXPECT_EQ(unknownWith(kReasonFrozenCloud), State::kFailing);
   EXPECT_EQ(stateAt(50.0, kReasonPredictionOnly), State::kDegraded);
+  EXPECT_EQ(stateAt(50.0, kReasonTimeFieldRefused), State::kDegraded);
   EXPECT_EQ(stateAt(2.0, kReasonPredictionOnly), State::kFailing);
   EXPECT_EQ(unknownWith(kReasonPredictionOnly), State::kUnknown);
   EXPECT_EQ(stateAt(50.0, kReasonMissingCorners | kReasonEtaThreshold | kReasonCovarianceLimit), State::kOk);
@@ -61,6 +62,7 @@ TEST(ReasonText, NamesJoined) {
   EXPECT_EQ(reasonText(kReasonStale), "STALE");
   EXPECT_EQ(reasonText(kReasonStale | kReasonMissingCorners | kReasonLowVisibility),
             "STALE|MISSING_CORNERS|LOW_VISIBILITY");
+  EXPECT_EQ(reasonText(kReasonTimeFieldRefused), "TIME_FIELD_REFUSED");
   EXPECT_EQ(reasonText(kReasonFrozenCloud | (1u << 31)), "FROZEN_CLOUD|BIT_31");
   EXPECT_EQ(reasonText(kReasonNoMeasurement | kReasonPredictionOnly | kReasonPredictionOverruled |
                        kReasonMeasurementsDisagree | kReasonWeakDirection | kReasonSweepIncomplete | kReasonSweepEmpty |

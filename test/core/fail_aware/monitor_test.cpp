@@ -303,6 +303,7 @@ TEST(FailAwareMonitor, EachConditionHasItsReason) {
       {"incomplete", kReasonSweepIncomplete, true, [](FilterState&, SweepCondition& c) { c.incomplete = true; }},
       {"fog", kReasonLowVisibility, true, [](FilterState&, SweepCondition& c) { c.low_visibility = true; }},
       {"time jump", kReasonTimeJump, true, [](FilterState&, SweepCondition& c) { c.time_jump = true; }},
+      {"time field", kReasonTimeFieldRefused, true, [](FilterState&, SweepCondition& c) { c.time_field_refused = true; }},
       {"no answer", kReasonNoAnswer, true, [](FilterState&, SweepCondition& c) { c.no_answer = true; }},
       {"dropped", kReasonDroppedSweeps, true, [](FilterState&, SweepCondition& c) { c.dropped_before = 2; }},
       {"none", kReasonNoMeasurement, false, [](FilterState& s, SweepCondition&) { s.fusion.valid_inputs = 0; }},

@@ -148,7 +148,6 @@ TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
   } cases[] = {{{0.0f, 5e7f, 1e8f}, 100.0, TimeField::kBadScale},     // ns
                {{0.0f, 5e4f, 1e5f}, 100.0, TimeField::kBadScale},     // us
                {{0.0f, 50.0f, 100.0f}, 100.0, TimeField::kBadScale},  // ms
-               {{7.0f, 7.05f, 7.1f}, 100.0, TimeField::kBadScale},    // neither relative nor near the stamp
                {{1.3e9f, 1.3e9f, 1.3e9f + 128.0f}, 1.3e9, TimeField::kBadScale},
                {{1e5f, 1e5f + 0.0469f, 1e5f + 0.1016f}, 1e5, TimeField::kBadScale},  // a float's steps there are 8 ms
                {{0.0f, 0.0f, 0.0f}, 100.0, TimeField::kNoSpread},
@@ -159,15 +158,144 @@ TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
     std::vector<float> times_s = {1.0f};
     const TimingResult strict = SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
     EXPECT_EQ(strict.status, TimingStatus::kNoField);
+    EXPECT_EQ(strict.guessed(), c.expected != TimeField::kNoSpread);
     EXPECT_EQ(strict.field, c.expected) << toString(strict.field) << " for " << c.field.back();
     EXPECT_TRUE(times_s.empty());
     const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
     EXPECT_TRUE(automatic.ok());
     EXPECT_EQ(automatic.source, TimingSource::kAzimuth);
     EXPECT_EQ(automatic.field, c.expected);
+    EXPECT_EQ(automatic.guessed(), c.expected != TimeField::kNoSpread) << automatic.refusal;
     EXPECT_EQ(automatic.reference, StampReference::kEnd);
     for (const float t : times_s) EXPECT_TRUE(t >= -static_cast<float>(kPeriod_s) && t <= 0.0f);
   }
+}
+
+/// A revolution of a clockwise head from the rear, with times of the sweep's own from 0 on.
+Sweep revolution(double stamp_s, std::size_t points = 5000) {
+  std::vector<double> yaws;
+  for (std::size_t i = 0; i < points; ++i) yaws.push_back(M_PI * (1.0 - 2.0 * (i + 0.5) / static_cast<double>(points)));
+  Sweep sweep = sweepAt(yaws, stamp_s);
+  for (std::size_t i = 0; i < points; ++i) {
+    sweep.times_s.push_back(static_cast<float>(kPeriod_s * (i + 0.5) / static_cast<double>(points)));
+  }
+  return sweep;
+}
+
+TEST(SweepTiming, OfAnotherClockTheDifferencesCount) {
+  for (const char* reference : {"auto", "start", "mid", "end"}) {
+    SweepTiming timing(paramsWith("auto", reference));
+    const double zero = reference == std::string("mid") ? 0.5 : reference == std::string("end") ? 1.0 : 0.0;
+    for (int i = 0; i < 5; ++i) {
+      Sweep sweep = revolution(100.0 + i * kPeriod_s + 0.02 * (i % 2));  // the stamps jitter
+      sweep.time_field.origin_s = 4711.0 + i * kPeriod_s;
+      std::vector<float> times_s;
+      const TimingResult result = timing.assign(sweep, 0.0, times_s);
+      EXPECT_EQ(result.field, TimeField::kUsed);
+      EXPECT_FALSE(result.guessed());
+      EXPECT_STREQ(toString(result.reference), zero == 0.0 ? "start" : reference);
+      EXPECT_NEAR(times_s.front(), -zero * kPeriod_s, 1e-5);
+      EXPECT_NEAR(times_s.back() - times_s.front(), kPeriod_s * (1.0 - 1.0 / 5000.0), 1e-5);
+    }
+  }
+}
+
+// 0.6 s off, to and fro: the stamp is wrong, and the clock is not another one for the rest of the drive.
+TEST(SweepTiming, AClockIsNotLostByOneWrongStamp) {
+  SweepTiming timing(paramsWith("auto"));
+  std::vector<float> times_s;
+  for (int i = 0; i < 6; ++i) {
+    const double start_s = 1e9 + i * kPeriod_s;
+    Sweep sweep = revolution(start_s + kPeriod_s + (i == 3 ? 0.6 : 0.0));  // stamped at the end
+    sweep.time_field.origin_s = start_s;
+    const TimingResult result = timing.assign(sweep, 0.0, times_s);
+    EXPECT_EQ(result.field, TimeField::kUsed);
+    EXPECT_EQ(result.reference, StampReference::kEnd) << i;
+    EXPECT_NEAR(times_s.front(), -kPeriod_s, 1e-4) << i;
+    EXPECT_NEAR(times_s.back(), 0.0, 1e-4) << i;
+  }
+}
+
+TEST(SweepTiming, OutliersAreCountedAndHaveNoTime) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float wrong : {3e8f, -1.7e9f, nan}) {
+    Sweep sweep = revolution(100.0);
+    for (float& t : sweep.times_s) t -= static_cast<float>(kPeriod_s);
+    for (const std::size_t i : {0u, 17u, 4999u}) sweep.times_s[i] = wrong;
+    std::vector<float> times_s;
+    const TimingResult result = SweepTiming(paramsWith("auto")).assign(sweep, 0.0, times_s);
+    EXPECT_EQ(result.field, TimeField::kUsed);
+    EXPECT_EQ(result.reference, StampReference::kEnd);
+    EXPECT_EQ(result.outliers, 3u);
+    for (std::size_t i = 0; i < times_s.size(); ++i) {
+      const bool is_wrong = i == 0 || i == 17 || i == 4999;
+      ASSERT_EQ(std::isnan(times_s[i]), is_wrong) << i;
+      if (!is_wrong) ASSERT_EQ(times_s[i], sweep.times_s[i]);
+    }
+  }
+}
+
+TEST(SweepTiming, ASweepWhoseFieldFailsIsTimedAsThoseBeforeIt) {
+  const struct {
+    const char* name;
+    void (*break_field)(Sweep&);
+    TimeField found;
+  } cases[] = {
+      {"zeros", [](Sweep& s) { s.times_s.assign(s.size(), 0.0f); }, TimeField::kNoSpread},
+      {"none", [](Sweep& s) { s.times_s.clear(); }, TimeField::kAbsent},
+      {"NaN", [](Sweep& s) { s.times_s.assign(s.size(), std::numeric_limits<float>::quiet_NaN()); },
+       TimeField::kNotFinite},
+      {"refused", [](Sweep& s) { s.times_s.clear(), s.time_field.refused = "no unit"; }, TimeField::kBadScale},
+      {"too long",
+       [](Sweep& s) {
+         for (float& t : s.times_s) t *= 20.0f;
+       },
+       TimeField::kBadScale},
+  };
+  for (const auto& c : cases) {
+    for (const char* source : {"auto", "field"}) {
+      for (const double first_s : {0.0, -kPeriod_s}) {
+        SweepTiming timing(paramsWith(source));
+        std::vector<float> times_s;
+        for (int i = 0; i < 4; ++i) {
+          Sweep sweep = revolution(100.0 + i * kPeriod_s);
+          for (float& t : sweep.times_s) t += static_cast<float>(first_s);
+          const std::vector<float> right = sweep.times_s;
+          if (i == 2) c.break_field(sweep);
+          const TimingResult result = timing.assign(sweep, 0.0, times_s);
+          EXPECT_TRUE(result.ok()) << c.name;
+          EXPECT_FALSE(result.guessed()) << c.name;
+          EXPECT_EQ(result.field, i == 2 ? c.found : TimeField::kUsed) << c.name;
+          EXPECT_EQ(result.source, i == 2 ? TimingSource::kHeld : TimingSource::kField) << c.name;
+          EXPECT_EQ(result.reference, first_s == 0.0 ? StampReference::kStart : StampReference::kEnd) << c.name;
+          ASSERT_EQ(times_s.size(), right.size());
+          for (std::size_t k = 10; k + 10 < right.size(); ++k) ASSERT_NEAR(times_s[k], right[k], 2e-4) << c.name << k;
+        }
+        timing.reset();
+        Sweep sweep = revolution(200.0);
+        c.break_field(sweep);
+        const TimingResult anew = timing.assign(sweep, 0.0, times_s);
+        EXPECT_NE(anew.source, TimingSource::kHeld) << c.name;
+        EXPECT_EQ(anew.guessed(), c.found == TimeField::kNotFinite || c.found == TimeField::kBadScale) << c.name;
+        EXPECT_EQ(anew.guessed(), !anew.refusal.empty());
+      }
+    }
+  }
+}
+
+TEST(DescribeGuess, NamesTheFieldAndWhatToSet) {
+  Sweep sweep = revolution(100.0);
+  sweep.times_s.clear();
+  sweep.time_field.name = "stamps_ms";
+  sweep.time_field.refused = "its numbers span 7";
+  std::vector<float> times_s;
+  const TimingResult result = SweepTiming(paramsWith("auto")).assign(sweep, 0.0, times_s);
+  ASSERT_TRUE(result.guessed());
+  const std::string text = describeGuess(result);
+  for (const char* part : {"`stamps_ms`", "its numbers span 7", "azimuth", "end", "sensor.timing.source"}) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  }
+  EXPECT_EQ(text.find('\n'), std::string::npos);
 }
 
 TEST(SweepTiming, AbsentFieldOffAndEmpty) {

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace fail_aware {
@@ -15,14 +16,24 @@ inline bool isUsablePoint(const Eigen::Vector3f& point_m) {
   return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kFarthest_m && !point_m.isZero(0.0f);
 }
 
+/// What is known of the field that a sweep's `times_s` come from (sweep/point_times.hpp). The default is that of times
+/// that are s from some instant of the sweep.
+struct TimeFieldSource {
+  std::string name;        ///< in the driver's cloud; empty: it has none, or the sweep comes from no cloud
+  const char* unit = "s";  ///< in which its numbers were read
+  double origin_s = 0.0;   ///< on the field's clock: where `times_s` count from
+  std::string refused;     ///< why its numbers are no times of a sweep; empty: they are. If refused: no `times_s`
+};
+
 /// A sweep's points. `points_lidar` (m, sensor frame) is always there and finite; the other arrays are empty or as
 /// long as `points_lidar`.
 struct Sweep {
   double stamp_s = 0.0;                       ///< header stamp, s; its instant: sweep timing's `stamp_reference`
   std::vector<Eigen::Vector3f> points_lidar;  ///< m
   std::vector<float> intensities;             ///< sensor units
-  std::vector<float> times_s;                 ///< as the driver gave them: s relative to some instant of the sweep
+  std::vector<float> times_s;                 ///< as the driver gave them, s from `time_field.origin_s`; may hold NaN
   std::vector<std::uint16_t> rings;           ///< laser number, 0 = lowest beam
+  TimeFieldSource time_field;                 ///< of `times_s`
   std::size_t points_dropped = 0;             ///< of the source that are not usable, left out here
 
   std::size_t size() const { return points_lidar.size(); }

@@ -54,6 +54,7 @@ struct SweepCondition {
   bool low_visibility = false;
   bool frozen = false;     ///< the sensor repeats itself
   bool time_jump = false;  ///< of the stamps, back or ahead
+  bool time_field_refused = false;  ///< the points are timed by a guess
   bool no_answer = false;  ///< of a stage of the live graph, by the deadline
   int dropped_before = 0;  ///< sweeps lost since the last one
   bool point_missing = false;
@@ -69,6 +70,7 @@ struct SweepCondition {
     v("low_visibility", self.low_visibility);
     v("frozen", self.frozen);
     v("time_jump", self.time_jump);
+    v("time_field_refused", self.time_field_refused);
     v("no_answer", self.no_answer);
     v("dropped_before", self.dropped_before);
     v("point_missing", self.point_missing);

@@ -46,8 +46,10 @@ struct SweepFindings {
   double azimuth_coverage = 0.0;  ///< share of the sectors that hold points; 0 for an empty sweep
   double far_share = 0.0;         ///< share of the points beyond visible_range_m
   int repetitions = 0;            ///< sweeps in a row that repeated the one before
-  double middle_s = 0.0;          ///< SweepCorrectorReport's; not found by SweepCheck
-  double revolution_s = 0.0;      ///< likewise
+  // Of SweepCorrectorReport; not found by SweepCheck.
+  double middle_s = 0.0;
+  double revolution_s = 0.0;
+  bool time_field_refused = false;  ///< TimingResult::guessed()
 };
 
 /// Keeps stamp and fingerprint of the last sweep: give it every sweep, in order, also the first after stamps jumped

@@ -34,7 +34,7 @@ class SweepCorrector {
                  const LevelKeepingParams& level_keeping);
 
   /// `sweep` is changed by the corrections of its angles and by level keeping, and given rings where it has none and its
-  /// order tells them. The motion corrected for is that from the previous estimate to the prediction; in the first
+  /// order tells them; points without a usable time are left out (TimingResult::outliers). The motion corrected for is that from the previous estimate to the prediction; in the first
   /// sweep, where there is none, points stay and times are kept.
   SweepCorrectorReport correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
                                CorrectedSweep& corrected);

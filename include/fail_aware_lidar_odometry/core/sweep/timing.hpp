@@ -1,10 +1,18 @@
 // When each point of a sweep was measured, relative to the sweep's stamp.
 //
 // Sources: the driver's per-point field, or the azimuth of a head that turns steadily. "auto" takes the field when it
-// is there, finite, in seconds and not constant (the velodyne driver fills zeros for the 64E), else the azimuth.
+// is there, tells times of this sweep and is not constant (the velodyne driver fills zeros for the 64E), else the
+// azimuth.
 //
-// Field: s, relative to the first packet (>= 0), to the last (<= 0), to the stamp (both signs) or absolute (on the
-// stamp's clock). A field in ns, us or ms is refused, not guessed.
+// Field: relative to the first packet (>= 0), to the last (<= 0), to the stamp (both signs), absolute on the stamp's
+// clock, or on another clock. Of another clock only the differences count: the first point's time is the sweep's start,
+// and what the stamp means is `stamp_reference` (auto: start). Which clock it is, the first sweep shows. Units:
+// point_times.hpp. A field that spans more than 2.5 periods is refused.
+// Times that are none, or lie apart, are outliers: NaN in the result, and counted; the points are to be left out. Up to a
+// tenth of a sweep's times may be outliers; with more the field is refused (not_finite, bad_scale).
+// Held: a sweep whose field fails (refused, absent, or all alike) takes the timing of the sweeps before it
+// (held_timing.hpp). Without any before it, its field is refused or it is a field left empty, and the sweep is timed by
+// azimuth: `guessed()` tells the one from the other.
 // Azimuth: from the start azimuth, in the direction of rotation: fraction = (1 - yaw/pi)/2 for clockwise from the rear.
 // Known errors: a real head does not begin a sweep exactly at the start azimuth, so points within a degree or so of the
 // seam may belong to the other end and be wrong by a whole period; and each laser's own azimuth offset (a few degrees
@@ -23,12 +31,13 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/held_timing.hpp"
 
 namespace fail_aware {
 
 inline constexpr double kLongestPeriod_s = 1.0;  ///< of a sweep: no head that turns slower is known
 
-enum class TimingSource { kNone, kField, kAzimuth };
+enum class TimingSource { kNone, kField, kAzimuth, kHeld };
 enum class StampReference { kStart, kMid, kEnd };
 
 enum class TimingStatus {
@@ -43,9 +52,9 @@ enum class TimeField {
   kNotRead,  ///< `source` is none or azimuth, or the sweep is empty
   kUsed,
   kAbsent,     ///< none, or not one per point
-  kNotFinite,  ///< NaN or infinite values
+  kNotFinite,  ///< more than a tenth of the values are NaN or infinite
   kNoSpread,   ///< the same value everywhere
-  kBadScale    ///< not seconds, not of this sweep, or absolute and too coarse in 32 bits
+  kBadScale    ///< in no unit the times of a sweep, or too coarse
 };
 
 const char* toString(TimingSource source);
@@ -61,9 +70,16 @@ struct TimingResult {
   std::optional<StampReference> field_reference{};  ///< what the signs of the field's times say, where it is used
   double period_s = 0.1;
   bool period_known = false;  ///< given or measured; otherwise nominal
+  std::size_t outliers = 0;   ///< points without a usable time: NaN
+  std::string refusal;        ///< why the field is refused (kNotFinite, kBadScale), for people; else empty
 
   bool ok() const { return status == TimingStatus::kOk; }
+  /// The field was refused, and no sweep before this one shows how to time it.
+  bool guessed() const { return !refusal.empty() && source != TimingSource::kHeld; }
 };
+
+/// Of a sweep that is guessed(): what is refused, what is done instead, what to do. One line.
+std::string describeGuess(const TimingResult& timing);
 
 struct SweepTimingParams {
   std::string source = "auto";           ///< auto | field | azimuth | none
@@ -102,16 +118,26 @@ class SweepTiming {
   SweepTiming() : SweepTiming(Params()) {}
   explicit SweepTiming(const Params& params);
 
-  /// Seconds from the stamp's instant to each point's, in the sweep's order. `measured_period_s`: of the head, as the
-  /// sweep clock finds it; 0: not known.
-  TimingResult assign(const Sweep& sweep, double measured_period_s,
-                      std::vector<float>& times_relative_to_stamp_s) const;
+  /// Seconds from the stamp's instant to each point's, in the sweep's order; NaN for outliers. `measured_period_s`: of
+  /// the head, as the sweep clock finds it; 0: not known.
+  TimingResult assign(const Sweep& sweep, double measured_period_s, std::vector<float>& times_relative_to_stamp_s);
+
+  /// Forgets the field's clock and how sweeps were timed.
+  void reset();
 
  private:
-  TimeField assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) const;
+  TimeField assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s);
   StampReference referenceOr(StampReference automatic) const;
 
+  enum class Clock { kSweep, kStamp, kOther };
+  Clock clockOf(double first_s, double last_s, double stamp_s, double limit_s) const;
+
   Params params_;
+  std::optional<Clock> clock_;  ///< of the field
+  /// Of the last sweep that its field timed: how, which reference, and its first point's time relative to its stamp.
+  HeldTiming held_;
+  StampReference last_reference_ = StampReference::kEnd;
+  double last_first_s_ = 0.0;
 };
 
 }  // namespace fail_aware

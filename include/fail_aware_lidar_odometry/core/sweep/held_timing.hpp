@@ -1,0 +1,40 @@
+// Times for a sweep whose time field fails, as its predecessors had them: by azimuth, but with the direction, the start
+// and the stamp's place in the sweep that their field showed.
+//
+// It holds for a head that turns: the azimuth must follow the field's times. A cloud may hold a revolution or a whole
+// part of one (a half, a third, a quarter). Points within a degree or so of the seam may belong to the other end.
+// Cost: keep() 0.05 ms, apply() as timesByAzimuth().
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
+
+namespace fail_aware {
+
+class HeldTiming {
+ public:
+  /// A sweep that its field timed. times_s: relative to its stamp, may hold NaN; first_s: the first of them.
+  void keep(const Sweep& sweep, const std::vector<float>& times_s, double first_s, double period_s);
+
+  /// False: no sweep was kept, or its azimuth did not follow its times. Times: relative to the stamp.
+  bool apply(const Sweep& sweep, std::vector<float>& times_s) const;
+
+  void reset() { head_.reset(); }
+
+ private:
+  struct Head {
+    double stamp_s = 0.0;  ///< of the sweep that shows it
+    double first_s = 0.0;  ///< of its points, relative to the stamp
+    double period_s = 0.1;
+    double revolution_s = 0.1;
+    double start_azimuth_rad = 0.0;
+    bool clockwise = true;
+  };
+
+  std::optional<Head> head_;
+};
+
+}  // namespace fail_aware
