@@ -263,6 +263,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
   ReferencePlacement::Sweep sweep;
   sweep.motion_known = prediction_.motion_known;
+  sweep.follows = last_measured_ && next.dt_s <= kLongInterval_s;
   sweep.observed = next.corrected && observesTilt(next.fusion, predicted_P);
   sweep.tells_no_motion = tells_no_motion_;
   const ReferencePlacement::Placement placement = placement_.add(measurements, sweep);

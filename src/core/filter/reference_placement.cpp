@@ -32,13 +32,26 @@ bool wasSought(const FusionInput& input) {
          (input.measurement->iterations > 0 || input.measurement->status == MeasurementStatus::kNotConverged);
 }
 
+// Each ICP there is looked once and found next to nothing near: the references do not hold what the sweep shows.
+bool showsOtherThings(const std::vector<FusionInput>& inputs) {
+  bool any = false;
+  for (const FusionInput& input : inputs) {
+    if (!isOfAnIcp(input)) continue;
+    const Measurement& measurement = *input.measurement;
+    if (measurement.status != MeasurementStatus::kTooFewPoints || measurement.iterations != 1) return false;
+    any = true;
+  }
+  return any;
+}
+
 }  // namespace
 
 ReferencePlacement::Placement ReferencePlacement::add(const std::vector<FusionInput>& measurements,
                                                       const Sweep& sweep) {
   Placement placement;
   placement.begins = !started_ || (!sweep.motion_known && haveNoReference(measurements, isThere));
-  placement.placed = placement.begins || sweep.observed;
+  const bool joins = sweep.motion_known && sweep.follows && showsOtherThings(measurements);
+  placement.placed = placement.begins || sweep.observed || joins;
   if (placement.placed) {
     unplaced_sweeps_ = 0;
   } else if (std::any_of(measurements.begin(), measurements.end(), wasSought) &&

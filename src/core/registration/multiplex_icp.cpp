@@ -347,6 +347,7 @@ Measurement MultiplexIcp::align(const std::vector<Eigen::Vector3f>& points_cog, 
   if (solutions.empty()) {
     result.T_odom_cog = T_odom_cog_predicted;
     result.inliers = most_inliers;
+    result.iterations = std::max(result.iterations, 1);  // it has looked
     result.status = MeasurementStatus::kTooFewPoints;
     return result;
   }

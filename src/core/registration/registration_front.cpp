@@ -17,6 +17,7 @@ constexpr double kSurePlaces = 10.0;  // the search for the first motion is as g
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
 constexpr std::size_t kMaxUnplaced = 10;    // intervals; after them what the car does now is not known well enough
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
+constexpr double kOtherReference_s = 0.02;  // between sweeps' middles; less is what a driver adds to a revolution
 constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
 constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
 constexpr double kClearlyOpen = 0.5;  // less than that of the limit
@@ -225,7 +226,9 @@ void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const Swee
   start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(step_m * step_m);
   if (!only_first_placed_ || !refine_correction_ || first_cloud_.compensated) return;
   RegistrationCloud first = first_cloud_;
-  first.recorrect(*twist);
+  // one whose time field failed was timed with no other before it: a head's sweeps lie alike about their stamps
+  const double shift_s = first.middle_s - cloud_.middle_s;
+  first.recorrect(*twist, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
   reference_.clear();
   reference_.add(first.map_points_cog, T_odom_cog_first_);
   if (standing_.params().enabled) standing_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);
@@ -300,7 +303,7 @@ void RegistrationFront::place(const FilterState& state) {
   // where the clouds overrule it, a long interval may be one that the stamps only tell, found by nobody
   const bool interval_doubted =
       state.interval_wrong || (state.fusion.prediction_overruled && state.dt_s > kLongInterval_s);
-  last_measured_ = state.placed;
+  last_measured_ = state.placed && state.corrected;
   if (state.placed) {
     setPlaced(state.T_odom_cog);
   } else if (unplaced_.size() < kMaxUnplaced) {

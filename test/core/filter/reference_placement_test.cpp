@@ -20,6 +20,7 @@ Measurement withStatus(MeasurementStatus status, int iterations = 0) {
 const Measurement kFound = withStatus(MeasurementStatus::kOk, 5);
 const Measurement kNothingThere = withStatus(MeasurementStatus::kNoReference);
 const Measurement kLost = withStatus(MeasurementStatus::kNotConverged);
+const Measurement kElsewhere = withStatus(MeasurementStatus::kTooFewPoints, 1);
 const Measurement kBlind = withStatus(MeasurementStatus::kTooFewPoints);
 
 std::vector<FusionInput> bothIcps(const Measurement* points, const Measurement* planes) {
@@ -28,6 +29,7 @@ std::vector<FusionInput> bothIcps(const Measurement* points, const Measurement* 
 
 constexpr Sweep kMeasured = {true, true, false};
 constexpr Sweep kPredicted = {true, false, false};
+constexpr Sweep kFollowing = {true, false, false, true};
 constexpr Sweep kHeld = {true, true, true};
 
 /// Its first sweep is behind it.
@@ -61,6 +63,22 @@ TEST(ReferencePlacement, TakesInWhatIsObserved) {
   EXPECT_TRUE(measured.placed);
   EXPECT_FALSE(measured.begins || measured.anew || measured.out_of_sight);
   EXPECT_FALSE(placement.add({{"m", &kFound}}, kPredicted).placed);
+}
+
+TEST(ReferencePlacement, TakesInTheOtherHalfOfARevolutionAtAGoodPrediction) {
+  ReferencePlacement placement = underWay();
+  const Placement half = placement.add(bothIcps(&kElsewhere, &kElsewhere), kFollowing);
+  EXPECT_TRUE(half.placed);
+  EXPECT_FALSE(half.begins || half.anew || half.out_of_sight);
+  EXPECT_TRUE(placement.add({{kIcpPointToPlane, &kElsewhere}, {kIcpPointToPoint, nullptr}}, kFollowing).placed);
+  EXPECT_FALSE(placement.add(bothIcps(&kElsewhere, &kElsewhere), kPredicted).placed) << "a prediction after others";
+  Sweep unknown = kFollowing;
+  unknown.motion_known = false;
+  EXPECT_FALSE(placement.add(bothIcps(&kElsewhere, &kElsewhere), unknown).placed) << "a prediction at standstill";
+  for (const Measurement* other : {&kLost, &kBlind, &kFound}) {
+    EXPECT_FALSE(placement.add(bothIcps(other, &kElsewhere), kFollowing).placed) << "not seen elsewhere by both";
+  }
+  EXPECT_FALSE(placement.add({{"gps", &kElsewhere}}, kFollowing).placed);
 }
 
 TEST(ReferencePlacement, IsOutOfSightAfterMoreThanTenSweepsThatWereSought) {

@@ -1,7 +1,8 @@
 // Whether the references (local map, corners seen so far) take a sweep in, and when they begin anew. Not in the article.
 //
 // A sweep is placed if it was measured, in roll and pitch, too, or if a reference begins with it: the first sweep, and
-// those before a motion is known that had nothing to be registered against.
+// those before a motion is known that had nothing to be registered against. Also if it follows a measured sweep, so that
+// its prediction is good, and shows what the references do not hold: the other half of a revolution.
 // References begin anew, at an estimate whose error is in all that is measured from there on:
 // - after sweeps in a row that were sought and fitted nowhere: the reference is out of sight;
 // - after sweeps in a row that told no motion: what was placed of them spoils the reference;
@@ -22,6 +23,7 @@ class ReferencePlacement {
     bool motion_known = false;     ///< SweepPrediction's
     bool observed = false;         ///< corrected by what observes roll and pitch
     bool tells_no_motion = false;  ///< MotionPlausibility::Doubt's, of the last sweep that was corrected
+    bool follows = false;          ///< a measured sweep, by no long interval
   };
 
   struct Placement {
