@@ -17,7 +17,7 @@ namespace {
 
 using sensor_msgs::PointField;
 
-constexpr std::uint32_t kBeams = 16, kColumns = 360;
+constexpr std::uint32_t kDriverBeams = 16, kDriverColumns = 360;
 constexpr double kPeriod_s = 0.1;
 constexpr std::uint32_t kStamp_s = 1700000000;
 
@@ -27,7 +27,7 @@ struct FieldSpec {
   std::uint8_t datatype;
 };
 
-enum class Rows { kOne, kOneWithoutRowStep, kBeams, kColumns };
+enum class Rows { kOne, kOneWithoutRowStep, kByBeam, kByColumn };
 
 struct Driver {
   const char* name;
@@ -52,7 +52,7 @@ constexpr auto U16 = PointField::UINT16;
 constexpr auto U32 = PointField::UINT32;
 constexpr auto kField = TimingSource::kField;
 constexpr auto kAzimuth = TimingSource::kAzimuth;
-constexpr auto kStart = StampReference::kStart;
+constexpr auto kAtStart = StampReference::kStart;
 constexpr auto kEnd = StampReference::kEnd;
 
 const std::vector<FieldSpec> kVelodyne = {{"x", 0, F32},          {"y", 4, F32},     {"z", 8, F32},
@@ -73,8 +73,8 @@ const Driver kDrivers[] = {
      kEnd},
     {"velodyne_1_6_dense", kVelodyne, 22, Rows::kOneWithoutRowStep, "ring", "time", -0.1, 1.0, kField, kEnd},
     {"velodyne_1_7_dense", kVelodyne, 22, Rows::kOne, "ring", "time", -0.1, 1.0, kField, kEnd},
-    {"velodyne_1_7_first_packet", kVelodyne, 22, Rows::kOne, "ring", "time", 0.0, 1.0, kField, kStart},
-    {"velodyne_1_7_organized", kVelodyne, 22, Rows::kColumns, "ring", "time", -0.1, 1.0, kField, kEnd},
+    {"velodyne_1_7_first_packet", kVelodyne, 22, Rows::kOne, "ring", "time", 0.0, 1.0, kField, kAtStart},
+    {"velodyne_1_7_organized", kVelodyne, 22, Rows::kByColumn, "ring", "time", -0.1, 1.0, kField, kEnd},
     {"velodyne_1_7_hdl64e", kVelodyne, 22, Rows::kOne, "ring", "time", 0.0, 0.0, kAzimuth, kEnd},
     {"ouster_2019",
      {{"x", 0, F32},
@@ -85,13 +85,13 @@ const Driver kDrivers[] = {
       {"intensity", 22, U16},
       {"ring", 24, U8}},
      32,
-     Rows::kBeams,
+     Rows::kByBeam,
      "ring",
      "t",
      0.0,
      1e-9,
      kField,
-     kStart},
+     kAtStart},
     {"ouster_2",
      {{"x", 0, F32},
       {"y", 4, F32},
@@ -103,13 +103,13 @@ const Driver kDrivers[] = {
       {"ambient", 28, U16},
       {"range", 32, U32}},
      48,
-     Rows::kBeams,
+     Rows::kByBeam,
      "ring",
      "t",
      0.0,
      1e-9,
      kField,
-     kStart},
+     kAtStart},
     {"ouster_3",
      {{"x", 0, F32},
       {"y", 4, F32},
@@ -121,13 +121,13 @@ const Driver kDrivers[] = {
       {"ambient", 28, U16},
       {"range", 32, U32}},
      48,
-     Rows::kBeams,
+     Rows::kByBeam,
      "ring",
      "t",
      0.0,
      1e-9,
      kField,
-     kStart},
+     kAtStart},
     {"hesai_general",
      {{"x", 0, F32}, {"y", 4, F32}, {"z", 8, F32}, {"intensity", 16, F32}, {"timestamp", 24, F64}, {"ring", 32, U16}},
      48,
@@ -137,11 +137,11 @@ const Driver kDrivers[] = {
      kStamp_s,
      1.0,
      kField,
-     kStart},
-    {"hesai_2_0", kXyzirt, 26, Rows::kOne, "ring", "timestamp", kStamp_s, 1.0, kField, kStart},
-    {"hesai_2_0_own_clock", kXyzirt, 26, Rows::kOne, "ring", "timestamp", 4711.25, 1.0, kField, kStart},
-    {"rslidar_last_point", kXyzirt, 26, Rows::kBeams, "ring", "timestamp", kStamp_s - 0.1, 1.0, kField, kEnd},
-    {"rslidar_first_point", kXyzirt, 26, Rows::kColumns, "ring", "timestamp", kStamp_s, 1.0, kField, kStart},
+     kAtStart},
+    {"hesai_2_0", kXyzirt, 26, Rows::kOne, "ring", "timestamp", kStamp_s, 1.0, kField, kAtStart},
+    {"hesai_2_0_own_clock", kXyzirt, 26, Rows::kOne, "ring", "timestamp", 4711.25, 1.0, kField, kAtStart},
+    {"rslidar_last_point", kXyzirt, 26, Rows::kByBeam, "ring", "timestamp", kStamp_s - 0.1, 1.0, kField, kEnd},
+    {"rslidar_first_point", kXyzirt, 26, Rows::kByColumn, "ring", "timestamp", kStamp_s, 1.0, kField, kAtStart},
     {"livox_2",
      {{"x", 0, F32},
       {"y", 4, F32},
@@ -157,7 +157,7 @@ const Driver kDrivers[] = {
      1e9 * kStamp_s,
      1e-9,
      kField,
-     kStart},
+     kAtStart},
     {"livox_custom_converted",
      {{"x", 0, F32}, {"y", 4, F32}, {"z", 8, F32}, {"offset_time", 12, U32}, {"line", 16, U8}},
      17,
@@ -167,7 +167,7 @@ const Driver kDrivers[] = {
      0.0,
      1e-9,
      kField,
-     kStart},
+     kAtStart},
     {"sick_scan_xd_t",
      {{"x", 0, F32}, {"y", 4, F32}, {"z", 8, F32}, {"i", 12, F32}, {"t", 16, U32}, {"layer", 20, I8}},
      21,
@@ -177,7 +177,7 @@ const Driver kDrivers[] = {
      0.0,
      1e-9,
      kField,
-     kStart},
+     kAtStart},
     {"sick_scan_xd_ts",
      {{"x", 0, F32}, {"y", 4, F32}, {"z", 8, F32}, {"i", 12, F32}, {"ts", 16, F32}, {"ring", 20, I8}},
      21,
@@ -187,7 +187,7 @@ const Driver kDrivers[] = {
      0.0,
      1.0,
      kField,
-     kStart},
+     kAtStart},
     {"sick_ldmrs",
      {{"x", 0, F32}, {"y", 4, F32}, {"z", 8, F32}, {"echowidth", 16, U16}, {"layer", 18, U8}, {"echo", 19, U8}},
      32,
@@ -216,7 +216,7 @@ const Driver kDrivers[] = {
      0.0,
      1e-9,
      kField,
-     kStart},
+     kAtStart},
     {"kitti",
      {{"x", 0, F32}, {"y", 4, F32}, {"z", 8, F32}, {"i", 12, F32}},
      16,
@@ -241,7 +241,7 @@ void put(std::uint8_t* at, std::uint8_t datatype, double value) {
   }
 }
 
-double timeOf(std::uint32_t column) { return kPeriod_s * (column + 0.5) / kColumns; }
+double timeOf(std::uint32_t column) { return kPeriod_s * (column + 0.5) / kDriverColumns; }
 
 /// Beam 3 sees nothing in each tenth column: NaN, or zeros where the driver writes zeros.
 bool isSeen(std::uint32_t column, std::uint32_t beam) { return beam != 3 || column % 10 != 0; }
@@ -258,14 +258,14 @@ sensor_msgs::PointCloud2 cloudOf(const Driver& driver) {
     cloud.fields.push_back(field);
   }
   cloud.point_step = driver.point_step;
-  const bool by_beam = driver.rows == Rows::kBeams, by_column = driver.rows == Rows::kColumns;
-  cloud.height = by_beam ? kBeams : by_column ? kColumns : 1;
-  cloud.width = kBeams * kColumns / cloud.height;
+  const bool by_beam = driver.rows == Rows::kByBeam, by_column = driver.rows == Rows::kByColumn;
+  cloud.height = by_beam ? kDriverBeams : by_column ? kDriverColumns : 1;
+  cloud.width = kDriverBeams * kDriverColumns / cloud.height;
   cloud.row_step = driver.rows == Rows::kOneWithoutRowStep ? 0 : cloud.width * cloud.point_step;
-  cloud.data.resize(std::size_t{kBeams} * kColumns * cloud.point_step);
-  for (std::uint32_t column = 0; column < kColumns; ++column) {
-    for (std::uint32_t beam = 0; beam < kBeams; ++beam) {
-      const std::uint32_t index = by_beam ? beam * kColumns + column : column * kBeams + beam;
+  cloud.data.resize(std::size_t{kDriverBeams} * kDriverColumns * cloud.point_step);
+  for (std::uint32_t column = 0; column < kDriverColumns; ++column) {
+    for (std::uint32_t beam = 0; beam < kDriverBeams; ++beam) {
+      const std::uint32_t index = by_beam ? beam * kDriverColumns + column : column * kDriverBeams + beam;
       std::uint8_t* point = cloud.data.data() + std::size_t{index} * cloud.point_step;
       const double yaw = M_PI * (1.0 - 2.0 * timeOf(column) / kPeriod_s), range_m = 10.0 + beam;
       const double none = by_beam ? 0.0 : std::numeric_limits<double>::quiet_NaN();
@@ -295,8 +295,8 @@ TEST_P(DriverLayout, IsReadAndTimed) {
   Sweep sweep;
   const CloudReadResult read = readCloud(cloudOf(driver), sweep);
   ASSERT_TRUE(read.ok()) << read.reason;
-  EXPECT_EQ(sweep.size(), kBeams * kColumns - kColumns / 10);
-  EXPECT_EQ(sweep.points_dropped, kColumns / 10);
+  EXPECT_EQ(sweep.size(), kDriverBeams * kDriverColumns - kDriverColumns / 10);
+  EXPECT_EQ(sweep.points_dropped, kDriverColumns / 10);
   EXPECT_EQ(sweep.rings.empty(), driver.ring == nullptr);
   EXPECT_EQ(sweep.time_field.name, driver.time == nullptr ? "" : driver.time);
   EXPECT_EQ(sweep.time_field.refused, "");
@@ -311,7 +311,7 @@ TEST_P(DriverLayout, IsReadAndTimed) {
   ASSERT_EQ(times_s.size(), sweep.size());
   const double start_s = driver.reference == kEnd ? -kPeriod_s : 0.0;
   // of an own clock the first point's time is 0; of 64 bits of ns 256 ns are one step
-  const double tolerance_s = kPeriod_s / kColumns;
+  const double tolerance_s = kPeriod_s / kDriverColumns;
   for (std::size_t i = 0; i < sweep.size(); ++i) {
     const Eigen::Vector3f& p = sweep.points_lidar[i];
     const double turned = 0.5 * (1.0 - std::atan2(p.y(), p.x()) / M_PI);

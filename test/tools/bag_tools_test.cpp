@@ -146,7 +146,7 @@ TEST_F(BagTools, whereTheLidarSitsIsTakenFromTheBagOrSaid) {
                 "do not connect rear_axle -> velo_link; give the lidar's place");
   EXPECT_FALSE(fs::exists(folder_ / "none"));
   std::ofstream(folder_ / "mounting.yaml") << "sensor:\n  lidar_in_base: [-1.5, 0.0, 1.5, 0.0, 0.0, 0.0]\n";
-  for (const std::string given : {std::string("--lidar-in-base -1.5,0,1.5,0,0,0"),
+  for (const std::string& given : {std::string("--lidar-in-base -1.5,0,1.5,0,0,0"),
                                   "--parameters '" + (folder_ / "mounting.yaml").string() + "'"}) {
     const ToolRun run = offline(other + given, "given");
     EXPECT_EQ(run.exit_code, 0) << run.err;

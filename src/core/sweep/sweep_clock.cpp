@@ -9,8 +9,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kShortestPeriod_s = 0.02;  // 50 Hz: no head turns faster
-constexpr double kLongestPeriod_s = 0.22;   // 5 Hz, the slowest that heads turn: a longer interval holds a gap
+constexpr double kShortestTurn_s = 0.02;  // 50 Hz: no head turns faster
+constexpr double kLongestTurn_s = 0.22;   // 5 Hz, the slowest that heads turn: a longer interval holds a gap
 constexpr std::size_t kIntervalsNeeded = 3;
 constexpr double kOtherFirstPeriod = 0.3;  // a head that still speeds up or slows down, relative
 constexpr std::size_t kDifferencesNeeded = 5;
@@ -144,7 +144,7 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
 
 // Sweeps may be lost from the start, and a head may still speed up: the median of the first intervals that it can take.
 void SweepClock::learnPeriod(double interval_s) {
-  if (interval_s < kShortestPeriod_s || interval_s > kLongestPeriod_s) return;
+  if (interval_s < kShortestTurn_s || interval_s > kLongestTurn_s) return;
   first_intervals_s_.push_back(interval_s);
   if (first_intervals_s_.size() < kIntervalsNeeded) return;
   std::vector<double> sorted = first_intervals_s_;
@@ -154,7 +154,7 @@ void SweepClock::learnPeriod(double interval_s) {
 }
 
 void SweepClock::observeRevolution(double revolution_s) {
-  if (!(revolution_s >= kShortestPeriod_s && revolution_s <= kLongestPeriod_s) || given_period_s_ > 0.0) return;
+  if (!(revolution_s >= kShortestTurn_s && revolution_s <= kLongestTurn_s) || given_period_s_ > 0.0) return;
   const auto differ = [](double a_s, double b_s) { return std::abs(a_s - b_s) > kOtherPeriod * b_s; };
   if (!(period_s_ > 0.0)) {
     setPeriod(revolution_s, kSurePeriod * revolution_s);
@@ -234,8 +234,7 @@ bool SweepClock::followsAnotherLine() {
   const double per_turn_ab_s = (b.seconds - a.seconds) / b.turns, per_turn_bc_s = (c.seconds - b.seconds) / c.turns;
   if (std::abs(per_turn_bc_s - per_turn_ab_s) > tolerance_s()) return false;
   const double per_turn_s = 0.5 * (per_turn_ab_s + per_turn_bc_s), other_period_s = period_s_ + per_turn_s;
-  if (std::abs(per_turn_s) > tolerance_s() &&
-      (other_period_s < kShortestPeriod_s || other_period_s > kLongestPeriod_s)) {
+  if (std::abs(per_turn_s) > tolerance_s() && (other_period_s < kShortestTurn_s || other_period_s > kLongestTurn_s)) {
     return false;
   }
   offset_s_ += c.seconds;

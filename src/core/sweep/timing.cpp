@@ -15,7 +15,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kShortestPeriod_s = 0.02;   // 50 Hz: no head that turns faster is known
+constexpr double kShortestPeriod_s = 0.02;  // 50 Hz: no head that turns faster is known
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
 constexpr double kFieldLimitPeriods = 2.5;           // two revolutions in one cloud are still timed by their field
 constexpr double kCoarsestFieldResolution_s = 1e-3;  // an absolute time in a float
@@ -131,7 +131,7 @@ StampReference SweepTiming::referenceOr(StampReference automatic) const {
 }
 
 TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
-                                 std::vector<float>& times_relative_to_stamp_s) const {
+                                 std::vector<float>& times_relative_to_stamp_s) {
   TimingResult result;
   result.period_s = kUsualPeriod_s;
   if (params_.sweep_period_s > 0.0) {
