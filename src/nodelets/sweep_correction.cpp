@@ -120,9 +120,9 @@ class SweepCorrectionNodelet : public nodelet::Nodelet {
       status.summary(Level::WARN, "clouds without usable points: " + last_reason_);
       faults_.say("points", status.message);
     } else if (findings_.frozen || findings_.incomplete || findings_.low_visibility) {
-      const char* what = findings_.incomplete ? "incomplete" : "cut short in range";
-      if (findings_.frozen) what = "frozen: the driver repeats itself";
-      status.summary(Level::WARN, std::string("the sweep is ") + what);
+      const char* what = findings_.incomplete ? describeIncomplete() : "the sweep is cut short in range";
+      if (findings_.frozen) what = "the sweep is frozen: the driver repeats itself";
+      status.summary(Level::WARN, what);
     } else if (guessed_ > guessed_reported_) {
       status.summary(Level::WARN, last_refusal_);
     } else if (!timing_fault.empty()) {

@@ -252,9 +252,7 @@ int run(const Options& options) {
   if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) {
     std::cerr << kName << ": warning: " << contradiction << std::endl;
   }
-  if (const std::optional<std::string> warning = log.timingWarning()) {
-    std::cerr << kName << ": warning: " << *warning << std::endl;
-  }
+  for (const std::string& warning : log.warnings()) std::cerr << kName << ": warning: " << warning << std::endl;
   if (!t1_stamp_s) {
     std::cerr
         << kName

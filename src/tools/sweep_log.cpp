@@ -12,6 +12,7 @@
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "json.hpp"
 
 namespace fail_aware {
@@ -84,6 +85,7 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   ++by_status_[static_cast<std::size_t>(r.status)];
   if (r.status == SweepStatus::kStampNotAdvancing || r.condition.empty) return;
   ++by_timing_[r.timing.source];
+  if (r.condition.incomplete) ++incomplete_;
   outliers_ += r.timing.outliers;
   if (r.timing.guessed() || guessed_ == 0) timing_ = r.timing;
   if (r.timing.guessed()) ++guessed_;
@@ -123,10 +125,14 @@ Json SweepLog::summary() const {
   return json;
 }
 
-std::optional<std::string> SweepLog::timingWarning() const {
-  if (guessed_ == 0) return std::nullopt;
-  return "in " + std::to_string(guessed_) + " of " + std::to_string(total_ms_.size()) + " sweeps " +
-         describeGuess(timing_);
+std::vector<std::string> SweepLog::warnings() const {
+  std::vector<std::string> warnings;
+  const auto ofSweeps = [&](std::size_t sweeps) {
+    return "in " + std::to_string(sweeps) + " of " + std::to_string(total_ms_.size()) + " sweeps ";
+  };
+  if (guessed_ > 0) warnings.push_back(ofSweeps(guessed_) + describeGuess(timing_));
+  if (2 * incomplete_ > total_ms_.size()) warnings.push_back(ofSweeps(incomplete_) + describeIncomplete());
+  return warnings;
 }
 
 void SweepLog::close() {

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,8 +35,8 @@ class SweepLog {
   /// mean_ms, median_ms, p95_ms, p99_ms, counts by status, and how points were timed.
   Json summary() const;
 
-  /// Of the sweeps that were timed by a guess; nothing if there was none.
-  std::optional<std::string> timingWarning() const;
+  /// One line each, for the user: sweeps timed by a guess; a driver whose clouds are all incomplete.
+  std::vector<std::string> warnings() const;
 
   /// Throws std::runtime_error if the file could not be completed.
   void close();
@@ -50,7 +49,7 @@ class SweepLog {
   std::vector<double> total_ms_;
   std::vector<std::size_t> by_status_, without_pose_;
   std::map<TimingSource, std::size_t> by_timing_;
-  std::size_t guessed_ = 0, outliers_ = 0;
+  std::size_t guessed_ = 0, outliers_ = 0, incomplete_ = 0;
   TimingResult timing_;  ///< of the last sweep that was guessed(), else of the last
 };
 

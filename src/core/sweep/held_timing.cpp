@@ -12,7 +12,7 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kLookedAt = 256;  // points
-constexpr double kFollows = 0.95;       // mean resultant length; 1: each point lies where its time says
+constexpr double kFollows = 0.98;       // mean resultant length; 1: each point lies where its time says
 constexpr int kMostCloudsARevolution = 4;
 
 }  // namespace
@@ -21,7 +21,7 @@ void HeldTiming::keep(const Sweep& sweep, const std::vector<float>& times_s, dou
   head_.reset();
   const std::size_t stride = (sweep.size() / kLookedAt) | 1u;
   double best = kFollows;
-  for (int clouds = 1; clouds <= kMostCloudsARevolution && !head_; ++clouds) {
+  for (int clouds = 1; clouds <= kMostCloudsARevolution; ++clouds) {
     const double revolution_s = clouds * period_s;
     std::complex<double> clockwise, counter_clockwise;
     double looked_at = 0.0;

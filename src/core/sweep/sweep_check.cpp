@@ -51,6 +51,12 @@ std::uint64_t fingerprint(const std::vector<Eigen::Vector3f>& points) {
 
 }  // namespace
 
+const char* describeIncomplete() {
+  return "the sweep is incomplete: part of the revolution is missing. If the driver publishes half a revolution (or "
+         "less) a cloud, or the lidar does not look all around, set sensor.check.min_azimuth_coverage below the share "
+         "that its clouds cover (/diagnostics: azimuth coverage)";
+}
+
 void SweepCheckParams::validate() const {
   requireWithin("min_azimuth_coverage", min_azimuth_coverage, 0.0, 1.0);
   requirePositive("visible_range_m", visible_range_m);

@@ -2,7 +2,7 @@
 // LOW_VISIBILITY and TIME_JUMP come from here, offline and live.
 //
 // incomplete      fewer than min_azimuth_coverage of the azimuth's sectors (5 deg each) hold points: half a sweep, a
-//                 blanked sector
+//                 blanked sector. A driver that publishes part of a revolution a cloud needs a lower min_azimuth_coverage.
 // low_visibility  fewer than min_far_share of the points lie beyond visible_range_m: fog, spray, a dirty window
 // frozen          the points are, bit for bit, those of each of the last frozen_sweeps sweeps: a driver that repeats
 //                 itself (a simulator without noise looks the same when the vehicle stands: 0 switches this off)
@@ -36,6 +36,9 @@ struct SweepCheckParams {
   }
   void validate() const;
 };
+
+/// What an incomplete sweep means, and what to set if the driver publishes such clouds. One line.
+const char* describeIncomplete();
 
 struct SweepFindings {
   bool incomplete = false;
