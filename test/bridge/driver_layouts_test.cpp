@@ -303,7 +303,7 @@ TEST_P(DriverLayout, IsReadAndTimed) {
 
   SweepTimingParams params;
   std::vector<float> times_s;
-  const TimingResult timing = SweepTiming(params).assign(sweep, times_s);
+  const TimingResult timing = SweepTiming(params).assign(sweep, 0.0, times_s);
   EXPECT_EQ(timing.source, driver.source);
   EXPECT_EQ(timing.reference, driver.reference);
   EXPECT_FALSE(timing.guessed());
@@ -322,7 +322,7 @@ TEST_P(DriverLayout, IsReadAndTimed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Drivers, DriverLayout, testing::ValuesIn(kDrivers),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace fail_aware
