@@ -203,6 +203,7 @@ int run(const Options& options) {
   std::size_t side_file_problems = 0, points_dropped = 0, set_back = 0;
   Pose T_odom_lidar_first = Pose::Identity();
   std::optional<double> t1_stamp_s;
+  bool was_asked_for = false;
   Sweep sweep;
   drive->skip(static_cast<std::size_t>(options.first));
   {
@@ -217,6 +218,7 @@ int run(const Options& options) {
       points_dropped += sweep.points_dropped;
       const double stamp_s = sweep.stamp_s;
       const SweepResult result = pipeline.step(sweep);
+      was_asked_for = was_asked_for || (result.monitor.reasons & kReasonMotionUnknown) != 0;
       if (!t1_stamp_s && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s = result.monitor.t1_stamp_s;
       log.add(stamp_s, result);
       if (SweepLog::hasPose(result.status)) {
@@ -254,11 +256,9 @@ int run(const Options& options) {
   }
   for (const std::string& warning : log.warnings()) std::cerr << kName << ": warning: " << warning << std::endl;
   if (!t1_stamp_s) {
-    std::cerr
-        << kName
-        << ": warning: the drive ended before --redundant-at, or no motion was observed from there on: there is no t1, "
-           "every state is UNKNOWN"
-        << std::endl;
+    std::cerr << kName
+              << ": warning: " << (was_asked_for ? "no motion was observed" : "the drive ended before --redundant-at")
+              << ": there is no t1, every state is UNKNOWN" << std::endl;
   }
   writeKittiTrajectory((output / "trajectory_kitti.txt").string(), lidar_trajectory);
   writeTumTrajectory((output / "trajectory_tum.txt").string(), base_trajectory);
