@@ -13,7 +13,7 @@ constexpr double kShortestTurn_s = 0.02;  // 50 Hz: no head turns faster
 constexpr double kLongestTurn_s = 0.22;   // 5 Hz, the slowest that heads turn: a longer interval holds a gap
 constexpr std::size_t kIntervalsNeeded = 3;
 constexpr double kOtherFirstPeriod = 0.3;  // a head that still speeds up or slows down, relative
-constexpr std::size_t kDifferencesNeeded = 5;
+constexpr std::size_t kDifferencesNeeded = 5, kQuietDifferencesNeeded = 2;  // jitter hardly hides in two
 
 constexpr double kNegligible_s = 0.5e-3;    // 15 mm at 30 m/s: less than the vehicle model's noise in one sweep
 constexpr double kUnknownJitter_s = 3e-3;   // until the stamps tell: a usual host
@@ -39,8 +39,10 @@ constexpr double kPhaseFollowed = 0.1;  // of a correction of the phase, in one 
 
 void StampJitter::add(double interval_s) {
   if (last_interval_s_) {
-    second_differences_s_.add(std::abs(interval_s - *last_interval_s_));
-    newest_differences_s_.add(std::abs(interval_s - *last_interval_s_));
+    const double difference_s = std::abs(interval_s - *last_interval_s_);
+    second_differences_s_.add(difference_s);
+    newest_differences_s_.add(difference_s);
+    largest_difference_s_ = std::max(largest_difference_s_, difference_s);
   }
   last_interval_s_ = interval_s;
 }
@@ -49,12 +51,15 @@ void StampJitter::clear() {
   interrupt();
   second_differences_s_.clear();
   newest_differences_s_.clear();
+  largest_difference_s_ = 0.0;
 }
 
 // A second difference of stamps with independent errors has 6 times their variance.
 std::optional<double> StampJitter::sigma_s() const {
-  if (second_differences_s_.size() < kDifferencesNeeded) return std::nullopt;
   constexpr double kSigmaOfMedian = 1.4826;
+  const bool is_quiet =
+      largest_difference_s_ <= kNegligible_s && second_differences_s_.size() >= kQuietDifferencesNeeded;
+  if (second_differences_s_.size() < kDifferencesNeeded && !is_quiet) return std::nullopt;
   return kSigmaOfMedian * std::max(second_differences_s_.median(), newest_differences_s_.median()) / std::sqrt(6.0);
 }
 
@@ -72,8 +77,11 @@ void SweepClock::setPeriod(double period_s, double sigma_s) {
   deviations_.clear();
 }
 
+// What point times tell alone is true to a thousandth: enough to judge stamps, too little to time points by it.
 std::optional<double> SweepClock::period_s() const {
-  if (!(period_s_ > 0.0)) return std::nullopt;
+  if (!(period_s_ > 0.0) || (!(given_period_s_ > 0.0) && first_intervals_s_.size() < kIntervalsNeeded)) {
+    return std::nullopt;
+  }
   return wholeMicroseconds(period_s_);
 }
 
@@ -112,7 +120,7 @@ bool SweepClock::wasSetBack(double since_s, double set_back_s) const {
 
 SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s) {
   const bool is_known = period_s_ > 0.0;
-  if (!period_sure_ && first_intervals_s_.size() < kUsualIntervals) learnPeriod(stamps_apart_s);
+  if (first_intervals_s_.size() < kUsualIntervals) learnPeriod(stamps_apart_s);
   if (!is_known) {
     jitter_.add(stamps_apart_s);
     return {since_s, 0.0};
@@ -146,7 +154,7 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
 void SweepClock::learnPeriod(double interval_s) {
   if (interval_s < kShortestTurn_s || interval_s > kLongestTurn_s) return;
   first_intervals_s_.push_back(interval_s);
-  if (first_intervals_s_.size() < kIntervalsNeeded) return;
+  if (period_sure_ || first_intervals_s_.size() < kIntervalsNeeded) return;
   std::vector<double> sorted = first_intervals_s_;
   std::sort(sorted.begin(), sorted.end());
   const double median_s = sorted[sorted.size() / 2];

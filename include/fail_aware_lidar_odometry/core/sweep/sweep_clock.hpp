@@ -59,6 +59,7 @@ class StampJitter {
  private:
   std::optional<double> last_interval_s_;
   MovingMedian second_differences_s_{41}, newest_differences_s_{11};  ///< without their signs
+  double largest_difference_s_ = 0.0;
 };
 
 class SweepClock {
@@ -76,7 +77,7 @@ class SweepClock {
   /// Of the stamps, standard deviation; none: not known yet.
   std::optional<double> jitter_s() const { return jitter_.sigma_s(); }
 
-  /// Of the head; none: not known yet.
+  /// Of the head, as stamps tell it; none: not known yet.
   std::optional<double> period_s() const;
 
   /// Stamps that were left out because the model contradicts them.
