@@ -365,7 +365,8 @@ std::optional<RoadRelief::Speed> RoadRelief::findSpeed(double expected_mps, doub
   const double opposite = scoreAt(-middle_mps, -acceleration).energy;
   const double mirrored = std::max(0.0, opposite / std::max(here.energy, kSmallestEnergy));
   speed.sigma_mps = std::hypot(params_.speed_sigma_mps, params_.mirrored_sigma_mps * mirrored);
-  const double tolerance_mps = kGateSigmas * std::hypot(expected_sigma_mps, speed.sigma_mps);
+  // Its own doubt does not excuse it: the same sweeps but one tell the next speed, and the filter would follow them all.
+  const double tolerance_mps = kGateSigmas * std::hypot(expected_sigma_mps, params_.speed_sigma_mps);
   if (speed.correlation < params_.min_correlation || std::abs(speed.speed_mps - expected_mps) > tolerance_mps) {
     last_.reset();
     return std::nullopt;

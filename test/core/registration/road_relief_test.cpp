@@ -79,6 +79,20 @@ TEST(RoadRelief, ASpeedThatTheVehicleCannotHaveIsNone) {
   EXPECT_FALSE(relief.hasSpeed());
 }
 
+/// At a walking pace the opposite motion fits nearly as well: such a result has a sigma of metres a second.
+TEST(RoadRelief, ADoubtfulSpeedThatTheVehicleCannotHaveIsNoneEither) {
+  Tunnel tunnel;
+  tunnel.relief_m = 0.006;
+  for (const double speed_mps : {0.2, 0.4}) {
+    RoadRelief relief{RoadRelief::Params()};
+    const std::optional<RoadRelief::Speed> speed = drive(relief, tunnel, speed_mps, 20);
+    ASSERT_TRUE(speed.has_value()) << speed_mps;
+    ASSERT_GT(speed->sigma_mps, 4.0) << speed_mps;
+    EXPECT_TRUE(relief.findSpeed(1.0, 0.5).has_value()) << speed_mps;
+    EXPECT_FALSE(relief.findSpeed(14.0, 2.0).has_value()) << speed_mps;
+  }
+}
+
 TEST(RoadRelief, WaitsForEnoughSweepsAndForgetsOldOnes) {
   Tunnel tunnel;
   tunnel.relief_m = 0.006;

@@ -95,7 +95,8 @@ class RoadRelief {
   void setYaw(double yaw_rad);
 
   /// From the sweeps so far; near the last result if there was one. What lies more than 3 sigma from the speed that the
-  /// vehicle should have is none: beams that change (a sweep bent otherwise) can look like a relief, too.
+  /// vehicle should have is none, however doubtful it is itself: beams that change (a sweep bent otherwise) can look like
+  /// a relief, too, and what travels with the sensor fits at standstill.
   std::optional<Speed> findSpeed(double expected_mps = 0.0,
                                  double expected_sigma_mps = std::numeric_limits<double>::infinity());
 
