@@ -13,6 +13,7 @@
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 
 namespace fail_aware {
 namespace {
@@ -186,6 +187,46 @@ TEST(OdometryPipeline, TheSpeedIsFoundAlthoughTheFirstSweepsAreLost) {
       EXPECT_LT(error_m, std::max(0.05, 2.0 * results.back().monitor.sigma_x_m)) << name;
       EXPECT_LT(error_m, 0.3) << name;
     }
+  }
+}
+
+/// The drive with other stamps: its true times are known.
+class WrongStamps : public testing::Test {
+ protected:
+  void expectSoundDrive(const std::function<double(std::size_t)>& stamp_error_s, const std::string& what) {
+    OdometryPipeline pipeline(streetParameters(), 1);
+    pipeline.startRedundant();
+    for (std::size_t i = 0; i < driveSweeps().size(); ++i) {
+      Sweep sweep = driveSweeps()[i];
+      sweep.stamp_s += stamp_error_s(i);
+      const double stamp_s = sweep.stamp_s;
+      const SweepResult result = pipeline.step(sweep);
+      const std::string where = what + ", sweep " + std::to_string(i);
+      EXPECT_EQ(result.state.stamp_s, stamp_s) << where << ": what came is published";
+      expectNear(result, kDrive.T_odom_base(static_cast<double>(i) * kPeriod_s), 0.06, where);
+      if (i < 2) continue;
+      EXPECT_LE(static_cast<int>(result.monitor.state), static_cast<int>(FailAwareState::kDegraded)) << where;
+      EXPECT_NEAR(result.state.dt_s, kPeriod_s, 0.01) << where;
+    }
+  }
+};
+
+TEST_F(WrongStamps, JitterLeavesPosesAndStatesSound) {
+  for (const double jitter_s : {0.001, 0.003}) {
+    RandomStream random(3);
+    expectSoundDrive([&](std::size_t) { return jitter_s * random.normal(); }, "jitter " + std::to_string(jitter_s));
+  }
+}
+
+TEST_F(WrongStamps, SingleOneLeavesPosesAndStatesSound) {
+  for (const double error_s : {0.025, 0.06, 0.09, -0.03, -0.08}) {
+    expectSoundDrive([&](std::size_t i) { return i == 15 || i == 30 ? error_s : 0.0; }, std::to_string(error_s));
+  }
+}
+
+TEST_F(WrongStamps, StepOfTheClockLeavesPosesAndStatesSound) {
+  for (const double step_s : {0.04, -0.07}) {
+    expectSoundDrive([&](std::size_t i) { return i >= 15 ? step_s : 0.0; }, std::to_string(step_s));
   }
 }
 
