@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/simulation/random.hpp"
 
 namespace fail_aware {
 
@@ -36,8 +36,7 @@ struct MadeUpRun {
   /// says twice its standard deviation), FOLDER/parameters.yaml, FOLDER/poses.txt and FOLDER/summary.json.
   void write(const std::filesystem::path& folder, const PipelineParameters& params = {}) const {
     std::filesystem::create_directories(folder);
-    std::mt19937_64 random(seed);
-    std::normal_distribution<double> normal;
+    RandomStream random(seed);  // standard libraries differ in what their distributions draw
     const Pose T_lidar_cog = params.sensor.T_base_lidar().inverse() * params.vehicle.T_base_cog();
     std::vector<Pose> truth;
     std::ofstream log(folder / "monitor_log.csv");
@@ -61,8 +60,8 @@ struct MadeUpRun {
         s.dt_s = 0.1;
         Vector6d step = Vector6d::Zero(), error = Vector6d::Zero();
         step[0] = speed_mps * s.dt_s;
-        error << sigma_m * normal(random), sigma_m * normal(random) + drift_m, sigma_up_m * normal(random),
-            sigma_tilt_rad * normal(random), sigma_tilt_rad * normal(random), sigma_yaw_rad * normal(random);
+        error << sigma_m * random.normal(), sigma_m * random.normal() + drift_m, sigma_up_m * random.normal(),
+            sigma_tilt_rad * random.normal(), sigma_tilt_rad * random.normal(), sigma_yaw_rad * random.normal();
         s.T_previous_now = poseFromVector(step + error);
         T_true = T_true * poseFromVector(step);
         T = T * s.T_previous_now;
