@@ -35,6 +35,12 @@ constexpr std::size_t kBiasedResiduals = 4;  // in a row, of one sign and beyond
 constexpr double kBiasSigmas = 2.0;
 constexpr double kPhaseFollowed = 0.1;  // of a correction of the phase, in one sweep
 
+// A whole number of turns, or a turn divided by one.
+double turnsPerCloud(double interval_s, double revolution_s) {
+  const double turns = interval_s / revolution_s;
+  return turns < 1.0 ? 1.0 / std::round(1.0 / turns) : std::round(turns);
+}
+
 }  // namespace
 
 void StampJitter::add(double interval_s) {
@@ -121,7 +127,10 @@ bool SweepClock::wasSetBack(double since_s, double set_back_s) const {
 SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s) {
   const bool is_known = period_s_ > 0.0;
   if (first_intervals_s_.size() < kUsualIntervals) learnPeriod(stamps_apart_s);
-  if (!is_known) {
+  if (!is_known && new_revolution_s_ > 0.0 && stamps_apart_s >= kShortestTurn_s) {
+    turns_per_cloud_ = std::min(1.0, turnsPerCloud(stamps_apart_s, new_revolution_s_));  // more: a sweep may be lost
+    followRevolution(new_revolution_s_);
+  } else if (!is_known) {
     jitter_.add(stamps_apart_s);
     return {since_s, 0.0};
   }
@@ -164,19 +173,22 @@ void SweepClock::learnPeriod(double interval_s) {
 void SweepClock::observeRevolution(double revolution_s) {
   if (!(revolution_s >= kShortestTurn_s && revolution_s <= kLongestTurn_s) || given_period_s_ > 0.0) return;
   const auto differ = [](double a_s, double b_s) { return std::abs(a_s - b_s) > kOtherPeriod * b_s; };
-  if (!(period_s_ > 0.0)) {
-    setPeriod(revolution_s, kSurePeriod * revolution_s);
-    period_sure_ = true;
-  } else if (!differ(revolution_s, period_s_)) {
-    contradicting_revolution_s_ = 0.0;
-  } else if (!(contradicting_revolution_s_ > 0.0) || differ(revolution_s, contradicting_revolution_s_)) {
-    contradicting_revolution_s_ = revolution_s;
-  } else {
-    jitter_.interrupt();
-    setPeriod(revolution_s, kSurePeriod * revolution_s);
-    period_sure_ = true;
-    contradicting_revolution_s_ = 0.0;
+  const double last_s = new_revolution_s_;
+  new_revolution_s_ = revolution_s;
+  if (!(period_s_ > 0.0)) return;  // the next interval tells how many turns a cloud holds
+  if (!(turns_per_cloud_ > 0.0)) turns_per_cloud_ = turnsPerCloud(period_s_, revolution_s);
+  if (!differ(turns_per_cloud_ * revolution_s, period_s_)) {
+    new_revolution_s_ = 0.0;
+  } else if (last_s > 0.0 && !differ(last_s, revolution_s)) {
+    followRevolution(revolution_s);
   }
+}
+
+void SweepClock::followRevolution(double revolution_s) {
+  jitter_.interrupt();
+  setPeriod(turns_per_cloud_ * revolution_s, kSurePeriod * turns_per_cloud_ * revolution_s);
+  period_sure_ = true;
+  new_revolution_s_ = 0.0;
 }
 
 // Less than two whole ones is one whose stamp is wrong: rarer than a lost sweep, but not together with it.

@@ -153,6 +153,25 @@ TEST_F(SweepClockTest, GapWithAnotherPhaseIsBelieved) {
   EXPECT_EQ(clock.outliers(), 0u);
 }
 
+TEST_F(SweepClockTest, CloudsOfAPartOfATurnOrOfSeveralKeepTheirOwnPeriod) {
+  for (const double turns_per_cloud : {0.25, 0.5, 1.0, 2.0}) {
+    for (const bool told_at_once : {false, true}) {
+      clock.reset();
+      for (int i = 0; i < 40; ++i) {
+        turn(0.0, kPeriod_s);
+        if (told_at_once || i > 10) clock.observeRevolution(1.001 * kPeriod_s / turns_per_cloud);
+        if (i == 0) continue;
+        EXPECT_NEAR(interval_error_s, 0.0, 1e-4) << turns_per_cloud << ", " << i;
+      }
+      EXPECT_EQ(clock.outliers(), 0u) << turns_per_cloud;
+      // two turns a cloud look like every other cloud lost, unless stamps come first
+      const bool is_ambiguous = turns_per_cloud > 1.0 && told_at_once;
+      if (is_ambiguous) continue;
+      EXPECT_NEAR(*clock.period_s(), kPeriod_s, 1e-4) << turns_per_cloud;
+    }
+  }
+}
+
 TEST_F(SweepClockTest, SpinRateThatRampsIsFollowed) {
   turns(20);
   double period_s = kPeriod_s;
@@ -170,7 +189,10 @@ TEST_F(SweepClockTest, SpinRateThatJumpsIsFollowed) {
     for (const bool points_tell : {false, true}) {
       if (period_s == 0.2 && !points_tell) continue;  // every other sweep might be lost
       clock.reset();
-      turns(20);
+      for (int i = 0; i < 20; ++i) {
+        turn();
+        if (points_tell) clock.observeRevolution(kPeriod_s);
+      }
       for (int i = 0; i < 20; ++i) {
         turn(0.0, period_s);
         if (points_tell) clock.observeRevolution(period_s);

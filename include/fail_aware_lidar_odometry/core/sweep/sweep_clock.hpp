@@ -71,7 +71,8 @@ class SweepClock {
   /// last sweep that was so much older than it (StampSequence); 0: none was.
   SweepTime next(double stamp_s, double set_back_s = 0.0);
 
-  /// The time of one turn as the last sweep's point times tell it; 0: they do not.
+  /// The time of one turn as the last sweep's point times tell it; 0: they do not. A cloud may hold a part of a turn, or
+  /// several: the stamps tell how many.
   void observeRevolution(double revolution_s);
 
   /// Of the stamps, standard deviation; none: not known yet.
@@ -98,6 +99,7 @@ class SweepClock {
   bool wasSetBack(double since_s, double set_back_s) const;
   Interval interval(double since_s, double stamps_apart_s);
   void learnPeriod(double interval_s);
+  void followRevolution(double revolution_s);
   void setPeriod(double period_s, double sigma_s);
   double turnsIn(double since_s) const;
   double tolerance_s() const;
@@ -116,10 +118,11 @@ class SweepClock {
   double lead_s_ = 0.0;                          ///< of the model's phase over the last sweep's time
   Eigen::Matrix2d P_ = Eigen::Matrix2d::Zero();  ///< of phase and period, s^2
   StampJitter jitter_;
-  std::vector<double> first_intervals_s_;    ///< as they came
-  std::deque<double> residuals_s_;           ///< the last ones of stamps that were used
-  std::vector<Deviation> deviations_;        ///< of the last stamps, if they were left out
-  double contradicting_revolution_s_ = 0.0;  ///< the last sweep's, if it contradicts the period
+  std::vector<double> first_intervals_s_;  ///< as they came
+  std::deque<double> residuals_s_;         ///< the last ones of stamps that were used
+  std::vector<Deviation> deviations_;      ///< of the last stamps, if they were left out
+  double turns_per_cloud_ = 0.0;           ///< 0: not known
+  double new_revolution_s_ = 0.0;          ///< the last sweep's, if the period does not follow it yet
   std::size_t outliers_ = 0;
 };
 
