@@ -319,7 +319,9 @@ bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
 void PoseFilter::remember(double middle_s) {
   newest_middle_s_ = 0.0;
   Pose T_odom_cog = state_.T_odom_cog;
-  if (state_.corrected && state_.dt_s > 0.0 && std::isfinite(middle_s)) {
+  // the first motion, found over more than one interval, is not that of the last one
+  const bool knows_motion = prediction_.motion_known || previous_measured_;
+  if (state_.corrected && knows_motion && state_.dt_s > 0.0 && std::isfinite(middle_s)) {
     const Pose T_previous_now = prediction_.motion_known
                                     ? prediction_.T_odom_cog_previous.inverse() * prediction_.T_odom_cog
                                     : state_.T_previous_now;  // the motion that was searched for
