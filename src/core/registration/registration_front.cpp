@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -27,6 +28,19 @@ std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& p
                                                  const SweepTimingParams& timing) {
   if (timing.source != "none" || !params.turn_search.enabled) return std::nullopt;
   return timing;
+}
+
+/// By bit: the eighths of the azimuth that hold points.
+std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
+  constexpr std::size_t kFewest = 20;
+  std::array<std::size_t, 8> points{};
+  for (const Eigen::Vector3f& p : points_cog) {
+    const bool steep = std::abs(p.y()) > std::abs(p.x());
+    ++points[(p.x() > 0.0f ? 1u : 0u) | (p.y() > 0.0f ? 2u : 0u) | (steep ? 4u : 0u)];
+  }
+  std::bitset<8> seen;
+  for (std::size_t i = 0; i < 8; ++i) seen[i] = points[i] >= kFewest;
+  return seen;
 }
 
 }  // namespace
@@ -149,7 +163,10 @@ void RegistrationFront::updateRelief(const CorrectedSweep& sweep, const SweepPre
                                      const Pose& T_cog_lidar) {
   relief_speed_.reset();
   if (!relief_.params().enabled) return;
-  if (!prepared_ || speed_observed_) return relief_.clear();
+  const std::bitset<8> before = std::exchange(eighths_seen_, eighthsSeen(cloud_.map_points_cog));
+  // parts of a revolution show another road each
+  const bool looks_elsewhere = 2 * (before & eighths_seen_).count() < (before | eighths_seen_).count();
+  if (!prepared_ || speed_observed_ || looks_elsewhere) return relief_.clear();
   relief_.add(sweep, T_cog_lidar, corrected_twist_cog_, rpyFromRotation(prediction.T_odom_cog.linear()).z());
   const bool known_before = relief_.hasSpeed();
   const double assumed_mps = corrected_twist_cog_[0];

@@ -17,6 +17,7 @@
 // (motion_initialization.hpp) and sweep 0 is corrected for it afterwards; a second later, another sweep is sweep 0.
 #pragma once
 
+#include <bitset>
 #include <optional>
 #include <vector>
 
@@ -103,6 +104,7 @@ class RegistrationFront {
   Eigen::Vector3d lidar_in_cog_ = Eigen::Vector3d::Zero();
   Pose T_odom_cog_previous_ = Pose::Identity();
   double dt_s_ = 0.0;
+  std::bitset<8> eighths_seen_;   ///< of the azimuth, in the last sweep
   bool speed_observed_ = false;   ///< the filter does not coast
   bool speed_known_ = false;      ///< it was so once
   double speed_sigma_mps_ = 0.0;  ///< of the last estimate's, 0 where it is observed
