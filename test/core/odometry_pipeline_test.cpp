@@ -85,6 +85,89 @@ void expectSame(const std::vector<SweepResult>& a, const std::vector<SweepResult
   }
 }
 
+PipelineParameters timedByTheField() {
+  PipelineParameters params = streetParameters();
+  params.sensor.timing.source = "auto";
+  params.sensor.timing.stamp_reference = "auto";
+  return params;
+}
+
+/// The sweep with times from its middle, which its stamp means.
+Sweep timed(Sweep sweep) {
+  for (const Eigen::Vector3f& p : sweep.points_lidar) {
+    sweep.times_s.push_back(static_cast<float>(-0.5 * kPeriod_s * std::atan2(p.y(), p.x()) / M_PI));
+  }
+  return sweep;
+}
+
+/// One of the two halves of a sweep, stamped at its own middle.
+Sweep halfOf(const Sweep& sweep, int half) {
+  const Sweep whole = timed(sweep);
+  const double middle_s = (half == 0 ? -0.25 : 0.25) * kPeriod_s;
+  Sweep part;
+  part.stamp_s = whole.stamp_s + middle_s;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if ((whole.times_s[i] < 0.0f) != (half == 0)) continue;
+    part.points_lidar.push_back(whole.points_lidar[i]);
+    part.times_s.push_back(static_cast<float>(whole.times_s[i] - middle_s));
+    if (!whole.rings.empty()) part.rings.push_back(whole.rings[i]);
+  }
+  return part;
+}
+
+TEST(OdometryPipeline, BothHalvesOfARevolutionJoinTheMap) {
+  PipelineParameters params = timedByTheField();
+  params.sensor.check.min_azimuth_coverage = 0.4;
+  OdometryPipeline pipeline(params, 1);
+  const Pose T_start_odom = kDrive.T_odom_base(-0.25 * kPeriod_s).inverse();
+  int k = 0;
+  for (const Sweep& sweep : driveSweeps()) {
+    for (const int half : {0, 1}) {
+      const Sweep part = halfOf(sweep, half);
+      const SweepResult result = stepWith(pipeline, part);
+      EXPECT_FALSE(result.condition.incomplete) << k;
+      // the other half is new to the map when it first comes, and once more when the motion is known
+      if (k > 3) {
+        EXPECT_EQ(result.status, SweepStatus::kCorrected) << k;
+        const PoseError error = poseError(result.T_odom_base, T_start_odom * kDrive.T_odom_base(part.stamp_s));
+        // the first turn is found from half a sweep: 0.3 deg, and what they make in 50 m
+        EXPECT_LT(error.horizontal_m, 0.25) << k;
+        EXPECT_LT(error.vertical_m, 0.15) << k;
+        EXPECT_LT(error.yaw_deg, 0.4) << k;
+      }
+      ++k;
+    }
+  }
+}
+
+// Its successors' field shows what its stamp means: the sweep's start, not its end.
+TEST(OdometryPipeline, AFirstSweepWithoutTimesTakesItsSuccessors) {
+  OdometryPipeline pipeline(timedByTheField(), 1);
+  const Pose T_start_odom = kDrive.T_odom_base(-0.5 * kPeriod_s).inverse();
+  for (int i = 0; i < 20; ++i) {
+    Sweep sweep = timed(driveSweeps()[static_cast<std::size_t>(i)]);
+    sweep.stamp_s -= 0.5 * kPeriod_s;
+    for (float& time_s : sweep.times_s) time_s = i == 0 ? 0.0f : time_s + static_cast<float>(0.5 * kPeriod_s);
+    const double stamp_s = sweep.stamp_s;
+    const SweepResult result = stepWith(pipeline, sweep);
+    EXPECT_EQ(result.timing.source, i == 0 ? TimingSource::kAzimuth : TimingSource::kField);
+    EXPECT_FALSE(result.condition.time_field_refused);
+    expectNear(result, T_start_odom * kDrive.T_odom_base(stamp_s), 0.15, "sweep " + std::to_string(i));
+  }
+}
+
+TEST(OdometryPipeline, ARefusedTimeFieldIsAReason) {
+  OdometryPipeline pipeline(timedByTheField(), 1);
+  for (int i = 0; i < 3; ++i) {
+    Sweep sweep = driveSweeps()[static_cast<std::size_t>(i)];
+    sweep.time_field.name = "clock";
+    sweep.time_field.refused = "no unit";
+    const SweepResult result = stepWith(pipeline, sweep);
+    EXPECT_TRUE(result.condition.time_field_refused) << i;
+    EXPECT_TRUE(result.monitor.reasons & kReasonTimeFieldRefused) << i;
+  }
+}
+
 TEST(OdometryPipeline, FollowsAStreetWithinCentimetresFromAFlyingStart) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();

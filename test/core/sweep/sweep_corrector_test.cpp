@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -141,6 +142,38 @@ TEST(SweepCorrector, InTheFirstSweepPointsStayAndTimesAreKept) {
   const Vector6d twist = lidarTwist(cogAt(0.0), cogAt(1.0), kT_cog_lidar, 1.0);
   ASSERT_TRUE(SweepCorrection().recorrect(corrected.points_lidar, corrected.times_s, twist));
   EXPECT_LT(worstError(corrected.points_lidar, moving.truth_lidar), 2e-3);
+}
+
+TEST(SweepCorrector, LeavesOutThePointsWithoutAUsableTime) {
+  SweepTimingParams timing = timingParams();
+  timing.source = "field";
+  MovingSweep moving = scan(3.0, 0.5);
+  Sweep& sweep = moving.sweep;
+  for (int i = 0; i < kPoints; ++i) {
+    sweep.times_s.push_back(static_cast<float>(kPeriod_s * ((i + 0.5) / kPoints - 0.5)));
+    sweep.intensities.push_back(static_cast<float>(i));
+    sweep.rings.push_back(static_cast<std::uint16_t>(i));
+  }
+  sweep.times_s[5] = 1e9f;
+  sweep.times_s[700] = std::nanf("");
+  std::vector<Eigen::Vector3d> truth;
+  for (int i = 0; i < kPoints; ++i) {
+    if (i != 5 && i != 700) truth.push_back(moving.truth_lidar[static_cast<std::size_t>(i)]);
+  }
+  CorrectedSweep corrected;
+  const SweepCorrectorReport report =
+      makeCorrector(timing).correct(sweep, predictionAt(3.0, 0.1), kT_cog_lidar, corrected);
+  EXPECT_EQ(report.timing.outliers, 2u);
+  EXPECT_TRUE(report.correction.corrected());
+  ASSERT_EQ(corrected.points_lidar.size(), truth.size());
+  EXPECT_LT(worstError(corrected.points_lidar, truth), 2e-3);
+  EXPECT_EQ(sweep.size(), truth.size());
+  EXPECT_EQ(corrected.times_s.size(), truth.size());
+  ASSERT_EQ(sweep.intensities.size(), truth.size());
+  ASSERT_EQ(corrected.rings.size(), truth.size());
+  EXPECT_EQ(sweep.intensities[5], 6.0f);
+  EXPECT_EQ(corrected.rings[699], 701);
+  EXPECT_EQ(sweep.times_s.size(), truth.size());
 }
 
 TEST(SweepCorrector, WithoutTimingPointsStay) {
