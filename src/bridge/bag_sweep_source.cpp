@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "constant_transforms.hpp"
+#include "fail_aware_lidar_odometry/bridge/constant_transforms.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"

@@ -1,4 +1,4 @@
-#include "constant_transforms.hpp"
+#include "fail_aware_lidar_odometry/bridge/constant_transforms.hpp"
 
 #include <tf2/buffer_core.h>
 

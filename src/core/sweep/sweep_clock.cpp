@@ -92,27 +92,27 @@ std::optional<double> SweepClock::period_s() const {
 }
 
 SweepTime SweepClock::next(double stamp_s, double set_back_s) {
-  SweepTime time(stamp_s);
-  time.set_back_s = set_back_s;
-  if (!std::isfinite(stamp_s)) return time;
+  SweepTime sweep(stamp_s);
+  sweep.set_back_s = set_back_s;
+  if (!std::isfinite(stamp_s)) return sweep;
   if (last_stamp_s_) {
     const double stamps_apart_s = secondsBetween(*last_stamp_s_, stamp_s);
     double since_s = stamps_apart_s + last_error_s_ - offset_s_;
     if (set_back_s > 0.0 && wasSetBack(since_s, set_back_s)) {
       offset_s_ -= set_back_s + period_s_;
       since_s += set_back_s + period_s_;
-      time.set_back_s = 0.0;
+      sweep.set_back_s = 0.0;
       jitter_.interrupt();
     }
     const Interval found = interval(since_s, stamps_apart_s);
-    time.error_s = last_error_s_ + stamps_apart_s - found.seconds;
-    if (found.seconds == since_s) time.error_s = offset_s_;
-    time.interval_sigma_s = found.sigma_s;
+    sweep.error_s = last_error_s_ + stamps_apart_s - found.seconds;
+    if (found.seconds == since_s) sweep.error_s = offset_s_;
+    sweep.interval_sigma_s = found.sigma_s;
   }
-  time.period_s = period_s().value_or(0.0);
+  sweep.period_s = period_s().value_or(0.0);
   last_stamp_s_ = stamp_s;
-  last_error_s_ = time.error_s;
-  return time;
+  last_error_s_ = sweep.error_s;
+  return sweep;
 }
 
 // The stamp that was refused came one turn after the last sweep.
