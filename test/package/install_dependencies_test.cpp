@@ -1,4 +1,4 @@
-// scripts/install_dependencies with stand-ins for apt, and --cli11 of the scripts that hand it on.
+// scripts/install_dependencies with stand-ins for apt, --cli11 of the scripts that hand it on, and test_in_chroot's usage.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -97,6 +97,16 @@ TEST_F(InstallDependencies, AFolderWithoutItsHeadersIsRefusedInOneLine) {
       expectOneErrorLine(refused, script, "--cli11 needs a folder that holds CLI/CLI.hpp");
     }
   }
+}
+
+TEST_F(InstallDependencies, AChrootNeedsASuite) {
+  for (const std::string arguments :
+       {"", "--mirror", "--no-such-option bullseye", "bullseye bookworm", "bullseye --"}) {
+    const ToolRun refused = run("test_in_chroot", arguments);
+    EXPECT_EQ(refused.exit_code, 2) << arguments;
+    expectOneErrorLine(refused, "test_in_chroot");
+  }
+  EXPECT_NE(run("test_in_chroot", "--help").out.find("--mirror URL"), std::string::npos);
 }
 
 }  // namespace
