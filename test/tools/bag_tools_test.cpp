@@ -147,7 +147,7 @@ TEST_F(BagTools, whereTheLidarSitsIsTakenFromTheBagOrSaid) {
   EXPECT_FALSE(fs::exists(folder_ / "none"));
   std::ofstream(folder_ / "mounting.yaml") << "sensor:\n  lidar_in_base: [-1.5, 0.0, 1.5, 0.0, 0.0, 0.0]\n";
   for (const std::string& given : {std::string("--lidar-in-base -1.5,0,1.5,0,0,0"),
-                                  "--parameters '" + (folder_ / "mounting.yaml").string() + "'"}) {
+                                   "--parameters '" + (folder_ / "mounting.yaml").string() + "'"}) {
     const ToolRun run = offline(other + given, "given");
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_NE(contentOf(folder_ / "given" / "parameters.yaml").find("lidar_in_base: [-1.5, 0.0, 1.5, "),

@@ -21,7 +21,7 @@ namespace fail_aware {
 
 enum class CloudStatus {
   kOk,
-  kEmpty,  ///< no point, or none that could be used
+  kEmpty,          ///< no point, or none that could be used
   kNoCoordinates,  ///< x, y or z is missing or is no FLOAT32, FLOAT64
   kBadLayout       ///< point_step, row_step, data or a field's place contradict each other
 };

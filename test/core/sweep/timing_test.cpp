@@ -156,12 +156,14 @@ TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
                {{-inf, 0.0f, 0.1f}, 100.0, TimeField::kNotFinite}};
   for (const auto& c : cases) {
     std::vector<float> times_s = {1.0f};
-    const TimingResult strict = SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
+    const TimingResult strict =
+        SweepTiming(paramsWith("field")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
     EXPECT_EQ(strict.status, TimingStatus::kNoField);
     EXPECT_EQ(strict.guessed(), c.expected != TimeField::kNoSpread);
     EXPECT_EQ(strict.field, c.expected) << toString(strict.field) << " for " << c.field.back();
     EXPECT_TRUE(times_s.empty());
-    const TimingResult automatic = SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
+    const TimingResult automatic =
+        SweepTiming(paramsWith("auto")).assign(sweepWithField(c.field, c.stamp_s), 0.0, times_s);
     EXPECT_TRUE(automatic.ok());
     EXPECT_EQ(automatic.source, TimingSource::kAzimuth);
     EXPECT_EQ(automatic.field, c.expected);

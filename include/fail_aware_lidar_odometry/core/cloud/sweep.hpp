@@ -42,7 +42,7 @@ struct Sweep {
 
 /// A sweep whose points were all moved to one instant (its stamp).
 struct CorrectedSweep {
-  double stamp_s = 0.0;  ///< after the sweep clock: SweepPrediction::time_s()
+  double stamp_s = 0.0;                       ///< after the sweep clock: SweepPrediction::time_s()
   std::vector<Eigen::Vector3f> points_lidar;  ///< m, sensor frame at the stamp
   std::vector<float> times_s;                 ///< s relative to the stamp; empty: no timing
   std::vector<std::uint16_t> rings;           ///< as in Sweep; empty: unknown

@@ -42,10 +42,10 @@ enum ReasonBit : std::uint32_t {
   kReasonFrozenCloud = 1u << 13,  ///< the sensor repeats itself
   kReasonTimeJump = 1u << 14,
   kReasonDroppedSweeps = 1u << 15,
-  kReasonLowVisibility = 1u << 16,     ///< ranges cut short (fog, spray)
-  kReasonNoAnswer = 1u << 17,          ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
-  kReasonMotionUnknown = 1u << 18,     ///< the motion was not observed yet: t1 waits for it. Explains UNKNOWN
-  kReasonTimeFieldRefused = 1u << 19   ///< the cloud's time field cannot be read: its points are timed by a guess
+  kReasonLowVisibility = 1u << 16,    ///< ranges cut short (fog, spray)
+  kReasonNoAnswer = 1u << 17,         ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
+  kReasonMotionUnknown = 1u << 18,    ///< the motion was not observed yet: t1 waits for it. Explains UNKNOWN
+  kReasonTimeFieldRefused = 1u << 19  ///< the cloud's time field cannot be read: its points are timed by a guess
 };
 
 constexpr std::uint32_t kFailedReasons = kReasonStale;

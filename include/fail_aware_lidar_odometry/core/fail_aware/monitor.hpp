@@ -52,11 +52,11 @@ struct SweepCondition {
   bool empty = false;       ///< no usable point
   bool incomplete = false;  ///< part of the revolution is missing
   bool low_visibility = false;
-  bool frozen = false;     ///< the sensor repeats itself
-  bool time_jump = false;  ///< of the stamps, back or ahead
+  bool frozen = false;              ///< the sensor repeats itself
+  bool time_jump = false;           ///< of the stamps, back or ahead
   bool time_field_refused = false;  ///< the points are timed by a guess
-  bool no_answer = false;  ///< of a stage of the live graph, by the deadline
-  int dropped_before = 0;  ///< sweeps lost since the last one
+  bool no_answer = false;           ///< of a stage of the live graph, by the deadline
+  int dropped_before = 0;           ///< sweeps lost since the last one
   bool point_missing = false;
   bool plane_missing = false;
   bool corners_missing = false;
