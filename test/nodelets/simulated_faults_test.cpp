@@ -57,6 +57,7 @@ const std::vector<Case>& cases() {
       {"stamp_jump_forward", {"stamp_jump:1:inf:5"}, Reason::REASON_TIME_JUMP, false},
       {"stamp_jump_back", {"stamp_jump:1:inf:-5"}, 0, false},
       {"stamp_jump_for_a_while", {"stamp_jump:1:0.5:0.3"}, 0},
+      {"stamp_jitter", {"stamp_jitter:1:inf:0.005"}, 0, false},
       {"time_sign", {"time_sign:1"}, 0, false},
       {"tilted_mount", {"tilted_mount:1"}, 0, false},
       {"dense_traffic", {"dense_traffic:1:0.5"}, 0},

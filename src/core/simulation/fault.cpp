@@ -46,6 +46,7 @@ const std::vector<FaultTraits>& faultTraits() {
       {FaultKind::kReordered, "reordered", "pairs of sweeps swapped; share", 1, 0, 1, 3},
       {FaultKind::kStampJump, "stamp_jump", "stamps off by this many s, forward or (negative) back", 5, -1e6, 1e6,
        kToTheEnd},
+      {FaultKind::kStampJitter, "stamp_jitter", "noise on the stamps; standard deviation in s", 0.003, 0, 0.02, kToTheEnd},
       {FaultKind::kTimeSign, "time_sign", "point times with the wrong sign", 1, 1, 1, kToTheEnd},
       {FaultKind::kTiltedMount, "tilted_mount", "the lidar tilts forward by this many deg, and half that to the right",
        3, -30, 30, kToTheEnd},

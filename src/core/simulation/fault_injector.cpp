@@ -32,6 +32,7 @@ void FaultInjector::applyToPoints(SimulatedSweep& sweep, const Fault& fault, std
     case FaultKind::kEmptyCloud: makeEmpty(points); return;
     case FaultKind::kNan: makeNan(points, fault.severity, key); return;
     case FaultKind::kStampJump: points.stamp_s += fault.severity; return;
+    case FaultKind::kStampJitter: points.stamp_s += fault.severity * normalFromBits(combineKeys(key, 83)); return;
     case FaultKind::kTimeSign: sweep.time_sign_wrong = true; return;
     case FaultKind::kFrozenCloud:
     case FaultKind::kDropped:

@@ -1,6 +1,7 @@
 #include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
@@ -9,31 +10,28 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kShortestTurn_s = 0.02;  // 50 Hz: no head turns faster
-constexpr double kLongestTurn_s = 0.22;   // 5 Hz, the slowest that heads turn: a longer interval holds a gap
+constexpr double kShortestTurn_s = TurnLine::kShortestTurn_s, kLongestTurn_s = TurnLine::kLongestTurn_s;
 constexpr std::size_t kIntervalsNeeded = 3;
-constexpr double kOtherFirstPeriod = 0.3;  // a head that still speeds up or slows down, relative
 constexpr std::size_t kDifferencesNeeded = 5, kQuietDifferencesNeeded = 2;  // jitter hardly hides in two
 
 constexpr double kNegligible_s = 0.5e-3;    // 15 mm at 30 m/s: less than the vehicle model's noise in one sweep
 constexpr double kUnknownJitter_s = 3e-3;   // until the stamps tell: a usual host
 constexpr double kLeastJitter_s = 0.05e-3;  // no clock is believed to less
 
-constexpr double kTurnNoise_s = 0.03e-3;     // of one turn, an HDL-64E on a vehicle
-constexpr double kPeriodNoise_s = 0.008e-3;  // by which the period wanders in one turn
-constexpr double kSurePeriod = 0.01;         // relative standard deviation of a period that point times tell
-constexpr double kOtherPeriod = 0.02;        // point times that differ by so much, twice, tell another spin rate
+constexpr double kTurnNoise_s = 0.03e-3;  // of one turn, an HDL-64E on a vehicle
+constexpr double kSurePeriod = 0.01;      // relative standard deviation of a period that point times tell
+constexpr double kOtherPeriod = 0.02;     // point times that differ by so much, twice, tell another spin rate
 
 constexpr double kLeastTolerance_s = 3e-3;  // a stamp that is farther off a quiet clock's model is wrong
-constexpr double kUnknownTolerance_s = 20e-3;
 constexpr double kToleranceSigmas = 4.0;
-constexpr double kMostTolerance = 0.4;       // periods
-constexpr std::size_t kLine = 3;             // stamps in a row that must agree on another clock or period
-constexpr double kTurnsOfGap = 3.0;          // after so many the head may have begun anew
-constexpr double kRightAfterAll = 0.05;      // probability that a stamp which contradicts the model is right
-constexpr std::size_t kBiasedResiduals = 4;  // in a row, of one sign and beyond the noise: the period changes
-constexpr double kBiasSigmas = 2.0;
-constexpr double kPhaseFollowed = 0.1;  // of a correction of the phase, in one sweep
+constexpr double kMostTolerance = 0.4;  // periods
+constexpr std::size_t kLine = 3;        // stamps in a row that must agree on another clock or on another period;
+constexpr double kTurnsBetweenSets =
+    30.0;                            // a clock that is set more often is none: the period is wrong, and found anew
+constexpr double kSameSlope = 0.25;  // of the tolerance, for a period: jitter that sets in may look like one by chance
+constexpr double kTurnsOfGap = 3.0;  // after so many the head may have begun anew
+constexpr double kRightAfterAll = 0.05;  // probability that a stamp which contradicts the model is right
+constexpr double kPhaseFollowed = 0.1;   // of a correction of the phase, in one sweep
 
 // A whole number of turns, or a turn divided by one.
 double turnsPerCloud(double interval_s, double revolution_s) {
@@ -74,21 +72,19 @@ SweepClock::SweepClock(double given_period_s) : given_period_s_(given_period_s) 
   period_sure_ = given_period_s_ > 0.0;
 }
 
+// Turns and times count from the last sweep.
 void SweepClock::setPeriod(double period_s, double sigma_s) {
-  period_s_ = period_s;
-  const double jitter_s = jitter_.sigma_s().value_or(kUnknownJitter_s);
-  P_ = Eigen::Vector2d(jitter_s * jitter_s, sigma_s * sigma_s).asDiagonal();
-  lead_s_ = 0.0;
-  residuals_s_.clear();
+  line_.restart(period_s, sigma_s);
+  turn_ = time_s_ = 0.0;
+  set_at_turn_ = -kTurnsBetweenSets;
+  line_.add(turn_, time_s_, noise_s());
   deviations_.clear();
 }
 
 // What point times tell alone is true to a thousandth: enough to judge stamps, too little to time points by it.
 std::optional<double> SweepClock::period_s() const {
-  if (!(period_s_ > 0.0) || (!(given_period_s_ > 0.0) && first_intervals_s_.size() < kIntervalsNeeded)) {
-    return std::nullopt;
-  }
-  return wholeMicroseconds(period_s_);
+  if (!hasPeriod() || (!(given_period_s_ > 0.0) && intervals_ < kIntervalsNeeded)) return std::nullopt;
+  return wholeMicroseconds(line_.period_s());
 }
 
 SweepTime SweepClock::next(double stamp_s, double set_back_s) {
@@ -97,17 +93,21 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   if (!std::isfinite(stamp_s)) return sweep;
   if (last_stamp_s_) {
     const double stamps_apart_s = secondsBetween(*last_stamp_s_, stamp_s);
-    double since_s = stamps_apart_s + last_error_s_ - offset_s_;
+    double since_s = stamps_apart_s + last_error_s_ - offset_s_, apart_s = stamps_apart_s;
     if (set_back_s > 0.0 && wasSetBack(since_s, set_back_s)) {
-      offset_s_ -= set_back_s + period_s_;
-      since_s += set_back_s + period_s_;
+      offset_s_ -= set_back_s + line_.period_s();
+      since_s += set_back_s + line_.period_s();
+      apart_s += set_back_s + line_.period_s();
       sweep.set_back_s = 0.0;
       jitter_.interrupt();
     }
-    const Interval found = interval(since_s, stamps_apart_s);
+    ++intervals_;
+    const Interval found = interval(since_s, apart_s);
     sweep.error_s = last_error_s_ + stamps_apart_s - found.seconds;
     if (found.seconds == since_s) sweep.error_s = offset_s_;
     sweep.interval_sigma_s = found.sigma_s;
+  } else if (line_.empty()) {
+    line_.add(turn_, time_s_, noise_s());
   }
   sweep.period_s = period_s().value_or(0.0);
   last_stamp_s_ = stamp_s;
@@ -117,57 +117,52 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
 
 // The stamp that was refused came one turn after the last sweep.
 bool SweepClock::wasSetBack(double since_s, double set_back_s) const {
-  if (!(period_s_ > 0.0)) return false;
+  if (!hasPeriod()) return false;
   const auto fits = [this](double interval_s) {
-    return std::abs(interval_s - std::max(1.0, std::round(interval_s / period_s_)) * period_s_) <= tolerance_s();
+    return std::abs(interval_s - std::max(1.0, std::round(interval_s / line_.period_s())) * line_.period_s()) <=
+           tolerance_s();
   };
-  return !fits(since_s) && fits(since_s + set_back_s + period_s_);
+  return !fits(since_s) && fits(since_s + set_back_s + line_.period_s());
 }
 
 SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s) {
-  const bool is_known = period_s_ > 0.0;
-  if (first_intervals_s_.size() < kUsualIntervals) learnPeriod(stamps_apart_s);
-  if (!is_known && new_revolution_s_ > 0.0 && stamps_apart_s >= kShortestTurn_s) {
+  if (!hasPeriod() && new_revolution_s_ > 0.0 && stamps_apart_s >= kShortestTurn_s) {
     turns_per_cloud_ = std::min(1.0, turnsPerCloud(stamps_apart_s, new_revolution_s_));  // more: a sweep may be lost
     followRevolution(new_revolution_s_);
-  } else if (!is_known) {
-    jitter_.add(stamps_apart_s);
-    return {since_s, 0.0};
   }
-  const double turns = turnsIn(since_s);
+  const double stamp_s = time_s_ + since_s;
+  if (!hasPeriod()) {
+    jitter_.add(stamps_apart_s);
+    line_.add(turn_ + 1.0, stamp_s, noise_s());
+    return advance(1.0, since_s);
+  }
+  const double turns = std::min(turnsIn(stamp_s - line_.at(turn_)), turnsIn(stamps_apart_s));
   if (turns == 1.0) {
     jitter_.add(stamps_apart_s);
   } else {
     jitter_.interrupt();
   }
-  predict(turns);
-  const double predicted_s = turns * period_s_ + lead_s_;
-  const double deviation_s = since_s - predicted_s;
-  if (std::abs(deviation_s) > tolerance_s()) {
+  const double deviation_s = stamp_s - line_.at(turn_ + turns);
+  if (std::abs(deviation_s) > tolerance_s(turns)) {
     if (turns < kTurnsOfGap) return withoutStamp({deviation_s, turns});
-    setPeriod(period_s_, std::sqrt(P_(1, 1)));
+    setPeriod(line_.period_s(), line_.periodSigma_s());
     return {since_s, 0.0};
   }
   deviations_.clear();
-  const double phase_s = predicted_s + correct(deviation_s);
-  const bool is_trusted = isTrusted(deviation_s);
-  // Only intervals matter. Each correction of the phase corrects the last times as well, so it is taken over slowly.
-  const double turning_s = turns * period_s_;
-  const double interval_s =
-      is_trusted ? since_s : wholeMicroseconds(turning_s + kPhaseFollowed * (phase_s - turning_s));
-  lead_s_ = phase_s - interval_s;
-  return {interval_s, is_trusted ? 0.0 : std::sqrt(P_(1, 1)) + kTurnNoise_s};
+  line_.add(turn_ + turns, stamp_s, noise_s());
+  return advance(turns, isTrusted(deviation_s) ? std::optional<double>(since_s) : std::nullopt);
 }
 
-// Sweeps may be lost from the start, and a head may still speed up: the median of the first intervals that it can take.
-void SweepClock::learnPeriod(double interval_s) {
-  if (interval_s < kShortestTurn_s || interval_s > kLongestTurn_s) return;
-  first_intervals_s_.push_back(interval_s);
-  if (period_sure_ || first_intervals_s_.size() < kIntervalsNeeded) return;
-  std::vector<double> sorted = first_intervals_s_;
-  std::sort(sorted.begin(), sorted.end());
-  const double median_s = sorted[sorted.size() / 2];
-  if (std::abs(median_s - period_s_) > kOtherFirstPeriod * median_s) setPeriod(median_s, kUnknownJitter_s);
+// Only intervals matter. Each correction of the phase corrects the last times as well, so it is taken over slowly.
+SweepClock::Interval SweepClock::advance(double turns, std::optional<double> trusted_s) {
+  turn_ += turns;
+  const double turning_s = turns * line_.period_s();
+  const double behind_s = line_.at(turn_) - time_s_ - turning_s;
+  const Interval interval = trusted_s ? Interval{*trusted_s, 0.0}
+                                      : Interval{wholeMicroseconds(turning_s + kPhaseFollowed * behind_s),
+                                                 line_.periodSigma_s() + kTurnNoise_s};
+  time_s_ += interval.seconds;
+  return interval;
 }
 
 void SweepClock::observeRevolution(double revolution_s) {
@@ -175,9 +170,9 @@ void SweepClock::observeRevolution(double revolution_s) {
   const auto differ = [](double a_s, double b_s) { return std::abs(a_s - b_s) > kOtherPeriod * b_s; };
   const double last_s = new_revolution_s_;
   new_revolution_s_ = revolution_s;
-  if (!(period_s_ > 0.0)) return;  // the next interval tells how many turns a cloud holds
-  if (!(turns_per_cloud_ > 0.0)) turns_per_cloud_ = turnsPerCloud(period_s_, revolution_s);
-  if (!differ(turns_per_cloud_ * revolution_s, period_s_)) {
+  if (!hasPeriod()) return;  // the next interval tells how many turns a cloud holds
+  if (!(turns_per_cloud_ > 0.0)) turns_per_cloud_ = turnsPerCloud(line_.period_s(), revolution_s);
+  if (!differ(turns_per_cloud_ * revolution_s, line_.period_s())) {
     new_revolution_s_ = 0.0;
   } else if (last_s > 0.0 && !differ(last_s, revolution_s)) {
     followRevolution(revolution_s);
@@ -193,16 +188,18 @@ void SweepClock::followRevolution(double revolution_s) {
 
 // Less than two whole ones is one whose stamp is wrong: rarer than a lost sweep, but not together with it.
 double SweepClock::turnsIn(double since_s) const {
-  const double turns = since_s / period_s_;
-  if (turns < 2.0 - tolerance_s() / period_s_) return 1.0;
+  const double turns = since_s / line_.period_s();
+  if (turns < 2.0 - tolerance_s() / line_.period_s()) return 1.0;
   return std::round(turns);
 }
 
-double SweepClock::tolerance_s() const {
-  const std::optional<double> jitter_s = jitter_.sigma_s();
-  if (!jitter_s && !period_sure_) return std::min(kUnknownTolerance_s, kMostTolerance * period_s_);
-  const double sigmas_s = kToleranceSigmas * jitter_s.value_or(kUnknownJitter_s);
-  return std::min(std::max(sigmas_s, kLeastTolerance_s), kMostTolerance * period_s_);
+double SweepClock::noise_s() const { return std::max(jitter_.sigma_s().value_or(kUnknownJitter_s), kLeastJitter_s); }
+
+double SweepClock::tolerance_s(double turns) const {
+  const double most_s = kMostTolerance * line_.period_s();
+  if (!jitter_.sigma_s() && !period_sure_) return most_s;
+  const double sigmas_s = kToleranceSigmas * noise_s() * line_.predictionFactor(turn_ + turns);
+  return std::min(std::max(sigmas_s, kLeastTolerance_s), most_s);
 }
 
 bool SweepClock::isTrusted(double deviation_s) const {
@@ -211,56 +208,46 @@ bool SweepClock::isTrusted(double deviation_s) const {
   return !period_sure_ || std::abs(deviation_s) <= kNegligible_s;
 }
 
-void SweepClock::predict(double turns) {
-  double period_noise_s = kPeriodNoise_s;
-  if (residuals_s_.size() == kBiasedResiduals) {
-    const auto [low, high] = std::minmax_element(residuals_s_.begin(), residuals_s_.end());
-    const double bias_s = *low > 0.0 ? *low : *high < 0.0 ? -*high : 0.0;
-    if (bias_s > kBiasSigmas * jitter_.sigma_s().value_or(kUnknownJitter_s))
-      period_noise_s = std::max(period_noise_s, bias_s);
-  }
-  Eigen::Matrix2d F;
-  F << 1.0, turns, 0.0, 1.0;
-  P_ = (F * P_ * F.transpose()).eval();
-  P_(0, 0) += turns * kTurnNoise_s * kTurnNoise_s;
-  P_(1, 1) += turns * period_noise_s * period_noise_s;
-}
-
-// The phase's correction; the period takes its own.
-double SweepClock::correct(double residual_s) {
-  const double jitter_s = std::max(jitter_.sigma_s().value_or(kUnknownJitter_s), kLeastJitter_s);
-  const Eigen::Vector2d gain = P_.col(0) / (P_(0, 0) + jitter_s * jitter_s);
-  const Eigen::RowVector2d row = P_.row(0);
-  P_ -= gain * row;
-  P_ = (0.5 * (P_ + P_.transpose())).eval();
-  period_s_ = std::max(period_s_ + gain[1] * residual_s, 0.5 * period_s_);
-  residuals_s_.push_back(residual_s);
-  if (residuals_s_.size() > kBiasedResiduals) residuals_s_.pop_front();
-  return gain[0] * residual_s;
-}
-
 SweepClock::Interval SweepClock::withoutStamp(const Deviation& deviation) {
   ++outliers_;
-  const double turning_s = wholeMicroseconds(deviation.turns * period_s_);
+  const double turning_s = wholeMicroseconds(deviation.turns * line_.period_s());
+  turn_ += deviation.turns;
+  time_s_ += turning_s;
   deviations_.push_back(deviation);
   if (followsAnotherLine()) return {turning_s, 0.0};
   return {turning_s, std::sqrt(kRightAfterAll) * std::abs(deviation.seconds)};
 }
 
 bool SweepClock::followsAnotherLine() {
-  if (deviations_.size() < kLine) return false;
-  const Deviation &a = deviations_[deviations_.size() - 3], &b = deviations_[deviations_.size() - 2],
-                  &c = deviations_.back();
-  const double per_turn_ab_s = (b.seconds - a.seconds) / b.turns, per_turn_bc_s = (c.seconds - b.seconds) / c.turns;
-  if (std::abs(per_turn_bc_s - per_turn_ab_s) > tolerance_s()) return false;
-  const double per_turn_s = 0.5 * (per_turn_ab_s + per_turn_bc_s), other_period_s = period_s_ + per_turn_s;
-  if (std::abs(per_turn_s) > tolerance_s() && (other_period_s < kShortestTurn_s || other_period_s > kLongestTurn_s)) {
-    return false;
+  const std::size_t count = deviations_.size();
+  if (count < kLine) return false;
+  double mean_s = 0.0;
+  for (std::size_t i = count - kLine; i < count; ++i) mean_s += deviations_[i].seconds / kLine;
+  const auto agrees = [&](const Deviation& d) { return std::abs(d.seconds - mean_s) <= tolerance_s(); };
+  if (std::all_of(deviations_.end() - kLine, deviations_.end(), agrees)) {
+    offset_s_ += mean_s;
+    jitter_.interrupt();
+    if (!period_sure_ && turn_ - set_at_turn_ < kTurnsBetweenSets) {
+      setPeriod(0.0, 0.0);
+    } else {
+      deviations_.clear();
+      set_at_turn_ = turn_;
+    }
+    return true;
   }
-  offset_s_ += c.seconds;
-  const bool is_other_period = std::abs(per_turn_s) > tolerance_s();
+  std::array<double, kLine - 1> per_turn_s{};
+  for (std::size_t i = 0; i < per_turn_s.size(); ++i) {
+    const Deviation &before = deviations_[count - kLine + i], &after = deviations_[count - kLine + i + 1];
+    per_turn_s[i] = (after.seconds - before.seconds) / after.turns;
+  }
+  const auto [least, most] = std::minmax_element(per_turn_s.begin(), per_turn_s.end());
+  const double other_period_s = line_.period_s() + 0.5 * (*least + *most);
+  if (*most - *least > kSameSlope * tolerance_s() || other_period_s < kShortestTurn_s ||
+      other_period_s > kLongestTurn_s)
+    return false;
+  offset_s_ += deviations_.back().seconds;
   jitter_.interrupt();
-  setPeriod(is_other_period ? other_period_s : period_s_, is_other_period ? tolerance_s() : std::sqrt(P_(1, 1)));
+  setPeriod(other_period_s, tolerance_s());
   return true;
 }
 

@@ -69,6 +69,15 @@ TEST(FaultInjector, truthStaysAndStampsAreWhatTheFaultMakesThem) {
   EXPECT_NEAR(jumped[10].sweep.stamp_s, 1.05 - 5.0, 1e-9);
   EXPECT_NEAR(jumped[10].middle_s(), 1.05, 1e-9);
   EXPECT_NEAR(jumped[20].sweep.stamp_s, 2.05, 1e-9);
+  const auto jittered = run({"stamp_jitter:1:100:0.01"}, 500);
+  EXPECT_EQ(jittered[9].sweep.stamp_s, sweepAt(9).sweep.stamp_s);
+  double sum_s2 = 0.0;
+  for (int i = 10; i < 500; ++i) {
+    const double error_s = jittered[static_cast<std::size_t>(i)].sweep.stamp_s - sweepAt(i).sweep.stamp_s;
+    EXPECT_NEAR(error_s, 0.0, 0.035);
+    sum_s2 += error_s * error_s;
+  }
+  EXPECT_NEAR(std::sqrt(sum_s2 / 490.0), 0.01, 0.001);
   EXPECT_TRUE(run({"time_sign:1"})[12].time_sign_wrong);
 }
 

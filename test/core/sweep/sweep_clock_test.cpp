@@ -73,6 +73,24 @@ TEST_F(SweepClockTest, JitterThatBeginsIsFoundWithinASecond) {
   EXPECT_LT(intervalNoise(0.005, 40), 0.0015);
 }
 
+// An early period that is wrong must not hold itself by counting turns that were not: some seeds would show it.
+TEST_F(SweepClockTest, JitterNeverMakesUpTurns) {
+  for (const double jitter_s : {0.003, 0.010}) {
+    for (int quiet : {0, 60}) {
+      for (int seed = 0; seed < 100; ++seed) {
+        clock.reset();
+        random = RandomStream(static_cast<std::uint64_t>(seed));
+        turns(quiet);
+        for (int i = 0; i < 100; ++i) {
+          turn(jitter_s * random.normal());
+          if (i < 40) continue;
+          ASSERT_LT(std::abs(interval_error_s), 0.003 + 0.5 * jitter_s) << quiet << ", " << seed << ", " << i;
+        }
+      }
+    }
+  }
+}
+
 TEST_F(SweepClockTest, JitterFromTheStartIsTakenOutWherePointsTellThePeriod) {
   turn(0.010);
   clock.observeRevolution(1.001 * kPeriod_s);

@@ -23,6 +23,7 @@ enum class FaultKind {
   kDuplicated,
   kReordered,
   kStampJump,
+  kStampJitter,
   kTimeSign,
   kTiltedMount,
   kDenseTraffic,

@@ -1,9 +1,9 @@
 // The true times of the sweeps, from stamps that jitter.
 //
 // A head turns steadily (an HDL-64E on a vehicle: to 0.03 ms from turn to turn), a host stamps its clouds to some
-// milliseconds. So the clock holds a model of the head, phase and period, as a Kalman filter of two states; a stamp is a
-// measurement of the phase, whose noise is the jitter found in the last stamps. Sweep times only matter by their
-// differences: they give the interval that the prediction bridges and the speeds of the motion history.
+// milliseconds. So the clock holds a model of the head, phase and period: the line through the last stamps
+// (turn_line.hpp), whose noise is the jitter found in them. Sweep times only matter by their differences: they give the
+// interval that the prediction bridges and the speeds of the motion history.
 //
 // - Jitter: from the second differences of the stamps (median, so that single wrong stamps do not count). Up to 0.5 ms
 //   it does not matter, and times are the stamps, bit for bit.
@@ -18,13 +18,12 @@
 // is known. Cost: under 1 us a sweep.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
-#include <deque>
 #include <optional>
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/moving_median.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/turn_line.hpp"
 
 namespace fail_aware {
 
@@ -98,32 +97,30 @@ class SweepClock {
 
   bool wasSetBack(double since_s, double set_back_s) const;
   Interval interval(double since_s, double stamps_apart_s);
-  void learnPeriod(double interval_s);
   void followRevolution(double revolution_s);
   void setPeriod(double period_s, double sigma_s);
   double turnsIn(double since_s) const;
-  double tolerance_s() const;
+  bool hasPeriod() const { return line_.period_s() > 0.0; }
+  double noise_s() const;
+  double tolerance_s(double turns = 1.0) const;
   bool isTrusted(double deviation_s) const;
-  void predict(double turns);
-  double correct(double residual_s);
+  Interval advance(double turns, std::optional<double> trusted_s);
   Interval withoutStamp(const Deviation& deviation);
   bool followsAnotherLine();
 
   double given_period_s_;
   std::optional<double> last_stamp_s_;
   double last_error_s_ = 0.0;
-  double offset_s_ = 0.0;                        ///< of the stamps' clock, since it was set
-  double period_s_ = 0.0;                        ///< 0: not known
-  bool period_sure_ = false;                     ///< given, or told by the points' times
-  double lead_s_ = 0.0;                          ///< of the model's phase over the last sweep's time
-  Eigen::Matrix2d P_ = Eigen::Matrix2d::Zero();  ///< of phase and period, s^2
+  double offset_s_ = 0.0;             ///< of the stamps' clock, since it was set
+  TurnLine line_;                     ///< its period is 0 as long as none is known
+  double turn_ = 0.0, time_s_ = 0.0;  ///< of the last sweep, on the line
+  double set_at_turn_ = -1e9;         ///< the clock was set
+  bool period_sure_ = false;          ///< given, or told by the points' times
   StampJitter jitter_;
-  std::vector<double> first_intervals_s_;  ///< as they came
-  std::deque<double> residuals_s_;         ///< the last ones of stamps that were used
-  std::vector<Deviation> deviations_;      ///< of the last stamps, if they were left out
-  double turns_per_cloud_ = 0.0;           ///< 0: not known
-  double new_revolution_s_ = 0.0;          ///< the last sweep's, if the period does not follow it yet
-  std::size_t outliers_ = 0;
+  std::vector<Deviation> deviations_;  ///< of the last stamps, if they were left out
+  double turns_per_cloud_ = 0.0;       ///< 0: not known
+  double new_revolution_s_ = 0.0;      ///< the last sweep's, if the period does not follow it yet
+  std::size_t intervals_ = 0, outliers_ = 0;
 };
 
 }  // namespace fail_aware
