@@ -11,6 +11,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kMaxPace = 5.0;
+constexpr double kNewMapWay_m = 0.1;
 
 double squared(double value) { return value * value; }
 
@@ -27,6 +28,7 @@ void DriftModel::Params::validate() const {
   requirePositive("slow_mps", slow_mps);
   requireWithin("passing_share", passing_share, 0.0, 1e6);
   requireWithin("passing_rotation_share", passing_rotation_share, 0.0, 1e6);
+  requireNotNegative("new_map_m", new_map_m);
 }
 
 DriftModel::Params DriftModel::Params::independent() {
@@ -40,7 +42,13 @@ DriftModel::Params DriftModel::Params::independent() {
   params.scale_bias = 0.0;
   params.passing_share = 1.0;
   params.passing_rotation_share = 1.0;
+  params.new_map_m = 0.0;
   return params;
+}
+
+double DriftModel::newMapVariance_m2(double from_m, double to_m) const {
+  const auto share = [](double way_m) { return std::min(1.0, way_m / kNewMapWay_m); };
+  return squared(params_.new_map_m) * std::max(0.0, share(to_m) - share(from_m));
 }
 
 DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }

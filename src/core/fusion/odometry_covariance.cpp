@@ -118,9 +118,18 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
       gap.reset();
     }
   }
+  const Eigen::Vector3d& previous_odom = T_odom_base_previous.translation();
+  const bool is_new_map = !map_way_ || sane.reference_epoch != reference_epoch_;
+  const MapWay before = is_new_map ? MapWay{previous_odom, 0.0} : *map_way_;
+  MapWay way = before;
+  way.farthest_m = std::max(before.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
+  const double new_map_m2 = drift_.newMapVariance_m2(before.farthest_m, way.farthest_m);
+  since_start.lasting.diagonal().head<3>().array() += new_map_m2;
+  if (T_odom_mark_) since_mark.lasting.diagonal().head<3>().array() += new_map_m2;
   if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
   lost_ = lost;
   gap_ = gap;
+  map_way_ = way;
   reference_epoch_ = sane.reference_epoch;
   since_start_ = since_start;
   since_mark_ = since_mark;
@@ -145,6 +154,7 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   speed_variance_ = 0.0;
   gap_.reset();
   lost_ = false;
+  map_way_.reset();
   T_odom_mark_.reset();
   since_mark_ = DriftState();
   since_mark_covariance_.setZero();

@@ -457,5 +457,28 @@ TEST(Twist, CovarianceAgainstFiniteDifferences) {
   EXPECT_LT((scale.asDiagonal() * (*got - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-5);
 }
 
+TEST(OdometryCovariance, NewMapCostsWithinItsFirstDecimetre) {
+  DriftModel::Params params = DriftModel::Params::independent();
+  params.new_map_m = 0.02;
+  OdometryCovariance odometry(params);
+  const auto drive = [&](double from_m, double to_m, int reference_epoch) {
+    OdometryIncrement increment;
+    increment.reference_epoch = reference_epoch;
+    ASSERT_TRUE(odometry.propagate(planarPose(from_m, 0, 0), planarPose(to_m, 0, 0), increment));
+  };
+  odometry.mark(planarPose(5, 0, 0));
+  drive(5.0, 5.0, 0);
+  EXPECT_EQ(odometry.sinceMark()(0, 0), 0.0) << "it stands";
+  drive(5.0, 5.05, 0);
+  EXPECT_NEAR(odometry.sinceMark()(1, 1), 0.5 * 0.0004, 1e-9);
+  drive(5.05, 5.0, 0);
+  drive(5.0, 8.0, 0);
+  drive(8.0, 5.0, 0);
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0004, 1e-9);
+  EXPECT_NEAR(odometry.covariance()(0, 0), 0.0004, 1e-9);
+  drive(5.0, 6.0, 1);
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0008, 1e-9) << "another map";
+}
+
 }  // namespace
 }  // namespace fail_aware

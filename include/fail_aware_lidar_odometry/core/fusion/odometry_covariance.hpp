@@ -81,6 +81,12 @@ class OdometryCovariance {
   void advance(const Pose& T_start_previous, const Pose& T_previous_now, const OdometryIncrement& increment,
                DriftState& state) const;
 
+  /// How far the vehicle came from where the map began.
+  struct MapWay {
+    Eigen::Vector3d begin_odom = Eigen::Vector3d::Zero();
+    double farthest_m = 0.0;
+  };
+
   /// From the last pose before a gap.
   struct Gap {
     Pose T_odom_base;
@@ -101,7 +107,8 @@ class OdometryCovariance {
   std::optional<Pose> T_odom_mark_;
   std::optional<Gap> gap_;
   int reference_epoch_ = 0;  ///< of the last increment
-  bool lost_ = false;        ///< a gap was too long or too far: what comes next measures the way from nowhere before it
+  std::optional<MapWay> map_way_;
+  bool lost_ = false;  ///< a gap was too long or too far: what comes next measures the way from nowhere before it
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that
