@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
 
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+
 namespace fail_aware {
 
 namespace {

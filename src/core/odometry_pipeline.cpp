@@ -10,7 +10,7 @@
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"

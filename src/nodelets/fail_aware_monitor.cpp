@@ -17,7 +17,7 @@
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 #include "fail_aware_monitor_params.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"

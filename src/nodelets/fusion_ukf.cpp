@@ -28,6 +28,7 @@
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
 #include "fusion_ukf_params.hpp"
 #include "health.hpp"
 #include "lidar_place.hpp"

@@ -11,7 +11,7 @@
 #include <string>
 
 #include "bounded_path.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
 #include "fusion_ukf_params.hpp"
 #include "trajectory_record.hpp"
 

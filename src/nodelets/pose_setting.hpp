@@ -13,9 +13,9 @@
 
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
 #include "stamps.hpp"
 
 namespace fail_aware {

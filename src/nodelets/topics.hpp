@@ -22,7 +22,7 @@ inline constexpr const char* kTimeToFailure = "time_to_failure";
 inline constexpr const char* kMarkers = "markers";
 inline constexpr const char* kLocalMap = "local_map";
 
-/// `source`: kIcpPointToPoint and the like (core/registration/measurement.hpp).
+/// `source`: kIcpPointToPoint and the like (core/types/measurement.hpp).
 inline std::string ofMeasurement(const std::string& source) { return "measurement/" + source; }
 
 }  // namespace fail_aware::topics

@@ -18,7 +18,8 @@
 #include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/evaluation/stanford_diagram.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 #include "json.hpp"
 
 namespace fail_aware {

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "parameter_overrides.hpp"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
 
 namespace fail_aware {
 

@@ -1,6 +1,8 @@
-// The layers of the package: what each may include, and that every file is where its name says and is built.
+// The layers of the package and the folders of the core: what each may include, and that every file is where its name
+// says and is built.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <regex>
 #include <set>
@@ -43,9 +45,58 @@ bool coreMayInclude(const std::string& header) {
   return std::regex_match(header, kAllowed);
 }
 
+const std::string kCore = "fail_aware_lidar_odometry/core/";
+
+/// Files in no folder that every folder may include and that include nothing of the core themselves.
+const std::set<std::string> kHelpers = {"arena_size", "moving_median", "parallel", "robust_kernel", "stamp_difference"};
+
+/// A folder of the core (or, where there is none, a header with its source) and what it may include beside the helpers.
+struct CoreFolder {
+  std::string name;
+  std::set<std::string> may_include;
+};
+
+/// From the bottom to the top: an entry may only name entries above it in this list, so there are no circles.
+const std::vector<CoreFolder> kCoreFolders = {
+    {"geometry", {}},
+    {"types", {"geometry"}},
+    {"parameters", {"geometry"}},
+    {"cloud", {"geometry", "types", "parameters"}},
+    {"vehicle", {"geometry", "types", "parameters"}},
+    {"sweep", {"geometry", "types", "parameters", "cloud"}},
+    {"registration", {"geometry", "types", "parameters", "cloud", "sweep"}},
+    {"fusion", {"geometry", "types", "parameters"}},
+    {"filter", {"geometry", "types", "parameters", "vehicle", "fusion"}},
+    {"fail_aware", {"geometry", "types", "parameters", "fusion", "filter"}},
+    {"pipeline_parameters",
+     {"geometry", "types", "parameters", "vehicle", "sweep", "registration", "fusion", "filter", "fail_aware"}},
+    {"odometry_pipeline",
+     {"geometry", "types", "parameters", "cloud", "vehicle", "sweep", "registration", "fusion", "filter", "fail_aware",
+      "pipeline_parameters"}},
+    {"io", {"geometry", "types", "parameters", "pipeline_parameters"}},
+    {"evaluation", {"geometry", "types", "parameters", "fusion", "filter", "fail_aware", "io"}},
+    {"simulation", {"geometry", "types", "parameters", "vehicle"}},
+};
+
+/// The helper or the entry of kCoreFolders that a path below include/.../core or src/core belongs to.
+std::string coreFolderOf(const std::string& path) { return path.substr(0, std::min(path.find('/'), path.find('.'))); }
+
+/// Null: a helper, or not in the list.
+const CoreFolder* findCoreFolder(const std::string& name) {
+  const auto found = std::find_if(kCoreFolders.begin(), kCoreFolders.end(),
+                                  [&](const CoreFolder& folder) { return folder.name == name; });
+  return found == kCoreFolders.end() ? nullptr : &*found;
+}
+
+bool coreFolderMayInclude(const std::string& folder, const std::string& other) {
+  if (folder == other) return true;
+  const CoreFolder* entry = findCoreFolder(folder);
+  return entry != nullptr && (kHelpers.count(other) == 1 || entry->may_include.count(other) == 1);
+}
+
 TEST(Layering, rulesTellRosFromTheRest) {
   for (const char* header :
-       {"vector", "Eigen/Core", "tbb/task_arena.h", "fail_aware_lidar_odometry/core/cloud/sweep.hpp"}) {
+       {"vector", "Eigen/Core", "tbb/task_arena.h", "fail_aware_lidar_odometry/core/types/sweep.hpp"}) {
     EXPECT_TRUE(coreMayInclude(header)) << header;
   }
   for (const char* header :
@@ -64,6 +115,66 @@ TEST(Layering, coreIncludesNothingOfRos) {
   for (const std::string& file : sources) {
     for (const std::string& header : includesOf(readText(sourcePath(file)))) {
       EXPECT_TRUE(coreMayInclude(header)) << file << " includes " << header;
+    }
+  }
+}
+
+TEST(Layering, aFolderOfTheCoreMayIncludeEarlierOnesOnly) {
+  std::set<std::string> earlier;
+  for (const CoreFolder& folder : kCoreFolders) {
+    for (const std::string& other : folder.may_include) {
+      EXPECT_EQ(earlier.count(other), 1u) << folder.name << " may include " << other << ", which is not earlier";
+      EXPECT_TRUE(other != "evaluation" && other != "simulation") << folder.name;
+    }
+    EXPECT_EQ(kHelpers.count(folder.name), 0u) << folder.name;
+    EXPECT_TRUE(earlier.insert(folder.name).second) << folder.name << " is listed twice";
+  }
+}
+
+TEST(Layering, rulesTellForwardsFromBackwards) {
+  EXPECT_EQ(coreFolderOf("sweep/timing.hpp"), "sweep");
+  EXPECT_EQ(coreFolderOf("odometry_pipeline.cpp"), "odometry_pipeline");
+  EXPECT_TRUE(coreFolderMayInclude("sweep", "sweep"));
+  EXPECT_TRUE(coreFolderMayInclude("sweep", "types"));
+  EXPECT_TRUE(coreFolderMayInclude("filter", "fusion"));
+  EXPECT_FALSE(coreFolderMayInclude("fusion", "filter"));
+  EXPECT_FALSE(coreFolderMayInclude("sweep", "filter"));
+  EXPECT_FALSE(coreFolderMayInclude("fusion", "registration"));
+  EXPECT_FALSE(coreFolderMayInclude("types", "filter"));
+  EXPECT_TRUE(coreFolderMayInclude("sweep", "moving_median"));
+  EXPECT_FALSE(coreFolderMayInclude("moving_median", "parallel"));
+  EXPECT_FALSE(coreFolderMayInclude("no_such_folder", "types"));
+}
+
+TEST(Layering, foldersOfTheCoreIncludeInOneDirection) {
+  for (const std::string& root : {kInclude + "core", std::string("src/core")}) {
+    for (const std::string& file : sourcesBelow({root})) {
+      const std::string folder = coreFolderOf(file.substr(root.size() + 1));
+      EXPECT_TRUE(kHelpers.count(folder) == 1 || findCoreFolder(folder) != nullptr)
+          << file << " is in no listed folder";
+      for (const std::string& header : includesOf(readText(sourcePath(file)))) {
+        if (header.rfind(kCore, 0) != 0) continue;
+        const std::string other = coreFolderOf(header.substr(kCore.size()));
+        EXPECT_TRUE(coreFolderMayInclude(folder, other)) << file << " includes " << header;
+      }
+    }
+  }
+}
+
+TEST(Layering, everyListedFolderOfTheCoreExists) {
+  const auto exists = [](const std::string& path) { return std::filesystem::exists(sourcePath(path)); };
+  for (const CoreFolder& folder : kCoreFolders) {
+    const std::string path = kInclude + "core/" + folder.name;
+    EXPECT_TRUE(exists(path) || exists(path + ".hpp")) << folder.name;
+  }
+  for (const std::string& helper : kHelpers) EXPECT_TRUE(exists(kInclude + "core/" + helper + ".hpp")) << helper;
+}
+
+TEST(Layering, nothingOnTheVehicleIncludesEvaluationOrSimulation) {
+  for (const std::string& file : sourcesBelow({kInclude + "bridge", "src/bridge", "src/nodelets"})) {
+    for (const std::string& header : includesOf(readText(sourcePath(file)))) {
+      EXPECT_NE(header.rfind(kCore + "evaluation/", 0), 0u) << file << " includes " << header;
+      EXPECT_NE(header.rfind(kCore + "simulation/", 0), 0u) << file << " includes " << header;
     }
   }
 }

@@ -16,10 +16,13 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_condition.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_findings.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_prediction.hpp"
 
 namespace fail_aware {
 

@@ -19,8 +19,8 @@
 #include <string>
 
 #include "fail_aware_lidar_odometry/bridge/bag_file.hpp"
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 
 namespace fail_aware {
 

@@ -22,9 +22,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner.hpp"
 #include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
 
 namespace fail_aware {
 

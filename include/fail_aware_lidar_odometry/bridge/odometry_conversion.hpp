@@ -11,7 +11,7 @@
 #include <string>
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
 
 namespace fail_aware {
 

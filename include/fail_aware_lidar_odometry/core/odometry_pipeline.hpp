@@ -13,12 +13,16 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_condition.hpp"
+#include "fail_aware_lidar_odometry/core/types/timing_result.hpp"
 
 namespace fail_aware {
 

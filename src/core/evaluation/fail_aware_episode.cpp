@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 
 namespace fail_aware {
 

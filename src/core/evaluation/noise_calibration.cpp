@@ -10,7 +10,7 @@
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -7,7 +7,7 @@
 #include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 
 namespace fail_aware {
 

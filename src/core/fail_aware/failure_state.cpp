@@ -1,20 +1,12 @@
 #include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
 
 #include <cmath>
-#include <iterator>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 
 namespace fail_aware {
 
 namespace {
-
-// By bit number.
-constexpr const char* kReasonNames[] = {
-    "STALE",           "NO_MEASUREMENT",   "PREDICTION_ONLY",  "PREDICTION_OVERRULED", "MEASUREMENTS_DISAGREE",
-    "WEAK_DIRECTION",  "SWEEP_INCOMPLETE", "SWEEP_EMPTY",      "MISSING_ICP_POINT",    "MISSING_ICP_PLANE",
-    "MISSING_CORNERS", "ETA_THRESHOLD",    "COVARIANCE_LIMIT", "FROZEN_CLOUD",         "TIME_JUMP",
-    "DROPPED_SWEEPS",  "LOW_VISIBILITY",   "NO_ANSWER",        "MOTION_UNKNOWN",       "TIME_FIELD_REFUSED"};
 
 int severity(FailAwareState state) {
   switch (state) {
@@ -28,27 +20,6 @@ int severity(FailAwareState state) {
 }
 
 }  // namespace
-
-const char* toString(FailAwareState state) {
-  switch (state) {
-    case FailAwareState::kUnknown: return "UNKNOWN";
-    case FailAwareState::kOk: return "OK";
-    case FailAwareState::kDegraded: return "DEGRADED";
-    case FailAwareState::kFailing: return "FAILING";
-    case FailAwareState::kFailed: return "FAILED";
-  }
-  return "UNKNOWN";
-}
-
-std::string reasonText(std::uint32_t reasons) {
-  std::string text;
-  for (unsigned bit = 0; bit < 32; ++bit) {
-    if ((reasons & (1u << bit)) == 0) continue;
-    if (!text.empty()) text += '|';
-    text += bit < std::size(kReasonNames) ? kReasonNames[bit] : "BIT_" + std::to_string(bit);
-  }
-  return text;
-}
 
 void FailureThresholds::validate() const {
   requireNotNegative("failing_s", failing_s);

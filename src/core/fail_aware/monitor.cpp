@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 

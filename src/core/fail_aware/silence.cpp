@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -5,7 +5,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 
 namespace fail_aware {
 

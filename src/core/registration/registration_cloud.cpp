@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 

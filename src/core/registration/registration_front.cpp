@@ -8,7 +8,7 @@
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 
 namespace fail_aware {
 

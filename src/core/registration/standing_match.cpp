@@ -6,7 +6,7 @@
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {

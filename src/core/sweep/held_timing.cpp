@@ -4,7 +4,7 @@
 #include <complex>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
 namespace fail_aware {

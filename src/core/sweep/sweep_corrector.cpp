@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/revolution.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/rings_by_order.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 
 namespace fail_aware {
 

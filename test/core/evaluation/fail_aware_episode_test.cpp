@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "made_up_episode.hpp"
 

@@ -57,21 +57,6 @@ TEST(StateFor, Reasons) {
   EXPECT_EQ(stateAt(50.0, kReasonMissingCorners | kReasonEtaThreshold | kReasonCovarianceLimit), State::kOk);
 }
 
-TEST(ReasonText, NamesJoined) {
-  EXPECT_EQ(reasonText(0), "");
-  EXPECT_EQ(reasonText(kReasonStale), "STALE");
-  EXPECT_EQ(reasonText(kReasonStale | kReasonMissingCorners | kReasonLowVisibility),
-            "STALE|MISSING_CORNERS|LOW_VISIBILITY");
-  EXPECT_EQ(reasonText(kReasonTimeFieldRefused), "TIME_FIELD_REFUSED");
-  EXPECT_EQ(reasonText(kReasonFrozenCloud | (1u << 31)), "FROZEN_CLOUD|BIT_31");
-  EXPECT_EQ(reasonText(kReasonNoMeasurement | kReasonPredictionOnly | kReasonPredictionOverruled |
-                       kReasonMeasurementsDisagree | kReasonWeakDirection | kReasonSweepIncomplete | kReasonSweepEmpty |
-                       kReasonMissingIcpPoint | kReasonMissingIcpPlane | kReasonEtaThreshold | kReasonCovarianceLimit |
-                       kReasonTimeJump | kReasonDroppedSweeps),
-            "NO_MEASUREMENT|PREDICTION_ONLY|PREDICTION_OVERRULED|MEASUREMENTS_DISAGREE|WEAK_DIRECTION|SWEEP_INCOMPLETE|"
-            "SWEEP_EMPTY|MISSING_ICP_POINT|MISSING_ICP_PLANE|ETA_THRESHOLD|COVARIANCE_LIMIT|TIME_JUMP|DROPPED_SWEEPS");
-}
-
 TEST(StateHysteresis, WorseAtOnceBetterOnlyAfterARow) {
   StateHysteresis hysteresis(3);
   EXPECT_EQ(hysteresis.state(), State::kUnknown);

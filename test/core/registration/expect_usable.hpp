@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 
 namespace fail_aware {
 

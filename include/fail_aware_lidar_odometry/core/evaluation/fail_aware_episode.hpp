@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
 
 namespace fail_aware {
 

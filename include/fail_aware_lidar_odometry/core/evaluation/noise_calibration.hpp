@@ -17,7 +17,7 @@
 
 #include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/drift_model.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
 
 namespace fail_aware {
 

@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/time_to_failure.hpp"
+#include "fail_aware_lidar_odometry/core/types/time_to_failure.hpp"
 
 namespace fail_aware {
 

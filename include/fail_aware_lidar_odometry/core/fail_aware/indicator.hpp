@@ -26,7 +26,7 @@
 #include <deque>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/time_to_failure.hpp"
+#include "fail_aware_lidar_odometry/core/types/time_to_failure.hpp"
 
 namespace fail_aware {
 

@@ -14,10 +14,12 @@
 #include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/indicator.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/moving_median.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_condition.hpp"
 
 namespace fail_aware {
 
@@ -45,59 +47,6 @@ struct MonitorParameters {
     v("gap_ratio", self.gap_ratio);
   }
   void validate() const;
-};
-
-/// What is known of a sweep beside the filter's state.
-struct SweepCondition {
-  bool empty = false;       ///< no usable point
-  bool incomplete = false;  ///< part of the revolution is missing
-  bool low_visibility = false;
-  bool frozen = false;              ///< the sensor repeats itself
-  bool time_jump = false;           ///< of the stamps, back or ahead
-  bool time_field_refused = false;  ///< the points are timed by a guess
-  bool no_answer = false;           ///< of a stage of the live graph, by the deadline
-  int dropped_before = 0;           ///< sweeps lost since the last one
-  bool point_missing = false;
-  bool plane_missing = false;
-  bool corners_missing = false;
-  double min_information_share = 1.0;  ///< weakest horizontal direction, point to plane; 1: not known
-
-  /// Every field: what the monitor's log is made of.
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("empty", self.empty);
-    v("incomplete", self.incomplete);
-    v("low_visibility", self.low_visibility);
-    v("frozen", self.frozen);
-    v("time_jump", self.time_jump);
-    v("time_field_refused", self.time_field_refused);
-    v("no_answer", self.no_answer);
-    v("dropped_before", self.dropped_before);
-    v("point_missing", self.point_missing);
-    v("plane_missing", self.plane_missing);
-    v("corners_missing", self.corners_missing);
-    v("min_information_share", self.min_information_share);
-  }
-};
-
-struct MonitorOutput {
-  double stamp_s = 0.0;
-  double t1_stamp_s = -1.0;  ///< -1: does not serve
-  FailAwareState state = FailAwareState::kUnknown;
-  std::uint32_t reasons = 0;
-  TimeToFailure time_to_failure;             ///< what the planner acts on: the earlier of the two
-  TimeToFailure time_to_failure_indicator;   ///< from eta
-  TimeToFailure time_to_failure_covariance;  ///< from the covariance's growth
-  double eta = 0.0;
-  double eta_rate_per_s = -1.0;  ///< -1: unknown
-  double sigma_yaw_rad = 0.0;    ///< the filter's; -1: unknown
-  double sigma_x_m = 0.0;        ///< accumulated since t1, in the frame at t1
-  double sigma_y_m = 0.0;
-  Matrix6d covariance_since_start = Matrix6d::Zero();  ///< what sigma_x_m, sigma_y_m are of; geometry/pose.hpp's order
-  /// Bounds the horizontal error, with the predictor's confidence; 1e6: nothing does; -1: unknown.
-  double protection_level_m = -1.0;
-  FailAwareState standby_state = FailAwareState::kUnknown;  ///< before t1: if t1 were now
-  TimeToFailure standby_time_to_failure;                    ///< likewise
 };
 
 /// Orders outputs, larger: later. The time (s); where it is 0, which orders no further, minus the protection level (m).

@@ -6,8 +6,10 @@
 
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
 
 namespace fail_aware {
 

@@ -4,7 +4,7 @@
 // Live, a timer asks; offline, the evaluation looks at the time from one sweep to the next. No failure modes.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
 
 namespace fail_aware {
 

@@ -13,8 +13,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/speed_error.hpp"
 
 namespace fail_aware {
 

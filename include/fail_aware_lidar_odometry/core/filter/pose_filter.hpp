@@ -25,60 +25,17 @@
 #include "fail_aware_lidar_odometry/core/filter/reference_placement.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
+#include "fail_aware_lidar_odometry/core/types/fusion_input.hpp"
+#include "fail_aware_lidar_odometry/core/types/odometry_increment.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_prediction.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_time.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/road_plane.hpp"
 #include "fail_aware_lidar_odometry/core/vehicle/vehicle_model.hpp"
 
 namespace fail_aware {
-
-struct SweepPrediction {
-  double stamp_s = 0.0;
-  double stamp_error_s = 0.0;                   ///< SweepTime::error_s
-  double period_s = 0.0;                        ///< of the head; 0: not known yet
-  double dt_s = 0.0;                            ///< since the last estimate; 0 in the first sweep
-  Pose T_odom_cog_previous = Pose::Identity();  ///< last estimate
-  Pose T_odom_cog = Pose::Identity();           ///< prediction at the stamp
-  Matrix6d covariance = Matrix6d::Identity();   ///< of the prediction, geometry/pose.hpp's convention
-  double sigma_yaw_rad = 0.0;
-  bool motion_known = false;  ///< false: the vehicle's speed is not known yet
-  int odom_epoch = 0;         ///< as FilterState's
-  double set_back_s = 0.0;    ///< SweepTime's
-
-  double time_s() const { return stamp_s - stamp_error_s; }
-};
-
-struct FilterState {
-  double stamp_s = 0.0;
-  double stamp_error_s = 0.0;  ///< SweepTime::error_s
-  double dt_s = 0.0;
-  Pose T_odom_cog = Pose::Identity();
-  Matrix6d covariance = Matrix6d::Identity();  ///< the filter's P, of (x, y, z, roll, pitch, yaw)
-  double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
-  bool corrected = false;                      ///< false: the estimate is the prediction
-  bool started = true;                         ///< false: no sweep had usable points yet, the drive has not begun
-  bool motion_observed = false;                ///< measured in this sweep, in all directions on the road
-  FusionResult fusion;
-  double filter_nis = 0.0;                           ///< of the fused measurement, 6 degrees of freedom
-  Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
-  Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
-  /// The part of it that the measurements leave open: of the prediction's error what this sweep's measurement leaves,
-  /// of rotation what the next one, as good as this, would leave as well; and what is implausible in a vehicle's motion,
-  /// whatever R says (motion_plausibility.hpp).
-  Matrix6d unobserved_covariance = Matrix6d::Zero();
-  SpeedError speed_error;  ///< along the vehicle, where it coasts
-  /// Found here: since the last placed sweep the stamps told another interval than was driven; the increment is no motion
-  /// in dt_s.
-  bool interval_wrong = false;
-  double set_back_s = 0.0;  ///< SweepPrediction's
-  int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
-  bool placed = false;      ///< the references take the sweep in, at this pose (reference_placement.hpp)
-  int reference_epoch = 0;  ///< counts those that began anew: likewise
-
-  double time_s() const { return stamp_s - stamp_error_s; }
-};
 
 OdometryIncrement incrementOf(const FilterState& state);
 

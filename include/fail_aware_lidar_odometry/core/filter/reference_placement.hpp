@@ -13,7 +13,7 @@
 
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
+#include "fail_aware_lidar_odometry/core/types/fusion_input.hpp"
 
 namespace fail_aware {
 

@@ -2,7 +2,7 @@
 //
 // A sweep is registered against a map, so most of a measurement's error is gone with the next sweep: the pose jitters
 // about the map, the jitter does not add up. What adds up is
-//   - what the measurements leave open: FilterState::unobserved_covariance (filter/pose_filter.hpp); all of it where
+//   - what the measurements leave open: FilterState::unobserved_covariance (types/filter_state.hpp); all of it where
 //     little of the way is observed (u below), else a share: the next sweeps look at the same part of the map again
 //   - where little of the way is observed (u below), that jitter, too, times u^4: there is hardly a map to hold on to
 //   - the slow drift of the map itself, which goes with the distance driven, not with the number of sweeps (a standing

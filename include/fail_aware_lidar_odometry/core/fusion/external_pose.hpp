@@ -15,7 +15,7 @@
 
 #include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 
 namespace fail_aware {
 

@@ -29,35 +29,12 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/fusion_input.hpp"
+#include "fail_aware_lidar_odometry/core/types/fusion_result.hpp"
 
 namespace fail_aware {
 
 inline constexpr double kFarthestOff_m = 1e5;  ///< from the prediction: a car is no farther off after an hour
-
-struct FusionInput {
-  std::string name;
-  const Measurement* measurement = nullptr;  ///< null or not ok(): absent
-  bool external = false;  ///< not made of the sweep: it disagrees with another only beyond both covariances (3 sigma)
-};
-
-struct FusionResult {
-  bool has_measurement = false;
-  Vector6d z = Vector6d::Zero();      ///< m, rad
-  Matrix6d R = Matrix6d::Identity();  ///< covariance of z
-  std::vector<double> weights;        ///< per input, 0..1 before normalisation; 0: gated out or absent
-  std::vector<double> nis;            ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
-  bool all_gated_out = false;         ///< there were usable measurements, none inside the gate
-  bool prediction_overruled =
-      false;                        ///< all gated out, but a group that agrees with itself was taken, or what doubts it
-  bool prediction_invalid = false;  ///< predicted state or covariance not usable
-  double disagreement_m = 0.0;      ///< largest horizontal distance between two usable measurements
-  double disagreement_yaw_rad = 0.0;
-  double undecided_m = 0.0;  ///< the same, where it is unexpected; that of one that is outnumbered times its weight
-  bool confirmed = false;    ///< some two are within agreement_distance_m, and none that is not outvoted speaks against
-  int valid_inputs = 0;
-  int invalid_inputs = 0;  ///< said ok, but unusable, or beyond kFarthestOff_m
-};
 
 class MeasurementFusion {
  public:

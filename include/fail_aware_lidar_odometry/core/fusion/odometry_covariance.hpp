@@ -21,26 +21,9 @@
 
 #include "fail_aware_lidar_odometry/core/fusion/drift_model.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/odometry_increment.hpp"
 
 namespace fail_aware {
-
-/// Of the speed along the vehicle's axis, where the measurements do not observe it (filter/coasting.hpp); else zero.
-struct SpeedError {
-  double variance_m2_s2 = 0.0;  ///< after this sweep
-  double kept = 0.0;            ///< share of the last sweep's error that is still in it, 0..1
-};
-
-/// One sweep's motion, as far as its uncertainty goes; covariances about the previous body's axes.
-struct OdometryIncrement {
-  Matrix6d covariance = Matrix6d::Zero();
-  Matrix6d unobserved = Matrix6d::Zero();  ///< the part of it that stays open (FilterState::unobserved_covariance)
-  double dt_s = 0.0;
-  SpeedError speed_error;
-  bool predicted = false;  ///< the pose is no measurement
-  /// Of a measured pose in the map, about odom's axes, where at least two measurements agree on it.
-  std::optional<Matrix6d> confirmed{};
-  int reference_epoch = 0;  ///< FilterState's: after another one, what is measured says nothing of what was before
-};
 
 /// Covariance of the pose's error with what drives it.
 struct DriftState {

@@ -22,9 +22,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/io/sweep_source.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 
 namespace fail_aware {
 

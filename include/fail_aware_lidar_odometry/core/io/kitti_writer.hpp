@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 
 namespace fail_aware {
 

@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 
 namespace fail_aware {
 

@@ -6,20 +6,12 @@
 // Failure: readMonitorLog throws InputError naming file and line.
 #pragma once
 
-#include <cstddef>
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
 
 namespace fail_aware {
-
-/// One call of FailAwareMonitor::update.
-struct MonitorInput {
-  std::size_t row = 0;  ///< of the sweep in the run's trajectory, counted from 0
-  FilterState state;
-  SweepCondition condition;
-};
 
 /// Without the line break.
 std::string monitorLogHeader();

@@ -23,7 +23,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 
 namespace fail_aware {
 

@@ -21,8 +21,8 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/moving_median.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 
 namespace fail_aware {
 

@@ -17,10 +17,10 @@
 #include <optional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/registration/standing_points.hpp"
+#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
 

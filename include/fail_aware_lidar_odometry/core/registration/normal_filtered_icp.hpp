@@ -19,8 +19,8 @@
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 
 namespace fail_aware {
 

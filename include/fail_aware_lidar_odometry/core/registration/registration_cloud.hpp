@@ -12,10 +12,10 @@
 #include <optional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
 

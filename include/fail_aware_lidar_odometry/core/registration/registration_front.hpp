@@ -21,11 +21,12 @@
 #include <optional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
+#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_prediction.hpp"
 
 namespace fail_aware {
 

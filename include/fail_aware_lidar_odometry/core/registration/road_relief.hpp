@@ -25,9 +25,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
 

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 
 namespace fail_aware {
 

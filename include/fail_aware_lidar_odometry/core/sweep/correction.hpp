@@ -15,8 +15,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 
 namespace fail_aware {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 
 namespace fail_aware {
 

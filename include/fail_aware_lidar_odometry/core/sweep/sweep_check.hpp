@@ -15,7 +15,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_findings.hpp"
 
 namespace fail_aware {
 
@@ -39,21 +40,6 @@ struct SweepCheckParams {
 
 /// What an incomplete sweep means, and what to set if the driver publishes such clouds. One line.
 const char* describeIncomplete();
-
-struct SweepFindings {
-  bool incomplete = false;
-  bool low_visibility = false;
-  bool frozen = false;
-  bool repeats = false;
-  bool time_jump = false;
-  double azimuth_coverage = 0.0;  ///< share of the sectors that hold points; 0 for an empty sweep
-  double far_share = 0.0;         ///< share of the points beyond visible_range_m
-  int repetitions = 0;            ///< sweeps in a row that repeated the one before
-  // Of SweepCorrectorReport; not found by SweepCheck.
-  double middle_s = 0.0;
-  double revolution_s = 0.0;
-  bool time_field_refused = false;  ///< TimingResult::guessed()
-};
 
 /// Keeps stamp and fingerprint of the last sweep: give it every sweep, in order, also the first after stamps jumped
 /// back.

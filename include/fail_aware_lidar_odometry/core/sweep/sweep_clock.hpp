@@ -24,24 +24,9 @@
 
 #include "fail_aware_lidar_odometry/core/moving_median.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/turn_line.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_time.hpp"
 
 namespace fail_aware {
-
-/// When a sweep was, beside its stamp.
-struct SweepTime {
-  SweepTime() = default;
-  SweepTime(double right_stamp_s)
-      : stamp_s(right_stamp_s) {}  // NOLINT(google-explicit-constructor): a stamp that is right
-
-  double stamp_s = 0.0;           ///< as it came
-  double error_s = 0.0;           ///< of the stamp: stamp minus the sweep's time
-  double interval_sigma_s = 0.0;  ///< standard deviation of the time since the last sweep; 0: negligible
-  double period_s = 0.0;          ///< of the head; 0: not known yet
-  double set_back_s = 0.0;  ///< a stamp was refused since the last sweep that was so much older, and not for a clock
-                            ///< that was set back; 0: none was
-
-  double time_s() const { return stamp_s - error_s; }
-};
 
 /// The jitter of stamps that should be a period apart: of the last 40, or of the last 10 where that is more.
 class StampJitter {

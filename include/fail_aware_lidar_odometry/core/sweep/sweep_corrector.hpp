@@ -6,14 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_seam.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
+#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_prediction.hpp"
 
 namespace fail_aware {
 

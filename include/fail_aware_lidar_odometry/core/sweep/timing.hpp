@@ -30,53 +30,11 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/held_timing.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/timing_result.hpp"
 
 namespace fail_aware {
-
-inline constexpr double kLongestPeriod_s = 1.0;  ///< of a sweep: no head that turns slower is known
-
-enum class TimingSource { kNone, kField, kAzimuth, kHeld };
-enum class StampReference { kStart, kMid, kEnd };
-
-enum class TimingStatus {
-  kOk,
-  kOff,         ///< `source` is none
-  kEmptySweep,  ///< no point
-  kNoField      ///< `source` is field, and the field cannot be used: see TimingResult::field
-};
-
-/// What was found of the driver's field.
-enum class TimeField {
-  kNotRead,  ///< `source` is none or azimuth, or the sweep is empty
-  kUsed,
-  kAbsent,     ///< none, or not one per point
-  kNotFinite,  ///< more than a tenth of the values are NaN or infinite
-  kNoSpread,   ///< the same value everywhere
-  kBadScale    ///< in no unit the times of a sweep, or too coarse
-};
-
-const char* toString(TimingSource source);
-const char* toString(StampReference reference);
-const char* toString(TimingStatus status);
-const char* toString(TimeField field);
-
-struct TimingResult {
-  TimingStatus status = TimingStatus::kOff;
-  TimeField field = TimeField::kNotRead;
-  TimingSource source = TimingSource::kNone;
-  StampReference reference = StampReference::kEnd;
-  std::optional<StampReference> field_reference{};  ///< what the signs of the field's times say, where it is used
-  double period_s = 0.1;
-  bool period_known = false;  ///< given or measured; otherwise nominal
-  std::size_t outliers = 0;   ///< points without a usable time: NaN
-  std::string refusal;        ///< why the field is refused (kNotFinite, kBadScale), for people; else empty
-
-  bool ok() const { return status == TimingStatus::kOk; }
-  /// The field was refused, and no sweep before this one shows how to time it.
-  bool guessed() const { return !refusal.empty() && source != TimingSource::kHeld; }
-};
 
 /// Of a sweep that is guessed(): what is refused, what is done instead, what to do. One line.
 std::string describeGuess(const TimingResult& timing);

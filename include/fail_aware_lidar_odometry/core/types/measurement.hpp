@@ -1,4 +1,4 @@
-// What every measurement algorithm returns (paper, section "Measurements Algorithms and Data Fusion").
+// The pose that a measurement algorithm finds for one sweep (paper, section "Measurements Algorithms and Data Fusion").
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ enum class MeasurementStatus {
   kOk,            ///< pose and covariance may be used
   kNoReference,   ///< nothing to register against yet (first sweep, after a reset)
   kTooFewPoints,  ///< the sweep or its overlap with the reference is too small
-  kNotConverged,  ///< the iteration limit came before the step limit, or the way is lost after a gap
+  kNotConverged,  ///< iteration limit before step limit, or tracking is lost after a gap
   kDegenerate,    ///< no direction was observable; corners too close to each other; no finite prediction
   kTooFewCorners  ///< corner alignment only: fewer than the required associated corners
 };
@@ -36,10 +36,10 @@ struct Measurement {
   int iterations = 0;
   double seed_spread_m = 0.0;  ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
   int weak_directions = 0;     ///< directions left at the prediction, of 6
-  /// Of the information, in the weakest horizontal direction: ICPs: share of all the weight, 0.5 if both directions are
-  /// seen alike; corners: against `good_corners` of them. 0: not known.
+  /// Information in the weakest horizontal direction. ICPs: share of the total weight, 0.5 if both directions are seen
+  /// equally well. Corners: relative to `good_corners` corners. 0: not known.
   double min_information_share = 0.0;
-  bool interval_doubted = false;  ///< found by the way of another interval than the stamps': tells no speed
+  bool interval_doubted = false;  ///< registered assuming a clock jump: does not give a speed
 
   bool ok() const { return status == MeasurementStatus::kOk; }
 };

@@ -1,4 +1,4 @@
-// One revolution of a spinning lidar.
+// One revolution of a spinning lidar, as it came from the driver or a file. Points: m, sensor frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,8 @@
 
 namespace fail_aware {
 
-/// Neither not finite, nor the zero that stands for no return, nor farther than any lidar sees: squares, and what is
-/// turned, stay finite.
+/// False: not finite, zero (no return), or farther than any lidar sees. Squares and rotations of usable points stay
+/// finite.
 inline bool isUsablePoint(const Eigen::Vector3f& point_m) {
   constexpr float kFarthest_m = 1e6f;
   return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kFarthest_m && !point_m.isZero(0.0f);
@@ -38,20 +38,6 @@ struct Sweep {
 
   std::size_t size() const { return points_lidar.size(); }
   bool empty() const { return points_lidar.empty(); }
-};
-
-/// A sweep whose points were all moved to one instant (its stamp).
-struct CorrectedSweep {
-  double stamp_s = 0.0;                       ///< after the sweep clock: SweepPrediction::time_s()
-  std::vector<Eigen::Vector3f> points_lidar;  ///< m, sensor frame at the stamp
-  std::vector<float> times_s;                 ///< s relative to the stamp; empty: no timing
-  std::vector<std::uint16_t> rings;           ///< as in Sweep; empty: unknown
-
-  void clear() {
-    points_lidar.clear();
-    times_s.clear();
-    rings.clear();
-  }
 };
 
 }  // namespace fail_aware

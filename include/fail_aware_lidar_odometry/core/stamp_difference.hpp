@@ -17,6 +17,9 @@ inline constexpr double kStampTolerance_s = 1e-6;
 /// Of spinning lidars, until their stamps tell.
 inline constexpr double kUsualPeriod_s = 0.1;
 
+/// Of a sweep: no head that turns slower is known.
+inline constexpr double kLongestPeriod_s = 1.0;
+
 /// Intervals, whose median is the usual one.
 inline constexpr std::size_t kUsualIntervals = 11;
 

@@ -1,0 +1,41 @@
+// The filter's estimate for one sweep (filter/pose_filter.hpp), with the fusion's result and the increment since the
+// last estimate. Poses: of the centre of gravity in odom; m, rad, s.
+#pragma once
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/fusion_result.hpp"
+#include "fail_aware_lidar_odometry/core/types/speed_error.hpp"
+
+namespace fail_aware {
+
+struct FilterState {
+  double stamp_s = 0.0;
+  double stamp_error_s = 0.0;  ///< SweepTime::error_s
+  double dt_s = 0.0;           ///< since the last estimate; 0 in the first sweep
+  Pose T_odom_cog = Pose::Identity();
+  Matrix6d covariance = Matrix6d::Identity();  ///< the filter's P, of (x, y, z, roll, pitch, yaw)
+  double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
+  bool corrected = false;                      ///< false: the estimate is the prediction
+  bool started = true;                         ///< false: no sweep had usable points yet, the drive has not begun
+  bool motion_observed = false;                ///< measured in this sweep, in all directions on the road
+  FusionResult fusion;
+  double filter_nis = 0.0;                           ///< of the fused measurement, 6 degrees of freedom
+  Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
+  Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
+  /// The part of it that the measurements do not observe: what this sweep's measurement leaves of the prediction's
+  /// error (rotation: what a second one as good as this would leave, too), plus the doubt about an implausible motion,
+  /// whatever R is (filter/motion_plausibility.hpp).
+  Matrix6d unobserved_covariance = Matrix6d::Zero();
+  SpeedError speed_error;  ///< along the vehicle, where it coasts
+  /// The stamps since the last placed sweep give another interval than was driven: the increment is not a motion over
+  /// dt_s.
+  bool interval_wrong = false;
+  double set_back_s = 0.0;  ///< SweepPrediction's
+  int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
+  bool placed = false;      ///< the references take the sweep in, at this pose (filter/reference_placement.hpp)
+  int reference_epoch = 0;  ///< counts references that began anew: likewise
+
+  double time_s() const { return stamp_s - stamp_error_s; }
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,19 @@
+// The monitor's input for one sweep of a recorded run: a row of monitor_log.csv (io/monitor_log.hpp), from which the
+// monitor can be run again (fail_aware/monitor_replay.hpp).
+#pragma once
+
+#include <cstddef>
+
+#include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_condition.hpp"
+
+namespace fail_aware {
+
+/// One call of FailAwareMonitor::update.
+struct MonitorInput {
+  std::size_t row = 0;  ///< of the sweep in the run's trajectory, counted from 0
+  FilterState state;
+  SweepCondition condition;
+};
+
+}  // namespace fail_aware

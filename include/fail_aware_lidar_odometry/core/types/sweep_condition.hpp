@@ -1,0 +1,38 @@
+// The condition of a sweep: what the fail-aware monitor (fail_aware/monitor.hpp) gets beside the filter's state.
+#pragma once
+
+namespace fail_aware {
+
+struct SweepCondition {
+  bool empty = false;       ///< no usable point
+  bool incomplete = false;  ///< part of the revolution is missing
+  bool low_visibility = false;
+  bool frozen = false;              ///< the sensor repeats itself
+  bool time_jump = false;           ///< of the stamps, back or ahead
+  bool time_field_refused = false;  ///< the points are timed by a guess
+  bool no_answer = false;           ///< of a stage of the live graph, by the deadline
+  int dropped_before = 0;           ///< sweeps lost since the last one
+  bool point_missing = false;       ///< the source is used and gave no usable measurement; likewise the next two
+  bool plane_missing = false;
+  bool corners_missing = false;
+  double min_information_share = 1.0;  ///< weakest horizontal direction, point to plane; 1: not known
+
+  /// Every field: what the monitor's log is made of.
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("empty", self.empty);
+    v("incomplete", self.incomplete);
+    v("low_visibility", self.low_visibility);
+    v("frozen", self.frozen);
+    v("time_jump", self.time_jump);
+    v("time_field_refused", self.time_field_refused);
+    v("no_answer", self.no_answer);
+    v("dropped_before", self.dropped_before);
+    v("point_missing", self.point_missing);
+    v("plane_missing", self.plane_missing);
+    v("corners_missing", self.corners_missing);
+    v("min_information_share", self.min_information_share);
+  }
+};
+
+}  // namespace fail_aware

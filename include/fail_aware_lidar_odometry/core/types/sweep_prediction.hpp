@@ -1,0 +1,25 @@
+// The filter's prediction for one sweep (filter/pose_filter.hpp): the sweep is corrected with it and registration
+// starts from it. Poses: of the centre of gravity in odom; m, rad, s.
+#pragma once
+
+#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+struct SweepPrediction {
+  double stamp_s = 0.0;
+  double stamp_error_s = 0.0;                   ///< SweepTime::error_s
+  double period_s = 0.0;                        ///< of the head; 0: not known yet
+  double dt_s = 0.0;                            ///< since the last estimate; 0 in the first sweep
+  Pose T_odom_cog_previous = Pose::Identity();  ///< last estimate
+  Pose T_odom_cog = Pose::Identity();           ///< prediction at the stamp
+  Matrix6d covariance = Matrix6d::Identity();   ///< of the prediction, geometry/pose.hpp's convention
+  double sigma_yaw_rad = 0.0;
+  bool motion_known = false;  ///< false: the vehicle's speed is not known yet
+  int odom_epoch = 0;         ///< as FilterState's
+  double set_back_s = 0.0;    ///< SweepTime's
+
+  double time_s() const { return stamp_s - stamp_error_s; }
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,39 @@
+#include "fail_aware_lidar_odometry/core/types/fail_aware_state.hpp"
+
+#include <iterator>
+
+namespace fail_aware {
+
+namespace {
+
+// By bit number.
+constexpr const char* kReasonNames[] = {
+    "STALE",           "NO_MEASUREMENT",   "PREDICTION_ONLY",  "PREDICTION_OVERRULED", "MEASUREMENTS_DISAGREE",
+    "WEAK_DIRECTION",  "SWEEP_INCOMPLETE", "SWEEP_EMPTY",      "MISSING_ICP_POINT",    "MISSING_ICP_PLANE",
+    "MISSING_CORNERS", "ETA_THRESHOLD",    "COVARIANCE_LIMIT", "FROZEN_CLOUD",         "TIME_JUMP",
+    "DROPPED_SWEEPS",  "LOW_VISIBILITY",   "NO_ANSWER",        "MOTION_UNKNOWN",       "TIME_FIELD_REFUSED"};
+
+}  // namespace
+
+const char* toString(FailAwareState state) {
+  switch (state) {
+    case FailAwareState::kUnknown: return "UNKNOWN";
+    case FailAwareState::kOk: return "OK";
+    case FailAwareState::kDegraded: return "DEGRADED";
+    case FailAwareState::kFailing: return "FAILING";
+    case FailAwareState::kFailed: return "FAILED";
+  }
+  return "UNKNOWN";
+}
+
+std::string reasonText(std::uint32_t reasons) {
+  std::string text;
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    if ((reasons & (1u << bit)) == 0) continue;
+    if (!text.empty()) text += '|';
+    text += bit < std::size(kReasonNames) ? kReasonNames[bit] : "BIT_" + std::to_string(bit);
+  }
+  return text;
+}
+
+}  // namespace fail_aware

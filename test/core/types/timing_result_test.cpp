@@ -1,0 +1,44 @@
+#include "fail_aware_lidar_odometry/core/types/timing_result.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace fail_aware {
+namespace {
+
+TEST(TimingResult, everyValueHasItsOwnName) {
+  std::set<std::string> names;
+  const auto add = [&](const auto value) { names.insert(toString(value)); };
+  for (const TimingSource source :
+       {TimingSource::kNone, TimingSource::kField, TimingSource::kAzimuth, TimingSource::kHeld}) {
+    add(source);
+  }
+  for (const StampReference reference : {StampReference::kStart, StampReference::kMid, StampReference::kEnd}) {
+    add(reference);
+  }
+  for (const TimingStatus status :
+       {TimingStatus::kOk, TimingStatus::kOff, TimingStatus::kEmptySweep, TimingStatus::kNoField}) {
+    add(status);
+  }
+  for (const TimeField field : {TimeField::kNotRead, TimeField::kUsed, TimeField::kAbsent, TimeField::kNotFinite,
+                                TimeField::kNoSpread, TimeField::kBadScale}) {
+    add(field);
+  }
+  EXPECT_EQ(names.size(), 17u);
+  EXPECT_EQ(names.count("unknown"), 0u);
+}
+
+TEST(TimingResult, isAGuessWhereTheFieldIsRefusedAndNothingWasHeld) {
+  TimingResult timing;
+  EXPECT_FALSE(timing.guessed());
+  timing.refusal = "time in no unit";
+  timing.source = TimingSource::kAzimuth;
+  EXPECT_TRUE(timing.guessed());
+  timing.source = TimingSource::kHeld;
+  EXPECT_FALSE(timing.guessed());
+}
+
+}  // namespace
+}  // namespace fail_aware
