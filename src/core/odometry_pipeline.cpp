@@ -6,12 +6,11 @@
 #include <utility>
 
 #include "fail_aware_lidar_odometry/core/arena_size.hpp"
+#include "fail_aware_lidar_odometry/core/estimator.hpp"
 #include "fail_aware_lidar_odometry/core/parallel.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
@@ -78,21 +77,17 @@ struct OdometryPipeline::Stages {
         check(p.sensor.check),
         corrector(p.sensor.vertical_angle, p.sensor.azimuth, p.sensor.correctedTiming(), p.profile.sweep_correction,
                   p.profile.level_keeping),
-        filter(p.profile.filter, p.profile.ukf, VehicleModel(p.vehicle.dynamics, p.profile.model), p.profile.history,
-               p.profile.road, p.profile.fusion),
+        estimator(p),
         front(p.profile.registration, p.sensor.correctedTiming()),
         multiplex(p.profile.registration.point),
         normal_filtered(p.profile.registration.plane),
         corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                            p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
-        arena(arenaSize(threads)),
-        clock(p.sensor.timing.sweep_period_s) {
-    filter.reset(T_base_cog);  // odom begins at base_link
-  }
+        arena(arenaSize(threads)) {}
 
   SweepResult step(Sweep& sweep);
-  void beginDrive(const Pose& T_odom_cog);
+  void beginDrive();
   void measure(const SweepPrediction& prediction, SweepResult& result);
   SweepCondition condition(const SweepFindings& findings, const SweepResult& result);
 
@@ -101,7 +96,7 @@ struct OdometryPipeline::Stages {
   Pose T_cog_lidar;
   SweepCheck check;
   SweepCorrector corrector;
-  PoseFilter filter;
+  Estimator estimator;
   RegistrationFront front;
   MultiplexIcp multiplex;
   NormalFilteredIcp normal_filtered;
@@ -109,8 +104,6 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
-  StampSequence stamps;
-  SweepClock clock;
   int refused = 0;                           ///< sweeps since the last one that was taken
   std::optional<double> start_from_stamp_s;  ///< t1 has been asked for, and has not come
 };
@@ -161,12 +154,10 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   return condition;
 }
 
-void OdometryPipeline::Stages::beginDrive(const Pose& T_odom_cog) {
+/// Of all but the estimator.
+void OdometryPipeline::Stages::beginDrive() {
   refused = 0;
-  stamps.beginDrive();
-  clock.reset();
   corrector.reset();
-  filter.reset(T_odom_cog);
   front.reset();
   corner_measurement.reset();
   monitor.reset();
@@ -176,17 +167,13 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   SweepResult result;
   Stopwatch total, stage;
   SweepPrediction prediction;
-  const FilterState& last = filter.state();
-  const StampOrder order =
-      filter.started() ? stamps.next(secondsBetween(last.stamp_s, sweep.stamp_s)) : StampOrder::kAdvances;
-  if (order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead) beginDrive(Pose(last.T_odom_cog));
-  const bool is_taken =
-      order == StampOrder::kAdvances || order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead;
-  if (!is_taken || !filter.predict(clock.next(sweep.stamp_s, stamps.setBack_s()), prediction)) {
+  const Estimator::Accepted accepted = estimator.accept(sweep.stamp_s);
+  if (accepted.beginsDrive()) beginDrive();
+  if (!accepted.taken() || !estimator.predict(sweep.stamp_s, accepted.set_back_s, prediction)) {
     ++refused;
     result.status = SweepStatus::kStampNotAdvancing;
-    result.state = exchanged(last);
-    result.T_odom_base = last.T_odom_cog * T_base_cog.inverse();
+    result.state = exchanged(estimator.state());
+    result.T_odom_base = estimator.state().T_odom_cog * T_base_cog.inverse();
     return result;
   }
   prediction = exchanged(prediction);
@@ -199,10 +186,12 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   measure(prediction, result);
   stage.lapMs();
   const bool first = prediction.dt_s <= 0.0;
-  const FilterState& state = filter.correct(
+  const FilterState& state = estimator.update(
       {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}},
-      corrected_as.middle_s);
-  clock.observeRevolution(corrected_as.revolution_s);
+      corrected_as.middle_s, corrected_as.revolution_s);
+  result.odometry_covariance =
+      covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_base_cog.inverse());
+  result.pose_set = estimator.poseSet();
   result.state = exchanged(state);
   result.T_odom_base = state.T_odom_cog * T_base_cog.inverse();
   result.status = !result.state.started    ? SweepStatus::kNotStarted
@@ -236,14 +225,25 @@ void OdometryPipeline::startRedundant(double from_stamp_s) { stages_->start_from
 
 void OdometryPipeline::reset() {
   stages_->check.reset();
-  stages_->beginDrive(stages_->T_base_cog);
+  stages_->estimator.reset();
+  stages_->beginDrive();
 }
 
 const LevelKeeping& OdometryPipeline::levelKeeping() const { return stages_->corrector.levelKeeping(); }
 
 std::string OdometryPipeline::seamContradiction() const { return stages_->corrector.seamContradiction(); }
 
-const SweepClock& OdometryPipeline::sweepClock() const { return stages_->clock; }
+const SweepClock& OdometryPipeline::sweepClock() const { return stages_->estimator.sweepClock(); }
+
+std::string OdometryPipeline::setPose(const ExternalPose& pose) { return stages_->estimator.setPose(pose); }
+
+void OdometryPipeline::addSource(const std::string& name, double tolerance_s) {
+  stages_->estimator.addSource(name, tolerance_s);
+}
+
+std::string OdometryPipeline::offer(const std::string& source, const ExternalPose& pose) {
+  return stages_->estimator.offer(source, pose);
+}
 
 std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->front.map().points(); }
 

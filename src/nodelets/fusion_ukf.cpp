@@ -1,4 +1,4 @@
-// The filter in the live graph (core/filter/pose_filter.hpp).
+// The estimator in the live graph (core/estimator.hpp).
 // In: points (only header and frame matter), sweep/check, measurement/*, extra sources, set_pose. Out:
 // sweep/prediction, filter_state, odometry, path, tf. Services: ~reset, ~save_trajectory.
 //
@@ -25,24 +25,22 @@
 #include "deferred_call.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/estimator.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_scheduler.hpp"
 #include "fusion_ukf_params.hpp"
 #include "health.hpp"
 #include "lidar_place.hpp"
 #include "load_or_say_why.hpp"
 #include "measurement_sources.hpp"
 #include "odometry_output.hpp"
-#include "pose_setting.hpp"
+#include "pose_message.hpp"
 #include "private_parameters.hpp"
 #include "published_type.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
 #include "spoken_faults.hpp"
 #include "stamps.hpp"
-#include "sweep_intake.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"
 
@@ -56,6 +54,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
  private:
   using Config = fail_aware_lidar_odometry::FusionUkfConfig;
+  using Cause = SweepScheduler::Cause;
 
   static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; here it is counted
   static constexpr double kDeadlineCheck_s = 0.01;
@@ -78,23 +77,15 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     readPrivateParameters(private_node, params_, FusionUkfTuning(), {"extra_sources."});
     params_.validate();
     const PipelineParameters pipeline = readPipelineParameters(node);
-    const ProfileParameters& profile = pipeline.profile;
     T_base_cog_ = pipeline.vehicle.T_base_cog();
-    start_sigmas_ << Eigen::Vector3d::Constant(profile.filter.initial_sigma_m),
-        Eigen::Vector3d::Constant(profile.filter.initial_sigma_deg * kDegree);
     loaded_at_ = ros::SteadyTime::now();
-    filter_ = std::make_unique<PoseFilter>(profile.filter, profile.ukf,
-                                           VehicleModel(pipeline.vehicle.dynamics, profile.model), profile.history,
-                                           profile.road, profile.fusion);
-    odometry_covariance_ = OdometryCovariance(profile.monitor.drift);
+    estimator_ = std::make_unique<Estimator>(pipeline);
     sources_ = std::make_unique<MeasurementSources>(node, readExtraSources(private_node), params_.odom_frame,
-                                                    [this] { onAnswer(); });
-    const FusionUkfTuning tuning{params_, profile.registration, profile.fusion};
+                                                    *estimator_, [this] { onAnswer(); });
+    const FusionUkfTuning tuning{params_, pipeline.profile.registration, pipeline.profile.fusion};
     warnOfOtherValues(private_node, params_, tuning);
     tune(tuning);
     output_ = std::make_unique<OdometryOutput>(node, private_node, params_, T_base_cog_);
-    sweep_clock_ = SweepClock(pipeline.sensor.timing.sweep_period_s);
-    reset();
     if (params_.lidar_in_base_source == "parameter") {
       lidar_.use(pipeline.sensor.T_base_lidar());
     } else {
@@ -120,8 +111,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   void tune(const FusionUkfTuning& tuning) {
     params_ = tuning.node;
-    filter_->setFusion(tuning.fusion);
-    intake_.setLimits(static_cast<std::size_t>(params_.queue_size), params_.max_reorder_s);
+    estimator_->setFusion(tuning.fusion);
+    estimator_->setMaxReorder(params_.max_reorder_s);
+    scheduler_.setParams({static_cast<std::size_t>(params_.queue_size), params_.deadline_s, params_.late_deadline_s,
+                          params_.first_deadline_s});
     sources_->setAbsentAfter(params_.absent_after_sweeps);
     sources_->use(kIcpPointToPoint, tuning.registration.use_point);
     sources_->use(kIcpPointToPlane, tuning.registration.use_plane);
@@ -137,7 +130,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     switch (lidar_.find(header.frame_id)) {
       case LidarPlace::Answer::kKnown: break;
       case LidarPlace::Answer::kNoTransform: hold(header); return;
-      case LidarPlace::Answer::kOtherFrame: intake_.refuseFrame(); return;
+      case LidarPlace::Answer::kOtherFrame: scheduler_.refuse(Cause::kWrongFrame); return;
     }
     releaseHeld();
     accept(header);
@@ -159,120 +152,115 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       if (lidar_.find(header.frame_id) == LidarPlace::Answer::kKnown) {
         accept(header);
       } else {
-        intake_.refuseFrame();
+        scheduler_.refuse(Cause::kWrongFrame);
       }
     }
   }
 
   void accept(const std_msgs::Header& header) {
-    const ros::SteadyTime now = ros::SteadyTime::now();
-    if (intake_.offer(header, now) == SweepIntake::Verdict::kNewDrive) {
-      faults_.say("jump",
-                  "stamps jumped by " + std::to_string(intake_.since_newest_s(header.stamp)) + " s: starting anew");
-      ++counts_.time_jumps;
-      reset();
-      intake_.offer(header, now);
+    if (!isUsable(header.stamp)) return scheduler_.refuse(Cause::kUnusableStamp);
+    const double stamp_s = header.stamp.toSec(), since_newest_s = estimator_->sinceNewest_s(stamp_s);
+    const Estimator::Accepted accepted = estimator_->accept(stamp_s);
+    switch (accepted.order) {
+      case StampOrder::kAdvances: break;
+      case StampOrder::kSame: return scheduler_.refuse(Cause::kDuplicate);
+      case StampOrder::kReordered: return scheduler_.refuse(Cause::kReordered);
+      case StampOrder::kFarAhead: return scheduler_.refuse(Cause::kFarAhead);
+      case StampOrder::kJumpedBack:
+      case StampOrder::kJumpedAhead:
+        faults_.say("jump", "stamps jumped by " + std::to_string(since_newest_s) + " s: a new drive begins");
+        ++counts_.time_jumps;
+        beginDrive();
     }
+    scheduler_.offer({header.stamp.toNSec(), header.frame_id, steadySeconds(), accepted.set_back_s});
     opening_->request();  // once all the clouds that are here were offered
   }
 
   // ---- one sweep ----------------------------------------------------------------------------------------------------
 
   void openNext() {
-    while (!open_) {
-      std::optional<SweepIntake::Waiting> next = intake_.next();
-      if (!next) return;
-      std_msgs::Header& header = next->header;
+    while (const std::optional<SweepScheduler::Sweep> sweep = scheduler_.open(steadySeconds())) {
       SweepTask task;
-      if (!filter_->predict(sweep_clock_.next(header.stamp.toSec(), next->set_back_s), task.prediction)) {
-        intake_.refuseStamp();
+      const ros::Time stamp = ros::Time().fromNSec(sweep->stamp_ns);
+      if (!estimator_->predict(stamp.toSec(), sweep->set_back_s, task.prediction)) {
+        scheduler_.close();
+        scheduler_.refuse(Cause::kUnusableStamp);
         continue;
       }
       task.T_cog_lidar = T_base_cog_.inverse() * lidar_.T_base_lidar();
-      task.lidar_frame = header.frame_id;
-      header.frame_id = params_.odom_frame;
-      open_ = header;
-      arrived_at_ = next->arrived;
-      opened_at_ = ros::SteadyTime::now();
+      task.lidar_frame = sweep->frame;
       prediction_ = task.prediction;
       // the first sweep has nothing to search a motion with
-      searches_ = !task.prediction.motion_known && !task.first();
-      sources_->open(header.stamp, longest_s());
+      scheduler_.setSearches(!task.prediction.motion_known && !task.first());
+      sources_->open(stamp, scheduler_.longest_s());
       prediction_publisher_.publish(messages::SweepPredictionConstPtr(
-          boost::make_shared<messages::SweepPrediction>(toMessage(task, header, last_stamp_))));
+          boost::make_shared<messages::SweepPrediction>(toMessage(task, odomHeader(stamp), last_stamp_))));
       if (sources_->allAnswered()) close();
     }
   }
 
   void onAnswer() {
-    if (!open_ || !sources_->allAnswered()) return;
+    if (!scheduler_.current() || !sources_->allAnswered()) return;
     close();
     opening_->request();
   }
 
   void onTick() {
     if (!held_.empty() && lidar_.find(held_.back().frame_id) == LidarPlace::Answer::kKnown) releaseHeld();
-    checkDeadline();
-  }
-
-  void checkDeadline() {
-    if (!open_ || !(isOverdue() || sources_->allAnswered())) return;
+    const bool is_at_work = sources_->isAtWork(!scheduler_.searches());
+    if (!scheduler_.current() || !(scheduler_.isOverdue(steadySeconds(), is_at_work) || sources_->allAnswered()))
+      return;
     close();
     opening_->request();
   }
 
-  /// More patience with those that are at work: a late estimate is better than none. But what a sweep has waited for its
-  /// turn is taken off it, or under load each would be later by that.
-  bool isOverdue() const {
-    const ros::SteadyTime now = ros::SteadyTime::now();
-    const double open_s = (now - opened_at_).toSec();
-    if (open_s < params_.deadline_s) return false;
-    if (!sources_->isAtWork(!searches_)) return true;
-    return searches_ ? open_s >= params_.first_deadline_s : (now - arrived_at_).toSec() >= params_.late_deadline_s;
-  }
-
-  /// The open sweep's if nothing came before it: an answer that takes longer than this gains nothing.
-  double longest_s() const {
-    return std::max(params_.deadline_s, searches_ ? params_.first_deadline_s : params_.late_deadline_s);
-  }
-
   void close() {
-    const std_msgs::Header header = *open_;
-    open_.reset();
-    SweepAccount account = sources_->close(prediction_, T_base_cog_);
-    account.dropped_before = intake_.takeDropped();
+    const SweepScheduler::Sweep sweep = *scheduler_.current();
+    scheduler_.close();
+    const std_msgs::Header header = odomHeader(ros::Time().fromNSec(sweep.stamp_ns));
+    SweepAccount account = sources_->close();
+    account.dropped_before = scheduler_.takeDropped();
     std::vector<FusionInput> inputs;
     for (const SweepAccount::Source& source : account.sources) {
       inputs.push_back({source.name, source.measurement ? &*source.measurement : nullptr, source.external});
     }
-    const Pose T_odom_cog_previous = filter_->state().T_odom_cog;
-    const FilterState& state = filter_->correct(inputs, account.findings ? account.findings->middle_s : 0.0);
-    if (account.findings) sweep_clock_.observeRevolution(account.findings->revolution_s);
-    if (state.dt_s > 0.0 &&
-        !odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state))) {
+    const SweepFindings found = account.findings.value_or(SweepFindings());
+    const FilterState& state = estimator_->update(inputs, found.middle_s, found.revolution_s);
+    sources_->addPoses(estimator_->externalMeasurements(), account);
+    if (!estimator_->covarianceIsWhole()) {
       NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: odometry's covariance goes without it");
     }
-    if (pose_setting_.pending() && (state.dt_s <= 0.0 || prediction_.motion_known)) setPose();
+    reportSetPose(state);
     ++counts_.sweeps;
     if (!state.corrected && state.dt_s > 0.0) ++counts_.predicted_only;
     last_corrected_ = state.corrected;
     last_stamp_ = header.stamp;
+    arrived_s_ = sweep.arrived_s;
     publish(state, account, header);
     rate_.tick();
-    latency_s_ = (ros::SteadyTime::now() - arrived_at_).toSec();
+    latency_s_ = steadySeconds() - arrived_s_;
   }
 
   void publish(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header) {
     output_->record(state);  // before anybody hears of it, and asks for it
     state_publisher_.publish(
         messages::FilterStateConstPtr(boost::make_shared<messages::FilterState>(toMessage(state, account, header))));
-    output_->publish(filter_->stateAsDriven(), odometry_covariance_.covariance(), header);
+    output_->publish(estimator_->stateAsDriven(), estimator_->odometryCovariance(), header);
+  }
+
+  std_msgs::Header odomHeader(const ros::Time& stamp) const {
+    std_msgs::Header header;
+    header.stamp = stamp;
+    header.frame_id = params_.odom_frame;
+    return header;
   }
 
   // ---- set_pose -----------------------------------------------------------------------------------------------------
 
   void onSetPose(const geometry_msgs::PoseWithCovarianceStampedConstPtr& message) {
-    refusePose(pose_setting_.offer(*message, params_.odom_frame, last_stamp_));
+    std::string reason;
+    const std::optional<ExternalPose> pose = poseInOdom(*message, params_.odom_frame, reason);
+    refusePose(pose ? estimator_->setPose(*pose) : reason);
   }
 
   void refusePose(const std::string& reason) {
@@ -281,38 +269,32 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     NODELET_WARN("set_pose refused: %s", reason.c_str());
   }
 
-  void setPose() {
-    const std::string outdated = pose_setting_.outdated(filter_->state());
-    if (!outdated.empty()) return refusePose(outdated);
-    const PoseSetting::AtEstimate set = pose_setting_.take(filter_->stateAsDriven(), T_base_cog_);
-    if (!filter_->setPose(set.T_odom_cog)) return refusePose("the filter cannot stand there");
-    odometry_covariance_.reset(set.covariance + startCovariance());
-    sources_->forgetPoses();
+  void reportSetPose(const FilterState& state) {
+    refusePose(estimator_->poseSet().refused);
+    if (!estimator_->poseSet().done) return;
     ++counts_.poses_set;
-    const Eigen::Vector3d position = (set.T_odom_cog * T_base_cog_.inverse()).translation();
+    const Eigen::Vector3d position = (state.T_odom_cog * T_base_cog_.inverse()).translation();
     NODELET_INFO("pose set to x %.3f y %.3f z %.3f m", position.x(), position.y(), position.z());
   }
 
   // ---- the rest -----------------------------------------------------------------------------------------------------
 
-  /// No pose is known better: a covariance that is published is positive definite, whatever set_pose says.
-  Matrix6d startCovariance() const { return start_sigmas_.cwiseAbs2().asDiagonal(); }
-
-  /// The next sweep is the first; it tells the other nodelets so by its dt of 0.
-  void reset() {
-    filter_->reset(T_base_cog_);  // odom begins at base_link
-    odometry_covariance_.reset(startCovariance());
-    intake_.clear(open_.has_value());
-    sweep_clock_.reset();
-    open_.reset();
+  /// What belongs to the last drive goes; the estimator has begun another.
+  void beginDrive() {
+    refusePose(estimator_->poseSet().refused);
+    scheduler_.clear();
     counts_.no_transform += held_.size();
     held_.clear();
-    if (pose_setting_.pending()) refusePose("a new drive began before it could be set");
-    pose_setting_.clear();
     sources_->reset();
     output_->clear();
     last_stamp_ = ros::Time();
     if (counts_.sweeps > 0) ++counts_.resets;
+  }
+
+  /// The next sweep is the first, at odom's origin; it tells the other nodelets so by its dt of 0.
+  void reset() {
+    estimator_->reset();
+    beginDrive();
   }
 
   bool onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
@@ -323,8 +305,15 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   }
 
   static double secondsSince(const ros::SteadyTime& then) { return (ros::SteadyTime::now() - then).toSec(); }
+  static double steadySeconds() { return ros::SteadyTime::now().toSec(); }
 
-  std::string noUsableCloud() const { return "no cloud that can be used: " + intake_.lastRefused(); }
+  /// Not at the end of time: others add to stamps (tf2: 10 s), which throws there.
+  static bool isUsable(const ros::Time& stamp) {
+    constexpr std::uint32_t kHour_s = 3600;
+    return !stamp.isZero() && stamp.nsec < 1000000000u && stamp.sec < ros::TIME_MAX.sec - kHour_s;
+  }
+
+  std::string noUsableCloud() const { return "no cloud that can be used: " + scheduler_.lastRefused(); }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     using Level = diagnostic_msgs::DiagnosticStatus;
@@ -339,10 +328,10 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       status.summary(Level::WARN, whyNoCloud(topic, type));
       if (isAnotherType(type) && secondsSince(loaded_at_) > kStarts_s) faults_.say("no cloud", status.message);
     } else if (counts_.sweeps == 0) {
-      status.summary(Level::WARN, intake_.lastRefused().empty() ? "no sweep yet" : noUsableCloud());
+      status.summary(Level::WARN, scheduler_.lastRefused().empty() ? "no sweep yet" : noUsableCloud());
     } else if (const double silent_s = secondsSince(heard_at_); silent_s > kSilent_s) {
       status.summaryf(Level::WARN, "no cloud for %.0f s", silent_s);
-    } else if (!open_ && secondsSince(arrived_at_) > kSilent_s) {
+    } else if (!scheduler_.current() && steadySeconds() - arrived_s_ > kSilent_s) {
       status.summary(Level::WARN, noUsableCloud());
     } else if (!absent.empty()) {
       status.summary(Level::WARN, "no answer from" + absent);
@@ -360,10 +349,11 @@ class FusionUkfNodelet : public nodelet::Nodelet {
     }
     status.add("sweeps", counts_.sweeps);
     status.add("sweeps without a usable measurement", counts_.predicted_only);
-    status.addf("period of the head (ms)", "%.3f", 1e3 * sweep_clock_.period_s().value_or(0.0));
-    status.addf("jitter of the stamps (ms)", "%.3f", 1e3 * sweep_clock_.jitter_s().value_or(0.0));
-    status.add("stamps that the period contradicts", sweep_clock_.outliers());
-    const SweepIntake::Counts& dropped = intake_.counts();
+    const SweepClock& clock = estimator_->sweepClock();
+    status.addf("period of the head (ms)", "%.3f", 1e3 * clock.period_s().value_or(0.0));
+    status.addf("jitter of the stamps (ms)", "%.3f", 1e3 * clock.jitter_s().value_or(0.0));
+    status.add("stamps that the period contradicts", clock.outliers());
+    const SweepScheduler::Counts& dropped = scheduler_.counts();
     const std::pair<std::string, std::size_t> causes[] = {{"overload", dropped.overload},
                                                           {"duplicate stamp", dropped.duplicate},
                                                           {"stamp out of order", dropped.reordered},
@@ -386,28 +376,22 @@ class FusionUkfNodelet : public nodelet::Nodelet {
 
   FusionUkfNodeletParams params_;
   Pose T_base_cog_ = Pose::Identity();
-  Vector6d start_sigmas_ = Vector6d::Zero();  ///< m, rad
-  std::unique_ptr<PoseFilter> filter_;
-  OdometryCovariance odometry_covariance_;
+  std::unique_ptr<Estimator> estimator_;
 
   LidarPlace lidar_;
 
-  SweepIntake intake_;
-  SweepClock sweep_clock_;
-  std::deque<std_msgs::Header> held_;     ///< clouds that wait for the lidar's place
-  bool missing_transform_ = false;        ///< some cloud did
-  std::optional<std_msgs::Header> open_;  ///< frame: odom
-  SweepPrediction prediction_;            ///< of the open sweep
-  PoseSetting pose_setting_;
+  SweepScheduler scheduler_;
+  std::deque<std_msgs::Header> held_;  ///< clouds that wait for the lidar's place
+  bool missing_transform_ = false;     ///< some cloud did
+  SweepPrediction prediction_;         ///< of the open sweep
   bool last_corrected_ = false;
   ros::Time last_stamp_;             ///< closed
-  bool searches_ = false;            ///< the open sweep, for the first motion
   ClockCheck clock_;                 ///< of the clouds
   SpokenFaults faults_{"odometry"};  ///< in the log
   ros::SteadyTime loaded_at_;
-  ros::SteadyTime heard_at_;                ///< the last cloud, whatever became of it
-  ros::SteadyTime arrived_at_, opened_at_;  ///< the open sweep's cloud, itself
-  double latency_s_ = 0.0;                  ///< of the last estimate
+  ros::SteadyTime heard_at_;  ///< the last cloud, whatever became of it
+  double arrived_s_ = 0.0;    ///< the last estimate's cloud, by the steady clock
+  double latency_s_ = 0.0;    ///< of the last estimate
   RateMeter rate_;
   std::unique_ptr<OdometryOutput> output_;
   Counts counts_;

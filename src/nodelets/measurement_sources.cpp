@@ -6,7 +6,6 @@
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "topics.hpp"
 
@@ -53,8 +52,9 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
 
 MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
                                        const std::map<std::string, ExtraSourceParams>& extra,
-                                       const std::string& odom_frame, std::function<void()> answered)
-    : node_(node), odom_frame_(withoutSlash(odom_frame)), answered_(std::move(answered)) {
+                                       const std::string& odom_frame, Estimator& estimator,
+                                       std::function<void()> answered)
+    : node_(node), odom_frame_(withoutSlash(odom_frame)), estimator_(estimator), answered_(std::move(answered)) {
   for (const char* name : kBuiltIn) {
     Source& source = add(name);
     source.built_in = true;
@@ -64,6 +64,7 @@ MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
     Source& source = add(name);
     source.params = params;
     source.exact = params.type == kPoseMeasurement;
+    if (!source.exact) estimator_.addSource(name, params.tolerance_s);
   }
 }
 
@@ -116,15 +117,6 @@ void MeasurementSources::clear() {
   findings_.reset();
   check_points_ = sweep_points_ = -1;
   for (Source& source : sources_) source.measurement.reset();
-}
-
-void MeasurementSources::reset() {
-  clear();
-  forgetPoses();
-}
-
-void MeasurementSources::forgetPoses() {
-  for (Source& source : sources_) source.poses.clear();
 }
 
 bool MeasurementSources::awaited(const Source& source) const {
@@ -196,11 +188,9 @@ void MeasurementSources::onPose(Source& source, const geometry_msgs::PoseWithCov
     pose.stamp_s = message.header.stamp.toSec();
     pose.covariance = rotateCovariance(fromMessage(message.pose.covariance), T_odom_frame->linear());
     if (T_frame_base) pose.T_odom_base = *T_odom_frame * *T_frame_base;
-    reason = T_frame_base ? unusableReason(pose) : "the pose is none (orientation must be a unit quaternion)";
-    if (reason.empty()) {
-      source.poses.push(pose);
-      return;
-    }
+    reason =
+        T_frame_base ? estimator_.offer(source.name, pose) : "the pose is none (orientation must be a unit quaternion)";
+    if (reason.empty()) return;
   }
   refuse(source, reason);
 }
@@ -230,33 +220,29 @@ std::optional<Pose> MeasurementSources::odomFrom(const std::string& frame_id, st
   }
 }
 
-SweepAccount MeasurementSources::close(const SweepPrediction& prediction, const Pose& T_base_cog) {
+SweepAccount MeasurementSources::close() {
   SweepAccount account;
   account.findings = findings_;
   account.sweep_points = sweep_points_ >= 0 ? sweep_points_ : check_points_ == 0 ? 0 : -1;
   if (!findings_) check_record_.miss();
-  const std::optional<Vector6d> twist =
-      twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
   for (Source& source : sources_) {
-    if (!source.used) continue;
-    if (!source.exact) {
-      // while no motion is known there is nothing to move it with
-      const std::optional<ExternalPose> pose =
-          prediction.motion_known ? source.poses.takeNearest(prediction.stamp_s, source.params.tolerance_s)
-                                  : std::nullopt;
-      source.measurement.reset();
-      if (pose && twist) {
-        source.measurement = externalMeasurement(*pose, prediction.stamp_s, prediction.T_odom_cog, *twist, T_base_cog);
-        source.last_status = toString(source.measurement->status);
-        ++source.answers;
-      }
-    } else if (!source.measurement) {
-      source.record.miss();
-    }
-    account.sources.push_back({source.name, source.measurement, source.exact, !source.built_in});
+    if (!source.used || !source.exact) continue;
+    if (!source.measurement) source.record.miss();
+    account.sources.push_back({source.name, source.measurement, true, !source.built_in});
   }
   open_ = ros::Time();
   return account;
+}
+
+void MeasurementSources::addPoses(const std::vector<ExternalMeasurement>& poses, SweepAccount& account) {
+  for (const ExternalMeasurement& pose : poses) {
+    account.sources.push_back({pose.source, pose.measurement, false, true});
+    const auto source = std::find_if(sources_.begin(), sources_.end(),
+                                     [&](const Source& candidate) { return candidate.name == pose.source; });
+    if (source == sources_.end() || !pose.measurement) continue;
+    source->last_status = toString(pose.measurement->status);
+    ++source->answers;
+  }
 }
 
 std::string MeasurementSources::absent() const {

@@ -22,10 +22,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "answer_record.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
+#include "fail_aware_lidar_odometry/core/estimator.hpp"
 
 namespace fail_aware {
 
@@ -48,9 +49,10 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
 
 class MeasurementSources {
  public:
-  /// `answered` is called whenever something came for the open sweep.
+  /// `estimator` takes the poses with stamps of their own, and lives longer. `answered` is called whenever something came
+  /// for the open sweep.
   MeasurementSources(const ros::NodeHandle& node, const std::map<std::string, ExtraSourceParams>& extra,
-                     const std::string& odom_frame, std::function<void()> answered);
+                     const std::string& odom_frame, Estimator& estimator, std::function<void()> answered);
   /// Subscribes. Whatever `answered` needs must be there by then: messages come in another thread than load()'s.
   void listen();
   ~MeasurementSources();
@@ -68,11 +70,11 @@ class MeasurementSources {
   bool allAnswered() const;
   /// Somebody at work has not answered yet: for `late_only` one whose last answer was late.
   bool isAtWork(bool late_only) const;
-  /// What came for the open sweep; poses with stamps of their own are moved to it with the predicted motion.
-  SweepAccount close(const SweepPrediction& prediction, const Pose& T_base_cog);
-  void reset();
-  /// Poses that came and were not fused yet: odom is another one.
-  void forgetPoses();
+  /// What came for the open sweep, but for the poses with stamps of their own.
+  SweepAccount close();
+  /// What the estimator made of those.
+  void addPoses(const std::vector<ExternalMeasurement>& poses, SweepAccount& account);
+  void reset() { clear(); }
 
   /// " a b (too late)": those that are not waited for any more.
   std::string absent() const;
@@ -87,7 +89,6 @@ class MeasurementSources {
     bool exact = true;  ///< carries the sweep's stamp
     ros::Subscriber subscriber;
     std::optional<Measurement> measurement;  ///< of the open sweep
-    ExternalPoseBuffer poses;
     AnswerRecord record;
     std::size_t answers = 0, late = 0, refused = 0;
     std::string refused_because;
@@ -112,6 +113,7 @@ class MeasurementSources {
 
   ros::NodeHandle node_;
   std::string odom_frame_;
+  Estimator& estimator_;
   std::function<void()> answered_;
   int absent_after_sweeps_ = 3;
   ros::Time open_;  ///< zero: none

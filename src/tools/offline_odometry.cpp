@@ -21,6 +21,7 @@
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
+#include "poses_from_outside.hpp"
 #include "run_folder.hpp"
 #include "sweep_log.hpp"
 #include "tool_support.hpp"
@@ -48,6 +49,7 @@ struct Options {
   long first = 0;
   long count = -1;
   double redundant_at_s = 0.0;
+  PoseFiles poses;
 };
 
 void addOptions(CLI::App& app, Options& options) {
@@ -93,6 +95,17 @@ void addOptions(CLI::App& app, Options& options) {
                  "begins to serve as the localisation")
       ->check(realNumber(0.0))
       ->capture_default_str();
+  app.add_option(
+         "--external-poses", options.poses.external,
+         "CSV of poses from elsewhere (GPS) that join the fusion; may be repeated. Columns: stamp,x,y,z,qx,qy,qz,qw,"
+         "sigma_x,sigma_y,sigma_z,sigma_roll,sigma_pitch,sigma_yaw of base_link in odom (s, m, rad); sigmas of "
+         "the rotation 0: not measured")
+      ->take_all();
+  app.add_option("--pose-tolerance", options.poses.tolerance_s, "s between such a pose and its sweep, at most")
+      ->check(realNumber(0.0))
+      ->capture_default_str();
+  app.add_option("--set-pose", options.poses.set,
+                 "CSV of the same columns: at each stamp base_link is there, and odom moves under it");
 }
 
 double maxRssMb() {
@@ -195,6 +208,7 @@ int run(const Options& options) {
   const fs::path& output = folder.unfinished();
 
   OdometryPipeline pipeline(params, options.threads);
+  PosesFromOutside poses(options.poses, pipeline);
   const Pose T_base_lidar = params.sensor.T_base_lidar();
   std::vector<Pose> lidar_trajectory;
   std::vector<StampedPose> base_trajectory;
@@ -217,7 +231,11 @@ int run(const Options& options) {
       }
       points_dropped += sweep.points_dropped;
       const double stamp_s = sweep.stamp_s;
+      poses.offer(stamp_s);
       const SweepResult result = pipeline.step(sweep);
+      if (!result.pose_set.refused.empty()) {
+        std::cerr << kName << ": warning: --set-pose: refused: " << result.pose_set.refused << std::endl;
+      }
       was_asked_for = was_asked_for || (result.monitor.reasons & kReasonMotionUnknown) != 0;
       if (!t1_stamp_s && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s = result.monitor.t1_stamp_s;
       log.add(stamp_s, result);

@@ -52,7 +52,7 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
     }
   }
   out_ << ",seed_spread_m,min_information_share,disagreement_m,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw,speed_mps,"
-          "yaw_rate_rps\n";
+          "yaw_rate_rps,odom_sigma_x,odom_sigma_y,odom_sigma_z,odom_sigma_roll,odom_sigma_pitch,odom_sigma_yaw\n";
 }
 
 void SweepLog::add(double stamp_s, const SweepResult& r) {
@@ -75,7 +75,9 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   for (const double entry : {c(0, 0), c(0, 1), c(1, 1), c(2, 2), c(5, 5)}) out_ << ',' << entry;
   const double dt_s = r.state.dt_s;
   out_ << ',' << (dt_s > 0.0 ? r.state.T_previous_now.translation().x() / dt_s : 0.0) << ','
-       << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0) << '\n';
+       << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0);
+  for (int i = 0; i < 6; ++i) out_ << ',' << std::sqrt(std::max(0.0, r.odometry_covariance(i, i)));
+  out_ << '\n';
   if (hasPose(r.status)) {
     logSweep(total_ms_.size(), r);
   } else {

@@ -14,13 +14,14 @@
 #include <type_traits>
 #include <vector>
 
-#include "../../src/nodelets/pose_setting.hpp"
+#include "../../src/nodelets/pose_message.hpp"
 #include "../support/message_numbers.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "fail_aware_lidar_odometry/core/filter/pose_setting.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
@@ -311,7 +312,9 @@ void drive(FieldSource& source) {
     set.header.frame_id = "odom";
     set.header.stamp = header.stamp + ros::Duration(source.input().within(-0.5, 0.5));
     PoseSetting setting;
-    if (!setting.offer(set, "odom", header.stamp).empty() || !setting.outdated(state).empty()) continue;
+    std::string reason;
+    const std::optional<ExternalPose> said = poseInOdom(set, "odom", reason);
+    if (!said || !setting.offer(*said, header.stamp.toSec()).empty() || !setting.outdated(state).empty()) continue;
     const PoseSetting::AtEstimate at = setting.take(state, T_base_cog);
     if (!filter.setPose(at.T_odom_cog)) continue;
     covariance.reset(at.covariance);

@@ -17,9 +17,11 @@
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
+#include "fail_aware_lidar_odometry/core/types/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
 #include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 #include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
+#include "fail_aware_lidar_odometry/core/types/pose_set.hpp"
 #include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/types/sweep_condition.hpp"
 #include "fail_aware_lidar_odometry/core/types/timing_result.hpp"
@@ -50,6 +52,9 @@ struct SweepResult {
   SweepStatus status = SweepStatus::kFirst;
   FilterState state;
   Pose T_odom_base = Pose::Identity();
+  Matrix6d odometry_covariance =
+      Matrix6d::Zero();  ///< accumulated, of T_odom_base, geometry/pose.hpp's convention
+  PoseSet pose_set;      ///< what became of a pose that was set
   Measurement point;
   Measurement plane;
   Measurement corners;
@@ -77,6 +82,15 @@ class OdometryPipeline {
 
   /// Everything anew; the next sweep is the first.
   void reset();
+
+  /// Where base_link is in odom, said from outside; taken with the next sweep (filter/pose_setting.hpp). Why it is
+  /// refused; empty: it is not. SweepResult::pose_set tells what became of it.
+  std::string setPose(const ExternalPose& pose);
+
+  /// A source of poses from elsewhere (fusion/external_pose.hpp), and its poses: no later than the sweep they are for.
+  void addSource(const std::string& name, double tolerance_s);
+  /// Why the pose cannot be used; empty: it waits for its sweep.
+  std::string offer(const std::string& source, const ExternalPose& pose);
 
   /// What has been found of tilt and drift so far.
   const LevelKeeping& levelKeeping() const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
@@ -75,6 +76,21 @@ std::optional<ExternalPose> ExternalPoseBuffer::takeNearest(double stamp_s, doub
   const ExternalPose found = *nearest;
   poses_.erase(poses_.begin(), nearest + 1);
   return found;
+}
+
+std::string ExternalPoseSource::offer(const ExternalPose& pose) {
+  std::string reason = unusableReason(pose);
+  if (reason.empty()) poses_.push(pose);
+  return reason;
+}
+
+std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
+  if (!prediction.motion_known) return std::nullopt;
+  const std::optional<ExternalPose> pose = poses_.takeNearest(prediction.stamp_s, tolerance_s_);
+  const std::optional<Vector6d> twist =
+      twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
+  if (!pose || !twist) return std::nullopt;
+  return externalMeasurement(*pose, prediction.stamp_s, prediction.T_odom_cog, *twist, T_base_cog);
 }
 
 }  // namespace fail_aware

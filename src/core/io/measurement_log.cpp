@@ -8,7 +8,8 @@ namespace {
 
 struct MeasurementLogTable {
   using Row = MeasuredMotion;
-  static constexpr const char* kName = "measurements.csv";
+  static constexpr const char* kName = "this version's measurements.csv";
+  static constexpr const char* kRemedy = "run offline_odometry again";
 
   template <class Motion, class Visitor>
   static void visit(Motion& motion, Visitor&& v) {

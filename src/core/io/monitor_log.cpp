@@ -8,7 +8,8 @@ namespace {
 
 struct MonitorLogTable {
   using Row = MonitorInput;
-  static constexpr const char* kName = "monitor_log.csv";
+  static constexpr const char* kName = "this version's monitor_log.csv";
+  static constexpr const char* kRemedy = "run offline_odometry again";
 
   template <class Input, class Visitor>
   static void visit(Input& input, Visitor&& v) {

@@ -15,15 +15,11 @@
 
 #include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_prediction.hpp"
 
 namespace fail_aware {
-
-struct ExternalPose {
-  double stamp_s = 0.0;
-  Pose T_odom_base = Pose::Identity();
-  Matrix6d covariance = Matrix6d::Zero();
-};
 
 /// False: the rotation block is all zero.
 bool rotationMeasured(const Matrix6d& covariance);
@@ -51,6 +47,22 @@ class ExternalPoseBuffer {
  private:
   std::size_t capacity_;
   std::deque<ExternalPose> poses_;
+};
+
+/// One source of such poses.
+class ExternalPoseSource {
+ public:
+  explicit ExternalPoseSource(double tolerance_s = 0.1) : tolerance_s_(tolerance_s) {}
+
+  /// Why the pose cannot be used; empty: it waits for its sweep.
+  std::string offer(const ExternalPose& pose);
+  /// For a sweep; nothing if no pose is near it. While no motion is known there is nothing to move a pose with: it waits.
+  std::optional<Measurement> measure(const SweepPrediction& prediction, const Pose& T_base_cog);
+  void clear() { poses_.clear(); }
+
+ private:
+  double tolerance_s_;
+  ExternalPoseBuffer poses_;
 };
 
 }  // namespace fail_aware

@@ -1,7 +1,8 @@
 // Tables of numbers as text: a header with the columns' names, then one line a row, comma-separated, with 17 digits so
 // that a double reads back as itself. Lists stand in one cell, separated by ';'.
 //
-// A table is a struct with `Row`, `kName` (what it is called in messages) and visit(row, v), which calls
+// A table is a struct with `Row`, `kName` and `kRemedy` (what it is called in messages, and what to do about other
+// columns) and visit(row, v), which calls
 // v(column, field) for each column: header, writer and reader all walk along there.
 // Failure: readNumberTable throws InputError naming file and line.
 #pragma once
@@ -90,7 +91,7 @@ std::vector<typename Table::Row> readNumberTable(const std::string& path) {
   skipByteOrderMark(file, path);
   std::string line;
   if (!nextLine(file, line) || line != numberTableHeader<Table>()) {
-    throw InputError(path + ":1: not the columns of this version's " + Table::kName + ": run offline_odometry again");
+    throw InputError(path + ":1: not the columns of " + Table::kName + ": " + Table::kRemedy);
   }
   std::vector<typename Table::Row> rows;
   for (std::size_t number = 2; nextLine(file, line); ++number) {

@@ -1,0 +1,103 @@
+#include "fail_aware_lidar_odometry/core/estimator.hpp"
+
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+
+namespace fail_aware {
+
+Estimator::Estimator(const PipelineParameters& params)
+    : T_base_cog_(params.vehicle.T_base_cog()),
+      filter_(params.profile.filter, params.profile.ukf, VehicleModel(params.vehicle.dynamics, params.profile.model),
+              params.profile.history, params.profile.road, params.profile.fusion),
+      odometry_covariance_(params.profile.monitor.drift),
+      clock_(params.sensor.timing.sweep_period_s) {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(params.profile.filter.initial_sigma_m),
+      Eigen::Vector3d::Constant(params.profile.filter.initial_sigma_deg * kDegree);
+  start_covariance_ = sigmas.cwiseAbs2().asDiagonal();
+  reset();
+}
+
+Estimator::Accepted Estimator::accept(double stamp_s) {
+  Accepted accepted;
+  if (!std::isfinite(stamp_s)) return {StampOrder::kReordered, 0.0};
+  if (newest_stamp_s_) accepted.order = stamps_.next(sinceNewest_s(stamp_s));
+  if (accepted.beginsDrive()) beginDrive(Pose(filter_.state().T_odom_cog));
+  if (accepted.taken()) {
+    newest_stamp_s_ = stamp_s;
+    accepted.set_back_s = stamps_.setBack_s();
+  }
+  return accepted;
+}
+
+double Estimator::sinceNewest_s(double stamp_s) const {
+  return newest_stamp_s_ ? secondsBetween(*newest_stamp_s_, stamp_s) : 0.0;
+}
+
+bool Estimator::predict(double stamp_s, double set_back_s, SweepPrediction& prediction) {
+  if (!filter_.predict(clock_.next(stamp_s, set_back_s), prediction)) return false;
+  prediction_ = prediction;
+  return true;
+}
+
+const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s,
+                                     double revolution_s) {
+  external_.clear();
+  for (auto& [name, source] : sources_) external_.push_back({name, source.measure(prediction_, T_base_cog_)});
+  std::vector<FusionInput> inputs = measurements;
+  for (const ExternalMeasurement& external : external_) {
+    inputs.push_back({external.source, external.measurement ? &*external.measurement : nullptr, true});
+  }
+  const Pose T_odom_cog_previous = filter_.state().T_odom_cog;
+  const FilterState& state = filter_.correct(inputs, middle_s);
+  clock_.observeRevolution(revolution_s);
+  covariance_is_whole_ =
+      !(state.dt_s > 0.0) || odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state));
+  takeSetPose(prediction_.motion_known);
+  return state;
+}
+
+void Estimator::takeSetPose(bool motion_known) {
+  pose_set_ = PoseSet();
+  const FilterState& state = filter_.state();
+  if (!pose_setting_.pending() || (state.dt_s > 0.0 && !motion_known)) return;
+  pose_set_.refused = pose_setting_.outdated(state);
+  if (!pose_set_.refused.empty()) return;
+  const PoseSetting::AtEstimate set = pose_setting_.take(filter_.stateAsDriven(), T_base_cog_);
+  pose_set_.done = filter_.setPose(set.T_odom_cog);
+  if (!pose_set_.done) {
+    pose_set_.refused = "the filter cannot stand there";
+    return;
+  }
+  odometry_covariance_.reset(set.covariance + start_covariance_);
+  for (auto& [name, source] : sources_) source.clear();
+}
+
+void Estimator::addSource(const std::string& name, double tolerance_s) {
+  sources_.insert_or_assign(name, ExternalPoseSource(tolerance_s));
+}
+
+std::string Estimator::offer(const std::string& source, const ExternalPose& pose) {
+  const auto found = sources_.find(source);
+  if (found == sources_.end()) return "there is no source " + source;
+  return found->second.offer(pose);
+}
+
+void Estimator::reset() { beginDrive(T_base_cog_); }
+
+void Estimator::beginDrive(const Pose& T_odom_cog) {
+  filter_.reset(T_odom_cog);
+  odometry_covariance_.reset(start_covariance_);
+  clock_.reset();
+  stamps_.beginDrive();
+  newest_stamp_s_.reset();
+  pose_set_ = PoseSet();
+  if (pose_setting_.pending()) pose_set_.refused = "a new drive began before it could be set";
+  pose_setting_.clear();
+  for (auto& [name, source] : sources_) source.clear();
+  external_.clear();
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,40 @@
+#include "../../src/nodelets/pose_message.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fail_aware {
+namespace {
+
+geometry_msgs::PoseWithCovarianceStamped message() {
+  geometry_msgs::PoseWithCovarianceStamped out;
+  out.header.frame_id = "/odom";
+  out.header.stamp = ros::Time(100, 500000000);
+  out.pose.pose.position.x = 5.0;
+  out.pose.pose.orientation.w = 1.0;
+  out.pose.covariance = toCovarianceMessage(0.01 * Matrix6d::Identity());
+  return out;
+}
+
+TEST(PoseMessage, IsAPoseInOdom) {
+  std::string reason;
+  const std::optional<ExternalPose> pose = poseInOdom(message(), "odom", reason);
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(pose->stamp_s, 100.5);
+  EXPECT_EQ(pose->T_odom_base.translation().x(), 5.0);
+  EXPECT_EQ(pose->covariance(5, 5), 0.01);
+}
+
+TEST(PoseMessage, SaysWhyItIsRefused) {
+  std::string reason;
+  geometry_msgs::PoseWithCovarianceStamped bad = message();
+  bad.header.frame_id = "map";
+  EXPECT_FALSE(poseInOdom(bad, "odom", reason));
+  EXPECT_NE(reason.find("map"), std::string::npos);
+  bad = message();
+  bad.pose.pose.orientation.w = 3.0;
+  EXPECT_FALSE(poseInOdom(bad, "odom", reason));
+  EXPECT_NE(reason.find("quaternion"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fail_aware
