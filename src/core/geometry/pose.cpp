@@ -68,6 +68,11 @@ Matrix6d poseFromStateJacobian(const Eigen::Vector3d& rpy_rad) {
   return J;
 }
 
+Matrix6d poseCovarianceFromState(const Matrix6d& state_covariance, const Vector6d& state) {
+  const Matrix6d J = poseFromStateJacobian(state.tail<3>());
+  return J * state_covariance * J.transpose();
+}
+
 Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b, const Pose& T_b_c) {
   // t_ac = t_ab + R_ab t_bc, so dt_ac = dt_ab + dr x (R_ab t_bc)
   Matrix6d A = Matrix6d::Identity();

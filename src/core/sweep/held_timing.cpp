@@ -11,7 +11,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr std::size_t kLookedAt = 256;  // points
+constexpr std::size_t kPointsLookedAt = 256;  // points
 constexpr double kFollows = 0.98;       // mean resultant length; 1: each point lies where its time says
 constexpr int kMostCloudsARevolution = 4;
 
@@ -19,7 +19,7 @@ constexpr int kMostCloudsARevolution = 4;
 
 void HeldTiming::keep(const Sweep& sweep, const std::vector<float>& times_s, double first_s, double period_s) {
   head_.reset();
-  const std::size_t stride = (sweep.size() / kLookedAt) | 1u;
+  const std::size_t stride = (sweep.size() / kPointsLookedAt) | 1u;
   double best = kFollows;
   for (int clouds = 1; clouds <= kMostCloudsARevolution; ++clouds) {
     const double revolution_s = clouds * period_s;

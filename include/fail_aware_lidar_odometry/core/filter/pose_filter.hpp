@@ -3,15 +3,9 @@
 //
 // predict(stamp) and correct(...) are called once a sweep, in this order. All poses are of the centre of gravity in
 // odom. Until a motion is known (`SweepPrediction::motion_known`), P along the road is as wide as the speed is unknown.
-// Coasting: poses that are predictions tell nothing new of the motion; derivatives taken from them would feed on
-// themselves and run away. So without a measurement the last road plane and derivatives stay, the latter without their
-// accelerations, and roll and pitch gain no more than one step's process noise; and where
-// the measurement does not observe the motion on the road, the velocity coasts (coasting.hpp).
+// Where a sweep is not measured, roll and pitch gain no more than one step's process noise.
 // After lost sweeps (an interval above kLongInterval_s) P grows by what the driver may have done meanwhile, so that search
 // and gate reach as far (Coasting::drivenCovariance).
-// The motion's feedback: a sweep corrected for a speed that is e too high and whose stamp is middle_s from its middle
-// is measured -e middle_s too far on. Speeds taken from such poses would answer an error by an error, swinging up by
-// themselves. What the correction does not move is the pose in the sweep's middle: the derivatives come from those.
 // A drive begins at the first sweep that has points to register: until then the next sweep is the first again.
 // Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
@@ -21,7 +15,9 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
+#include "fail_aware_lidar_odometry/core/filter/increment_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/filter/motion_plausibility.hpp"
+#include "fail_aware_lidar_odometry/core/filter/motion_tracker.hpp"
 #include "fail_aware_lidar_odometry/core/filter/reference_placement.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
@@ -36,8 +32,6 @@
 #include "fail_aware_lidar_odometry/core/vehicle/vehicle_model.hpp"
 
 namespace fail_aware {
-
-OdometryIncrement incrementOf(const FilterState& state);
 
 class PoseFilter {
  public:
@@ -105,23 +99,13 @@ class PoseFilter {
 
  private:
   bool doubtPrediction(std::vector<FusionInput>& inputs);
-  void remember(double middle_s);
-  MotionDerivatives historyDerivatives() const;
-  void updateMotion();
-  void coast(const MotionDerivatives& last, const Coasting::Measured* measured);
-  Coasting::Measured measuredMotion() const;
-  Coasting::Measured measuredTurn() const;
-  void setIncrementCovariance(const SweepPrediction& prediction, FilterState& state) const;
   bool addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
 
   Params params_;
   VehicleModel model_;
   Ukf ukf_;
-  MotionHistory history_;
-  RoadPlaneEstimator road_;
   MeasurementFusion fusion_;
-  MotionDerivatives motion_;
-  Coasting coasting_;
+  MotionTracker motion_;
   MotionPlausibility plausibility_;
   ReferencePlacement placement_;
   SweepPrediction prediction_;
@@ -129,10 +113,7 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   double interval_sigma_s_ = 0.0;                  ///< SweepTime's, of the last prediction
   bool started_ = false;
-  bool tells_no_motion_ = false, told_no_motion_ = false;   ///< the last sweep's measurements: it coasts
-  bool last_measured_ = false, previous_measured_ = false;  ///< the last estimate, and the one before, is no prediction
   int corrected_sweeps_ = 0;
-  double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };
 
 }  // namespace fail_aware

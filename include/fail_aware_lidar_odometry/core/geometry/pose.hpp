@@ -29,6 +29,9 @@ Vector6d stateDifference(const Vector6d& a, const Vector6d& b);
 /// J with (dt, dr about fixed axes) = J d(x, y, z, roll, pitch, yaw), at the given angles.
 Matrix6d poseFromStateJacobian(const Eigen::Vector3d& rpy_rad);
 
+/// A covariance of (x, y, z, roll, pitch, yaw) at that state in this file's convention.
+Matrix6d poseCovarianceFromState(const Matrix6d& state_covariance, const Vector6d& state);
+
 /// Covariance of T_a_c = T_a_b T_b_c where only T_a_b is uncertain (covariance_ab in this file's convention).
 Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b, const Pose& T_b_c);
 
