@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMaxPace = 5.0;
 constexpr double kNewMapWay_m = 0.1;
+constexpr double kNewMapTilt_rad_per_m = 0.09;  // 0.1 deg where the position is off by 2 cm
 
 double squared(double value) { return value * value; }
 
@@ -46,9 +47,13 @@ DriftModel::Params DriftModel::Params::independent() {
   return params;
 }
 
-double DriftModel::newMapVariance_m2(double from_m, double to_m) const {
+Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
   const auto share = [](double way_m) { return std::min(1.0, way_m / kNewMapWay_m); };
-  return squared(params_.new_map_m) * std::max(0.0, share(to_m) - share(from_m));
+  const double variance_m2 = squared(params_.new_map_m) * std::max(0.0, share(to_m) - share(from_m));
+  Vector6d variances = Vector6d::Zero();
+  variances.head<3>().setConstant(variance_m2);
+  variances.segment<2>(3).setConstant(squared(kNewMapTilt_rad_per_m) * variance_m2);
+  return variances;
 }
 
 DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }

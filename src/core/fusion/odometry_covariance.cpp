@@ -123,9 +123,9 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   const MapWay before = is_new_map ? MapWay{previous_odom, 0.0} : *map_way_;
   MapWay way = before;
   way.farthest_m = std::max(before.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
-  const double new_map_m2 = drift_.newMapVariance_m2(before.farthest_m, way.farthest_m);
-  since_start.lasting.diagonal().head<3>().array() += new_map_m2;
-  if (T_odom_mark_) since_mark.lasting.diagonal().head<3>().array() += new_map_m2;
+  const Vector6d new_map = drift_.newMapVariances(before.farthest_m, way.farthest_m);
+  since_start.lasting.diagonal().head<6>() += new_map;
+  if (T_odom_mark_) since_mark.lasting.diagonal().head<6>() += new_map;
   if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
   lost_ = lost;
   gap_ = gap;

@@ -476,6 +476,8 @@ TEST(OdometryCovariance, NewMapCostsWithinItsFirstDecimetre) {
   drive(8.0, 5.0, 0);
   EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0004, 1e-9);
   EXPECT_NEAR(odometry.covariance()(0, 0), 0.0004, 1e-9);
+  EXPECT_NEAR(std::sqrt(odometry.covariance()(4, 4)) / kDegree, 0.1, 0.01);
+  EXPECT_EQ(odometry.covariance()(5, 5), 0.0) << "not the heading";
   drive(5.0, 6.0, 1);
   EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0008, 1e-9) << "another map";
 }

@@ -13,7 +13,7 @@
 //   - faster than `slow_mps`, walk (standard deviation) and scale error grow as the speed: fewer sweeps see each place,
 //     and fewer places are still seen
 //   - what a new map costs: it holds the points of one sweep, between whose beams the pose settles 1 to 4 cm off within
-//     the first 0.1 m of the way (five simulated standing starts)
+//     the first 0.1 m of the way (five simulated standing starts), and tilted by 0.1 to 0.25 deg (moving starts)
 //   - the error of a speed that is not observed: how large and how lasting it is says filter/coasting.hpp; here, how
 //     much of it goes into an increment
 //
@@ -40,7 +40,7 @@ class DriftModel {
     double slow_mps = 10.0;                    ///< faster, the walks and the scale bias grow with the speed
     double passing_share = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
     double passing_rotation_share = 0.02;  ///< likewise rotation
-    double new_map_m = 0.02;               ///< standard deviation that the first 0.1 m in a new map add
+    double new_map_m = 0.02;               ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -74,8 +74,8 @@ class DriftModel {
   /// What it adds for the moment: the pose's own jitter, half of an increment's, which is between two of them.
   Matrix6d passing(const Matrix6d& increment, const Matrix6d& unobserved) const;
 
-  /// What the way from `from_m` to `to_m`, from where the map begins, adds to each position's variance for good.
-  double newMapVariance_m2(double from_m, double to_m) const;
+  /// What the way from `from_m` to `to_m`, from where the map begins, adds for good: variances of position and tilt.
+  Vector6d newMapVariances(double from_m, double to_m) const;
 
   /// Variances of the two constants: heading (rad^2/m^2) and scale.
   Eigen::Vector2d biasVariances() const;
