@@ -1,5 +1,5 @@
-// The two subscribers in README's "The planner's contract", built from its text: what they do in each state, with time
-// running out, and in silence. Waits for what they do, with messages going on as long as it takes.
+// examples/planner.cpp and planner.py: what they do in each state of doc/planner_contract.md, with time running out, and
+// in silence. Waits for what they do, with messages going on as long as it takes.
 #include <fail_aware_lidar_odometry/TimeToFailure.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -108,7 +108,7 @@ TEST_P(PlannerExample, AStopThatHasBegunIsCarriedThroughToStandstill) {
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
 }
 
-INSTANTIATE_TEST_SUITE_P(Readme, PlannerExample, testing::Values("planner_cpp", "planner_python"));
+INSTANTIATE_TEST_SUITE_P(Examples, PlannerExample, testing::Values("planner_cpp", "planner_python"));
 
 }  // namespace
 }  // namespace fail_aware
