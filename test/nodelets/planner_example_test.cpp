@@ -1,12 +1,14 @@
-// The two subscribers in README's "The planner's contract", built from its text: what they do in each state, with time
-// running out, and in silence. Waits for what they do, with messages going on as long as it takes.
+// examples/planner.cpp and planner.py: what they do in each state of doc/planner_contract.md, with time running out, and
+// in silence. Waits for what they do, with messages going on as long as it takes.
 #include <fail_aware_lidar_odometry/TimeToFailure.h>
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
 
+#include <map>
 #include <string>
+#include <type_traits>
 
 #include "../support/graph_recorder.hpp"
 
@@ -18,8 +20,8 @@ using fail_aware_lidar_odometry::TimeToFailure;
 class PlannerExample : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    publisher_ = node_.advertise<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure", 1);
-    standing_ = node_.advertise<std_msgs::Bool>(std::string("/") + GetParam() + "/standing", 1, true);
+    publisher_ = kept<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure");
+    standing_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/standing");
     subscriber_ =
         node_.subscribe<std_msgs::String>(std::string("/") + GetParam() + "/action", 1,
                                           [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
@@ -27,6 +29,15 @@ class PlannerExample : public testing::TestWithParam<const char*> {
       return publisher_.getNumSubscribers() == 2 && standing_.getNumSubscribers() == 1 && !action_.empty();
     })) << "not up";
     setStanding(true);
+  }
+
+  /// The same publisher in every test: a subscriber need not find a new one.
+  template <class Message>
+  ros::Publisher kept(const std::string& topic) {
+    static auto& publishers = *new std::map<std::string, ros::Publisher>();  // outlives ROS
+    ros::Publisher& publisher = publishers[topic];
+    if (!publisher) publisher = node_.advertise<Message>(topic, 1, std::is_same_v<Message, std_msgs::Bool>);
+    return publisher;
   }
 
   std::string await(const std::string& action) {
@@ -108,7 +119,7 @@ TEST_P(PlannerExample, AStopThatHasBegunIsCarriedThroughToStandstill) {
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
 }
 
-INSTANTIATE_TEST_SUITE_P(Readme, PlannerExample, testing::Values("planner_cpp", "planner_python"));
+INSTANTIATE_TEST_SUITE_P(Examples, PlannerExample, testing::Values("planner_cpp", "planner_python"));
 
 }  // namespace
 }  // namespace fail_aware

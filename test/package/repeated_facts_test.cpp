@@ -94,8 +94,9 @@ TEST(RepeatedFacts, verticalAngleOfKitti) {
   const std::string angle = theOnly("launch/kitti_replay.launch", "name=\"vertical_angle_deg\" default=\"" + number);
   const std::multimap<std::string, std::string> places = {
       {"README.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
-      {"README.md", "beams " + number + " deg too low"},
-      {"README.md", "\\| `vertical_angle_deg` \\| " + number},
+      {"doc/recorded_data.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
+      {"doc/recorded_data.md", "\\| `vertical_angle_deg` \\| " + number},
+      {"doc/results.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"cfg/sensors/hdl64e.yaml", "KITTI's scans need " + number},
       {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", number + " deg too low"},
       {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", "KITTI: " + number},
@@ -121,7 +122,6 @@ TEST(RepeatedFacts, alertLimit) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
   const std::multimap<std::string, std::string> places = {
-      {"README.md", "exceeds `alert_limit` \\(" + number},
       {"cfg/profiles/paper.yaml", "alert_limit_m: " + number},
       {"include/fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
       {"include/fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
@@ -136,7 +136,7 @@ TEST(RepeatedFacts, alertLimit) {
 /// Files that may name a topic: what starts, calls, documents and tests the package.
 std::vector<std::string> filesWithTopics() {
   std::vector<std::string> files = {"README.md"};
-  for (const char* folder : {"launch", "scripts", "src", "include", "cfg", "rviz", "test"}) {
+  for (const char* folder : {"launch", "scripts", "src", "include", "cfg", "rviz", "test", "doc", "examples"}) {
     for (const std::string& file : filesBelow(folder)) {
       const bool other = file.find("__pycache__") != std::string::npos || file.rfind("test/fuzz/", 0) == 0;
       if (!other && file != "test/package/repeated_facts_test.cpp") files.push_back(file);
@@ -165,7 +165,7 @@ TEST(RepeatedFacts, topicsOfKittisBags) {
   EXPECT_EQ(theOnly("launch/kitti_replay.launch", "name=\"cloud\" default=\"([^\"]+)\""), cloud);
   EXPECT_EQ(theOnly("scripts/live_graph/__init__.py", "\nCLOUD = \"([^\"]+)\""), cloud);
   expectNoOther("(/kitti/[a-z_/]*[a-z_])", {cloud, ground_truth, transforms},
-                {"README.md", "src/tools/kitti_to_bag.cpp", "scripts/live_graph/__init__.py"});
+                {"doc/recorded_data.md", "src/tools/kitti_to_bag.cpp", "scripts/live_graph/__init__.py"});
 }
 
 TEST(RepeatedFacts, topicOfTheVelodynesDriver) {
@@ -176,9 +176,9 @@ TEST(RepeatedFacts, topicOfTheVelodynesDriver) {
   }
   EXPECT_EQ(theOnly("launch/demo.launch", "name=\"cloud\" value=\"([^\"]+)\""), cloud);
   EXPECT_EQ(theOnly("src/tools/measure_latency.cpp", "cloud = \"([^\"]+)\""), cloud);
-  expectNoOther(
-      "[\"' `=](/velodyne_p[a-z_]*)", {cloud},
-      {"README.md", "src/tools/simulate_drive.cpp", "scripts/check_rviz", "scripts/live_graph/cloud_player.py"});
+  expectNoOther("[\"' `=](/velodyne_p[a-z_]*)", {cloud},
+                {"doc/vehicle_setup.md", "src/tools/simulate_drive.cpp", "scripts/check_rviz",
+                 "scripts/live_graph/cloud_player.py"});
 }
 
 }  // namespace

@@ -138,11 +138,11 @@ TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
   EXPECT_EQ(benchmark("--seeds x").exit_code, 2);
 }
 
-TEST_F(SimulateDrive, faultMatrixsTableIsTheReadmesAndHasEveryFault) {
+TEST_F(SimulateDrive, faultMatrixsTableIsInTheReliabilityPageAndHasEveryFault) {
   const ToolRun run = runProgram(FAULT_MATRIX, "--table", folder_);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const std::string readme = contentOf(fs::path(FAULT_MATRIX).parent_path().parent_path() / "README.md");
-  EXPECT_NE(readme.find("\n" + run.out), std::string::npos) << "README, Reliability: put there\n" << run.out;
+  const std::string page = contentOf(fs::path(FAULT_MATRIX).parent_path().parent_path() / "doc/reliability.md");
+  EXPECT_NE(page.find("\n" + run.out), std::string::npos) << "doc/reliability.md: put there\n" << run.out;
   for (const FaultTraits& traits : faultTraits()) {
     EXPECT_EQ(countOf(run.out, std::string("| `") + traits.name + "` |"), 1u) << traits.name;
   }

@@ -10,7 +10,7 @@
 //
 // Not fitted: what only widens the error of the moment (DriftModel's passing_share, passing_rotation_share),
 // DriftModel's tilt, and the predictor's Student's t (degrees_of_freedom), which takes the fitted covariance as its
-// scale. They are chosen by hand, from coverage and missed failures of runs: README says which.
+// scale. They are chosen by hand, from coverage and missed failures of runs: doc/validation.md says which.
 #pragma once
 
 #include <vector>

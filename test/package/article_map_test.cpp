@@ -1,7 +1,8 @@
-// README's map from the article's equations to files: each equation stands in it once, each named file has its header,
+// doc/article_map.md, from the article's equations to files: each equation stands in it once, each named file has its header,
 // source and test, each named test is in the test of a file of its row, and each folder of the core stands in the map.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -14,15 +15,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string sectionOfReadme(const std::string& title) {
-  std::ifstream file(FAIL_AWARE_SOURCE_DIR "/README.md");
-  std::string text, line;
-  bool inside = false;
-  while (std::getline(file, line)) {
-    if (line.rfind("## ", 0) == 0) inside = line == "## " + title;
-    if (inside) text += line + '\n';
+std::string contentOf(const fs::path& path) {
+  std::ifstream file(path);
+  std::stringstream content;
+  content << file.rdbuf();
+  return content.str();
+}
+
+/// The rows of the page's tables, without their heads.
+std::string rowsOfTheMap() {
+  std::istringstream lines(contentOf(fs::path(FAIL_AWARE_SOURCE_DIR) / "doc/article_map.md"));
+  std::string rows, previous;
+  for (std::string line; std::getline(lines, line); previous = line) {
+    if (line.rfind("| ", 0) == 0 && previous.rfind("|", 0) == 0) rows += line + '\n';
   }
-  return text;
+  return rows;
 }
 
 /// `folder/name`, and `name` after one in the same line: in that folder.
@@ -41,21 +48,14 @@ std::vector<std::string> namedFiles(const std::string& section) {
   return names;
 }
 
-std::string contentOf(const fs::path& path) {
-  std::ifstream file(path);
-  std::stringstream content;
-  content << file.rdbuf();
-  return content.str();
-}
-
 constexpr int kEquations = 24;  // of the article
 
-TEST(ReadmeMap, EveryEquationHasItsRowAndEveryRowItsTest) {
+TEST(ArticleMap, EveryEquationHasItsRowAndEveryRowItsTest) {
   static const std::regex equation(R"(\((\d+)\))"), test("`([A-Z][A-Za-z0-9]+)\\.([A-Za-z0-9]+)`");
   std::multiset<int> equations;
-  std::istringstream lines(sectionOfReadme("From equation to file"));
+  std::istringstream lines(rowsOfTheMap());
   for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("| ", 0) != 0 || line.rfind("| article", 0) == 0) continue;
+    if (std::count(line.begin(), line.end(), '|') != 4) continue;  // not in the article
     const std::string article = line.substr(0, line.find('|', 1));
     for (std::sregex_iterator it(article.begin(), article.end(), equation), end; it != end; ++it) {
       equations.insert(std::stoi((*it)[1]));
@@ -75,9 +75,9 @@ TEST(ReadmeMap, EveryEquationHasItsRowAndEveryRowItsTest) {
   EXPECT_EQ(equations.size(), static_cast<std::size_t>(kEquations));
 }
 
-TEST(ReadmeMap, EveryNamedFileHasItsHeaderSourceAndTest) {
+TEST(ArticleMap, EveryNamedFileHasItsHeaderSourceAndTest) {
   const fs::path root = FAIL_AWARE_SOURCE_DIR;
-  const std::vector<std::string> names = namedFiles(sectionOfReadme("From equation to file"));
+  const std::vector<std::string> names = namedFiles(rowsOfTheMap());
   EXPECT_GT(names.size(), 20u);
   std::set<std::string> folders;
   for (const std::string& name : names) {
