@@ -4,11 +4,15 @@ import os
 import signal
 import socket
 import subprocess
+import threading
 import time
 
 from offline_tools import PACKAGE, find_tool
 
 CLOUD = "/kitti/velo/pointcloud"
+
+if not hasattr(threading.Thread, "isAlive"):  # Python 3.9 has it no longer; Debian 11's rospy (1.15.9) calls it when it ends
+    threading.Thread.isAlive = threading.Thread.is_alive
 
 
 class Failure(Exception):

@@ -53,7 +53,12 @@ Marker makeMarker(const std_msgs::Header& header, const std::string& ns, int id,
   marker.type = type;
   marker.action = Marker::ADD;
   marker.pose.orientation.w = 1.0;
-  marker.scale.x = marker.scale.y = marker.scale.z = scale;
+  // Lines have a width, texts a height: of what it does not use rviz 1.14.4 warns.
+  const bool is_line = type == Marker::LINE_LIST || type == Marker::LINE_STRIP;
+  const bool is_text = type == Marker::TEXT_VIEW_FACING;
+  if (!is_text) marker.scale.x = scale;
+  if (!is_text && !is_line) marker.scale.y = scale;
+  if (!is_line) marker.scale.z = scale;
   marker.color = toMessage(colour);
   marker.lifetime = ros::Duration(kMarkerLifetime_s);
   return marker;

@@ -21,6 +21,7 @@
 #include "fail_aware_monitor_params.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"
+#include "open_queue.hpp"
 #include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
@@ -38,6 +39,7 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   static constexpr double kStalePeriod_s = 0.1;
 
   void onInit() override {
+    openQueue(getSTCallbackQueue());
     loadOrSayWhy(getName(), [this] { load(); });
   }
 

@@ -34,6 +34,7 @@
 #include "load_or_say_why.hpp"
 #include "measurement_sources.hpp"
 #include "odometry_output.hpp"
+#include "open_queue.hpp"
 #include "pose_message.hpp"
 #include "private_parameters.hpp"
 #include "published_type.hpp"
@@ -68,6 +69,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
   };
 
   void onInit() override {
+    openQueue(getSTCallbackQueue());
     loadOrSayWhy(getName(), [this] { load(); });
   }
 

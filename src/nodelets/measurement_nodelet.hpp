@@ -22,6 +22,7 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"
+#include "open_queue.hpp"
 #include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
@@ -35,6 +36,7 @@ template <class Algorithm>
 class MeasurementNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
+    openQueue(getSTCallbackQueue());
     loadOrSayWhy(getName(), [this] { load(); });
   }
 

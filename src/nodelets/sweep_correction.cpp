@@ -18,6 +18,7 @@
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 #include "health.hpp"
 #include "load_or_say_why.hpp"
+#include "open_queue.hpp"
 #include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "spoken_faults.hpp"
@@ -30,6 +31,7 @@ namespace fail_aware {
 class SweepCorrectionNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
+    openQueue(getSTCallbackQueue());
     loadOrSayWhy(getName(), [this] { load(); });
   }
 

@@ -43,12 +43,15 @@ void expectDisplayable(const MarkerArray& array) {
     ASSERT_EQ(m.action, Marker::ADD);
     const auto& q = m.pose.orientation;
     EXPECT_NEAR(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w, 1.0, 1e-9);
-    EXPECT_GT(m.scale.x, 0.0);
+    const bool is_line = m.type == Marker::LINE_LIST || m.type == Marker::LINE_STRIP;
+    const bool is_text = m.type == Marker::TEXT_VIEW_FACING;
+    EXPECT_NE(is_text, m.scale.x > 0.0) << "a text has a height only";
+    EXPECT_NE(is_text || is_line, m.scale.y > 0.0) << "a line has a width only";
+    EXPECT_NE(is_line, m.scale.z > 0.0);
     EXPECT_GT(m.color.a, 0.0f);
     EXPECT_GT(m.lifetime.toSec(), 0.0);
     EXPECT_TRUE(m.colors.empty() || m.colors.size() == m.points.size());
-    const bool is_list = m.type == Marker::LINE_LIST || m.type == Marker::LINE_STRIP || m.type == Marker::SPHERE_LIST ||
-                         m.type == Marker::TRIANGLE_LIST;
+    const bool is_list = is_line || m.type == Marker::SPHERE_LIST || m.type == Marker::TRIANGLE_LIST;
     EXPECT_EQ(is_list, !m.points.empty());
     EXPECT_TRUE(m.type != Marker::LINE_LIST || m.points.size() % 2 == 0);
     EXPECT_TRUE(m.type != Marker::TRIANGLE_LIST || m.points.size() % 3 == 0);
