@@ -16,9 +16,7 @@ namespace {
 
 constexpr double kSurePlaces = 10.0;  // the search for the first motion is as good as its last step if so many agree
 constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
-constexpr std::size_t kMaxUnplaced = 10;    // intervals; after them what the car does now is not known well enough
 constexpr double kMaxSearchTime_s = 1.0;    // since the first sweep; then it is out of sight
-constexpr double kOtherReference_s = 0.02;  // between sweeps' middles; less is what a driver adds to a revolution
 constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
 constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
 constexpr double kClearlyOpen = 0.5;  // less than that of the limit
@@ -47,7 +45,7 @@ std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
 
 RegistrationFront::RegistrationFront(const RegistrationParameters& params, const SweepTimingParams& timing)
     : builder_(params.cloud, compensatedHead(params, timing)),
-      reference_(params.reference),
+      map_(params.reference, params.standing.reference()),
       relocalization_(params.relocalization, params.point),
       initialization_(params.initialization, params.cloud.min_range_m),
       relief_(params.relief),
@@ -87,7 +85,7 @@ bool RegistrationFront::prepare(const CorrectedSweep& sweep, const SweepPredicti
     return true;
   }
   // a search that failed would fail for good: this sweep is the first one now
-  if (secondsBetween(first_cloud_.stamp_s, prediction.time_s()) > kMaxSearchTime_s) reference_.clear();
+  if (secondsBetween(map_.first().time_s, prediction.time_s()) > kMaxSearchTime_s) map_.restart();
   if (map().empty()) {
     initialization_.setFirst(sweep, T_cog_lidar);
   } else {
@@ -149,7 +147,7 @@ Measurement RegistrationFront::align(const NormalFilteredIcp& icp, double sigma_
 // long as the speed is unknown, little information is no proof of it.
 void RegistrationFront::doubtStandstill(Measurement& measurement) const {
   const MotionInitialization::Params& params = initialization_.params();
-  if (speed_known_ || !measurement.ok() || !(dt_s_ > 0.0)) return;
+  if (track_.speedWasObserved() || !measurement.ok() || !(dt_s_ > 0.0)) return;
   const Eigen::Vector3d forward = T_odom_cog_previous_.linear().col(0);
   const double way_m = forward.dot(measurement.T_odom_cog.translation() - T_odom_cog_previous_.translation());
   if (std::abs(way_m) > params.standstill_m || measurement.min_information_share > params.standstill_share) return;
@@ -166,14 +164,15 @@ void RegistrationFront::updateRelief(const CorrectedSweep& sweep, const SweepPre
   const std::bitset<8> before = std::exchange(eighths_seen_, eighthsSeen(cloud_.map_points_cog));
   // parts of a revolution show another road each
   const bool looks_elsewhere = 2 * (before & eighths_seen_).count() < (before | eighths_seen_).count();
-  if (!prepared_ || speed_observed_ || looks_elsewhere) return relief_.clear();
+  if (!prepared_ || track_.speedObserved() || looks_elsewhere) return relief_.clear();
   relief_.add(sweep, T_cog_lidar, corrected_twist_cog_, rpyFromRotation(prediction.T_odom_cog.linear()).z());
   const bool known_before = relief_.hasSpeed();
   const double assumed_mps = corrected_twist_cog_[0];
-  relief_speed_ = speed_known_ ? relief_.findSpeed(assumed_mps, speed_sigma_mps_) : relief_.findSpeed();
+  relief_speed_ =
+      track_.speedWasObserved() ? relief_.findSpeed(assumed_mps, track_.speedSigma_mps()) : relief_.findSpeed();
   // at a wrong speed the sweeps were placed beside each other: what they give now is false
   if (relief_speed_ && !known_before && std::abs(relief_speed_->speed_mps - assumed_mps) > kMaxWrongSpeed_mps) {
-    reference_.clear();
+    map_.restart();
   }
 }
 
@@ -199,22 +198,22 @@ void RegistrationFront::addSearchedMotion(Measurement& measurement) const {
 // Without it the measurements would settle on whatever is near; a few sweeps later it may do.
 void RegistrationFront::relocalize() {
   lost_ = false;
-  const bool after_gap = !last_measured_ || dt_s_ > kLongInterval_s;
+  const bool after_gap = !track_.measured() || dt_s_ > kLongInterval_s;
   if (!after_gap || map().empty() || !relocalization_.isNeeded(start_covariance_)) return;
-  const Relocalization::Gap gap{secondsBetween(placed_stamp_s_, cloud_.stamp_s),
-                                (T_odom_cog_start_.translation() - placed_odom_).norm()};
+  const Relocalization::Gap gap{secondsBetween(map_.newest().time_s, cloud_.stamp_s),
+                                (T_odom_cog_start_.translation() - map_.newest().T_odom_cog.translation()).norm()};
   const std::optional<Pose> T_odom_cog = relocalization_.find(cloud_, map(), T_odom_cog_start_, start_covariance_, gap);
   if (T_odom_cog) T_odom_cog_start_ = *T_odom_cog;
   lost_ = !T_odom_cog;
 }
 
 void RegistrationFront::checkInterval(const SweepPrediction& prediction) {
-  if (map().empty() || unplaced_.size() >= kMaxUnplaced) return;
+  if (map().empty() || track_.tooManyUnplaced()) return;
   IntervalCheck::Interval interval;
   interval.stamps = {dt_s_, prediction.set_back_s};
-  interval.unplaced = unplaced_;
-  interval.T_odom_cog_placed = T_odom_cog_placed_;
-  interval.twist_cog = placed_twist_cog_.value_or(corrected_twist_cog_);
+  interval.unplaced = track_.unplaced();
+  interval.T_odom_cog_placed = track_.T_odom_cog_placed();
+  interval.twist_cog = track_.placedTwist().value_or(corrected_twist_cog_);
   interval.T_odom_cog_predicted = prediction.T_odom_cog;
   if (!lost_) interval.T_odom_cog_by_the_stamps = T_odom_cog_start_;
   const std::optional<Pose> T_odom_cog = interval_check_.findOther(
@@ -229,26 +228,19 @@ void RegistrationFront::checkInterval(const SweepPrediction& prediction) {
 
 void RegistrationFront::initializeMotion(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                          const Pose& T_cog_lidar) {
-  const double since_first_s = secondsBetween(first_cloud_.stamp_s, prediction.time_s());
+  const double since_first_s = secondsBetween(map_.first().time_s, prediction.time_s());
   double places_met = 0.0;
   const std::optional<Vector6d> twist = initialization_.findTwist(sweep, T_cog_lidar, since_first_s, &places_met);
   if (!twist) return;
   if (!cloud_.compensated) recorrectFor(*twist);
   // from the first sweep on: the last estimate may be a prediction at standstill
-  T_odom_cog_start_ = T_odom_cog_first_ * expSe3(*twist * since_first_s);
+  T_odom_cog_start_ = map_.first().T_odom_cog * expSe3(*twist * since_first_s);
   const double step_m = initialization_.params().step_mps * since_first_s;
   searched_sigma_m_ = (places_met >= kSurePlaces ? MotionInitialization::kFineStep : 1.0) * step_m;
   start_covariance_.topRows<2>().setZero();
   start_covariance_.leftCols<2>().setZero();
   start_covariance_.topLeftCorner<2, 2>().diagonal().setConstant(step_m * step_m);
-  if (!only_first_placed_ || !refine_correction_ || first_cloud_.compensated) return;
-  RegistrationCloud first = first_cloud_;
-  // one whose time field failed was timed with no other before it: a head's sweeps lie alike about their stamps
-  const double shift_s = first.middle_s - cloud_.middle_s;
-  first.recorrect(*twist, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
-  reference_.clear();
-  reference_.add(first.map_points_cog, T_odom_cog_first_);
-  if (standing_.params().enabled) standing_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);
+  if (refine_correction_) map_.redeskewFirst(*twist, cloud_.middle_s);
 }
 
 void RegistrationFront::findTurn(double sigma_yaw_rad) {
@@ -277,7 +269,7 @@ void RegistrationFront::matchStanding(double sigma_yaw_rad) {
   if (share <= params.max_information_share && standing.share <= kClearlyOpen * params.max_standing_share) {
     open_sweeps_left_ = kOpenSweeps;
   }
-  standing_pose_ = standing_.find(standing, T_odom_cog_start_);
+  standing_pose_ = standing_.find(standing, map_.standing(), T_odom_cog_start_);
   if (standing_pose_) T_odom_cog_start_ = standing_pose_->T_odom_cog;
 }
 
@@ -305,65 +297,31 @@ void RegistrationFront::addStanding(Measurement& measurement) const {
   }
 }
 
-void RegistrationFront::keepStanding(const FilterState& state) {
-  if (!standing_.params().enabled || !nearly_open_ || !standing_.isDue(state.T_odom_cog, state.time_s())) return;
-  standing_.keep(cloud_.map_points_cog, state.T_odom_cog, state.time_s());
-}
-
 void RegistrationFront::recorrectFor(const Vector6d& twist_cog, double middle_s) {
   cloud_.recorrect(twist_cog - corrected_twist_cog_, middle_s);
   corrected_twist_cog_ = twist_cog;
 }
 
 void RegistrationFront::place(const FilterState& state) {
-  const bool between_measured = last_measured_ && state.corrected && state.placed;
-  // where the clouds overrule it, a long interval may be one that the stamps only tell, found by nobody
-  const bool interval_doubted =
-      state.interval_wrong || (state.fusion.prediction_overruled && state.dt_s > kLongInterval_s);
-  last_measured_ = state.placed && state.corrected;
-  if (state.placed) {
-    setPlaced(state.T_odom_cog);
-  } else if (unplaced_.size() < kMaxUnplaced) {
-    unplaced_.push_back({state.dt_s, state.set_back_s});
-  }
+  const EstimateTrack::Increment increment = track_.add(state);
   enterOdom(state.odom_epoch);
-  enterReference(state.reference_epoch);
-  if (prepared_) relief_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
-  speed_observed_ = state.corrected && state.speed_error.variance_m2_s2 == 0.0;
-  speed_known_ = speed_known_ || (speed_observed_ && state.dt_s > 0.0);
-  speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
-  const bool tells_speed = between_measured && !interval_doubted && state.dt_s > 0.0;
-  if (tells_speed) {
-    placed_twist_cog_ = logSe3(state.T_previous_now) / state.dt_s;
-  } else if (state.placed && !interval_doubted) {
-    placed_twist_cog_.reset();
-  }
+  map_.enterReference(state.reference_epoch);
   if (!prepared_) return;
   prepared_ = false;
-  // an increment from a prediction to a measured pose holds the prediction's error: no motion to correct for
-  if (refine_correction_ && tells_speed && !cloud_.compensated) {
-    Vector6d twist_cog = *placed_twist_cog_;
+  relief_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
+  if (refine_correction_ && increment.twist_cog && !cloud_.compensated) {
+    Vector6d twist_cog = *increment.twist_cog;
     // for another turn than the one it was measured with, map and measurement would lead each other astray
     if (turn_found_) twist_cog.tail<3>() = corrected_twist_cog_.tail<3>();
     recorrectFor(twist_cog, cloud_.middle_s);
   }
-  if (between_measured) {
+  if (increment.between_measured) {
     beam_ranges_.observe(cloud_.plane_points_cog, cloud_.plane_rings, lidar_in_cog_, map(), state.T_odom_cog);
   }
   // a prediction's error would be in the map for good, and the sweeps after it register to it
-  if (!state.placed && !map().empty()) return;
-  only_first_placed_ = map().empty();
-  if (only_first_placed_) {
-    last_measured_ = true;  // by definition: the first motion is measured from here
-    setPlaced(state.T_odom_cog);
-    if (!state.placed) placed_twist_cog_.reset();
-    first_cloud_ = cloud_;
-    T_odom_cog_first_ = state.T_odom_cog;
-  }
-  reference_.add(cloud_.map_points_cog, state.T_odom_cog);
-  placed_stamp_s_ = state.time_s();
-  placed_odom_ = state.T_odom_cog.translation();
-  keepStanding(state);
+  if (!state.placed && !map_.empty()) return;
+  if (map_.empty()) track_.beginAt(state);
+  map_.insert(cloud_, state.T_odom_cog, state.time_s(), nearly_open_);
 }
 
 void RegistrationFront::skip(const FilterState& state) {
@@ -371,42 +329,21 @@ void RegistrationFront::skip(const FilterState& state) {
   place(state);
 }
 
-void RegistrationFront::setPlaced(const Pose& T_odom_cog) {
-  T_odom_cog_placed_ = T_odom_cog;
-  unplaced_.clear();
-}
-
 void RegistrationFront::enterOdom(int epoch) {
-  if (epoch == odom_epoch_) return;
-  odom_epoch_ = epoch;
-  reference_.clear();
-  relief_.clear();
-  standing_.clear();
-}
-
-void RegistrationFront::enterReference(int epoch) {
-  if (epoch == reference_epoch_) return;
-  reference_epoch_ = epoch;
-  reference_.clear();
-  standing_.clear();
+  if (map_.enterOdom(epoch)) relief_.clear();
 }
 
 void RegistrationFront::reset() {
-  reference_.clear();
+  map_.reset();
+  track_ = EstimateTrack();
   initialization_.reset();
   relief_.clear();
   beam_ranges_.reset();
-  standing_.clear();
   nearly_open_ = true;
   open_sweeps_left_ = 0;
   relief_speed_.reset();
-  speed_observed_ = speed_known_ = false;
-  only_first_placed_ = false;
   interval_check_.reset();
-  setPlaced(Pose::Identity());
-  placed_twist_cog_.reset();
   prepared_ = false;
-  last_measured_ = false;
   lost_ = false;
 }
 

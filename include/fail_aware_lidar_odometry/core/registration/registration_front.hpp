@@ -21,7 +21,9 @@
 #include <optional>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/registration/estimate_track.hpp"
 #include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
+#include "fail_aware_lidar_odometry/core/registration/local_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
@@ -39,7 +41,7 @@ class RegistrationFront {
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
 
   const RegistrationCloud& cloud() const { return cloud_; }
-  const VoxelMap& map() const { return reference_.map(); }
+  const VoxelMap& map() const { return map_.map(); }
   /// Where registration starts: the prediction, or, while no motion is known, what the search found.
   const Pose& T_odom_cog_start() const { return T_odom_cog_start_; }
 
@@ -62,11 +64,8 @@ class RegistrationFront {
   void recorrectFor(const Vector6d& twist_cog, double middle_s = 0.0);
   void findTurn(double sigma_yaw_rad);
   void matchStanding(double sigma_yaw_rad);
-  void keepStanding(const FilterState& state);
   void addStanding(Measurement& measurement) const;
-  void setPlaced(const Pose& T_odom_cog);
   void enterOdom(int epoch);
-  void enterReference(int epoch);
   void relocalize();
   void checkInterval(const SweepPrediction& prediction);
   void updateRelief(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
@@ -75,7 +74,8 @@ class RegistrationFront {
   void addSearchedMotion(Measurement& measurement) const;
 
   RegistrationCloudBuilder builder_;
-  ReferenceMap reference_;
+  LocalMap map_;
+  EstimateTrack track_;
   Relocalization relocalization_;
   MotionInitialization initialization_;
   RoadRelief relief_;
@@ -85,9 +85,6 @@ class RegistrationFront {
   StandingMatch standing_;
   bool refine_correction_;
   RegistrationCloud cloud_;
-  RegistrationCloud first_cloud_;  ///< the only sweep in the reference so far, at T_odom_cog_first_
-  Pose T_odom_cog_first_ = Pose::Identity();
-  bool only_first_placed_ = false;
   bool lost_ = false;  ///< after a gap, not found again yet
   Pose T_odom_cog_start_ = Pose::Identity();
   /// Of T_odom_cog_start_: the prediction's, but as sure of the position as the search.
@@ -105,19 +102,8 @@ class RegistrationFront {
   Eigen::Vector3d lidar_in_cog_ = Eigen::Vector3d::Zero();
   Pose T_odom_cog_previous_ = Pose::Identity();
   double dt_s_ = 0.0;
-  std::bitset<8> eighths_seen_;   ///< of the azimuth, in the last sweep
-  bool speed_observed_ = false;   ///< the filter does not coast
-  bool speed_known_ = false;      ///< it was so once
-  double speed_sigma_mps_ = 0.0;  ///< of the last estimate's, 0 where it is observed
-  bool last_measured_ = false;    ///< the last estimate is no mere prediction
-  double placed_stamp_s_ = 0.0;   ///< of the newest sweep in the map, with its position
-  Eigen::Vector3d placed_odom_ = Eigen::Vector3d::Zero();
-  Pose T_odom_cog_placed_ = Pose::Identity();      ///< the newest estimate that references took in
-  std::vector<IntervalCheck::Stamps> unplaced_{};  ///< the intervals since
-  std::optional<Vector6d> placed_twist_cog_;       ///< m/s and rad/s, then, where it is known
+  std::bitset<8> eighths_seen_;    ///< of the azimuth, in the last sweep
   bool interval_doubted_ = false;  ///< the prepared sweep's start pose is that of another interval than the stamps'
-  int odom_epoch_ = 0;             ///< of the reference
-  int reference_epoch_ = 0;        ///< likewise
 };
 
 }  // namespace fail_aware
