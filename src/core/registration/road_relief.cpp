@@ -1,63 +1,18 @@
 #include "fail_aware_lidar_odometry/core/registration/road_relief.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr double kBelowLidar_m = 0.5;   // the road is at least that far below the lidar
-constexpr double kRangeNoise_m = 0.02;  // only the ratio to the relief's matters
-constexpr std::size_t kMinSamples = 1000;
 constexpr double kGateSigmas = 3.0;
 constexpr double kSmallestEnergy = 1e-12;
-
-struct RoadPoint {
-  Eigen::Vector3d p;  // axes of the vehicle, origin at the lidar
-  std::size_t index;
-};
-
-Vector6d quadric(double x, double y) {
-  Vector6d row;
-  row << 1.0, x, y, x * x, x * y, y * y;
-  return row;
-}
-
-// z = q(x, y) through the most common height, robustly.
-Vector6d fitRoad(const std::vector<RoadPoint>& points) {
-  constexpr double kBin_m = 0.1;
-  constexpr int kBins = 60;
-  std::array<int, kBins> histogram{};
-  for (const RoadPoint& point : points) {
-    const int bin = static_cast<int>(-point.p.z() / kBin_m);
-    if (bin >= 0 && bin < kBins) ++histogram[static_cast<std::size_t>(bin)];
-  }
-  const auto mode = std::max_element(histogram.begin(), histogram.end()) - histogram.begin();
-  Vector6d coefficients = Vector6d::Zero();
-  coefficients[0] = -(static_cast<double>(mode) + 0.5) * kBin_m;
-  const std::size_t stride = 1 + points.size() / 5000;
-  for (const double scale_m : {0.3, 0.15, 0.06, 0.03}) {
-    Matrix6d H = 1e-9 * Matrix6d::Identity();
-    Vector6d b = Vector6d::Zero();
-    for (std::size_t i = 0; i < points.size(); i += stride) {
-      const Vector6d row = quadric(points[i].p.x(), points[i].p.y());
-      const double e = points[i].p.z() - row.dot(coefficients);
-      const double weight = gemanMcClureWeight(e * e, scale_m * scale_m);
-      H += weight * row * row.transpose();
-      b += weight * e * row;
-    }
-    coefficients += H.ldlt().solve(b);
-  }
-  return coefficients;
-}
 
 // Takes the mean over a square of 2 half + 1 cells off every cell's height.
 void subtractLocalMean(const std::vector<float>& sums, const std::vector<float>& weights, int nx, int ny, int half,
@@ -143,61 +98,18 @@ void RoadRelief::setYaw(double yaw_rad) {
 }
 
 void RoadRelief::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, double yaw_rad) {
-  std::vector<RoadPoint> points;
-  const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
-  const auto min2 = static_cast<float>(params_.min_range_m * params_.min_range_m);
-  const auto max2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
-  for (std::size_t i = 0; i < sweep.points_lidar.size(); ++i) {
-    const Eigen::Vector3f p = R * sweep.points_lidar[i];
-    const float range2 = p.head<2>().squaredNorm();
-    if (range2 < min2 || range2 > max2 || std::abs(p.y()) > static_cast<float>(params_.half_width_m) ||
-        p.z() > -static_cast<float>(kBelowLidar_m)) {
-      continue;
-    }
-    points.push_back({p.cast<double>(), i});
-  }
-  if (points.size() < kMinSamples) return clear();
-  const Vector6d road = fitRoad(points);
-
-  // one sample a direction from the sensor as it was when it fired
-  struct Bin {
-    double x = 0.0, y = 0.0, time_s = 0.0, height = 0.0;
-    int count = 0;
-  };
-  std::unordered_map<VoxelKey, Bin, VoxelHash> bins;
-  const Eigen::Matrix3d R_lidar_cog = T_cog_lidar.linear().transpose();
-  for (const RoadPoint& point : points) {
-    const double height = point.p.z() - quadric(point.p.x(), point.p.y()).dot(road);
-    if (std::abs(height) > 5.0 * params_.max_height_m) continue;
-    const double time_s = sweep.times_s.empty() ? 0.0 : static_cast<double>(sweep.times_s[point.index]);
-    const Eigen::Vector3d p_cog = point.p + T_cog_lidar.translation();
-    const Eigen::Vector3d moved = time_s * (twist_cog.head<3>() + twist_cog.tail<3>().cross(p_cog));
-    const Eigen::Vector3d ray = R_lidar_cog * (point.p - moved);
-    const double elevation_deg = std::atan2(ray.z(), ray.head<2>().norm()) / kDegree;
-    const double azimuth_deg = std::atan2(ray.y(), ray.x()) / kDegree;
-    Bin& bin = bins[packVoxel(fastFloor(elevation_deg / params_.direction_elevation_deg + 0.5),
-                              fastFloor(azimuth_deg / params_.direction_azimuth_deg), 0)];
-    bin.x += point.p.x();
-    bin.y += point.p.y();
-    bin.time_s += time_s;
-    bin.height += height;
-    ++bin.count;
-  }
+  const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog, params_.surface());
+  if (!samples) return clear();
   Record record;
   record.stamp_s = sweep.stamp_s;
   record.yaw_rad = yaw_rad;
   record.speed_mps = sweep.times_s.empty() ? 0.0 : twist_cog[0];
-  record.samples.reserve(bins.size());
-  for (const auto& [key, bin] : bins) {
-    const auto [it, added] = directions_.try_emplace(key, static_cast<std::uint32_t>(means_.size()));
+  record.samples.reserve(samples->size());
+  for (const RoadSample& sample : *samples) {
+    const auto [it, added] = directions_.try_emplace(sample.direction, static_cast<std::uint32_t>(means_.size()));
     if (added) means_.emplace_back();
-    const double n = bin.count, x = bin.x / n, y = bin.y / n;
-    // a range error e lifts a point by e * height / range
-    const double sigma_m = kRangeNoise_m * std::abs(road[0]) / std::hypot(x, y);
-    record.samples.push_back({it->second, static_cast<float>(x), static_cast<float>(y),
-                              static_cast<float>(bin.time_s / n), static_cast<float>(bin.height / n),
-                              static_cast<float>(n / (sigma_m * sigma_m))});
-    means_[it->second].sum += static_cast<double>(record.samples.back().height);
+    record.samples.push_back({it->second, sample.x, sample.y, sample.time_s, sample.height, sample.weight});
+    means_[it->second].sum += static_cast<double>(sample.height);
     ++means_[it->second].count;
   }
   sweeps_.push_back(std::move(record));

@@ -6,25 +6,17 @@
 
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr std::size_t kMatched = 1000, kKept = 20000;  // points, about
-constexpr double kWideKernel = 2.0;                    // of the search, in kernels
+constexpr std::size_t kMatched = 1000;  // points, about
+constexpr double kWideKernel = 2.0;     // of the search, in kernels
 constexpr int kIterations = 8;
 constexpr double kLeastWindow_m = 0.4;   // however little was driven
 constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' share
-
-VoxelMap::Params denseMap() {
-  VoxelMap::Params map;
-  map.max_points = VoxelMap::kMaxPoints;
-  map.min_point_spacing_m = 0.1;
-  return map;
-}
 
 Pose movedAlong(const Pose& T_odom_cog, double way_m) {
   Pose moved = T_odom_cog;
@@ -32,12 +24,71 @@ Pose movedAlong(const Pose& T_odom_cog, double way_m) {
   return moved;
 }
 
-// dx: x, y, yaw, as in StandingMatch::fit().
+// dx: x, y, yaw, as in fitted().
 Pose stepped(const Pose& T_odom_cog, const Eigen::Vector3d& dx) {
   Vector6d step = Vector6d::Zero();
   step.head<2>() = dx.head<2>();
   step[5] = dx[2];
   return applyStep(T_odom_cog, step);
+}
+
+struct Fit {
+  double votes = 0.0;
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+};
+
+// Gauss-Newton's equations for x, y and yaw about the vehicle; a place weighs 1 at most.
+Fit fitted(const StandingPoints& standing, const std::vector<bool>& has_vote, const VoxelMap& kept,
+           const Pose& T_odom_cog, double kernel_m) {
+  Fit fit;
+  VoxelMap::PointMatch match;
+  for (const StandingPoint& point : standing.points) {
+    if (!has_vote[point.place]) continue;
+    const Eigen::Vector3d arm = T_odom_cog.linear() * point.position;
+    if (!kept.findNearest(arm + T_odom_cog.translation(), kFarthestInKernels * kernel_m, match)) continue;
+    const double weight = gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m) / standing.counts[point.place];
+    Eigen::Matrix<double, 2, 3> J;
+    J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    fit.votes += weight;
+    fit.H += weight * J.transpose() * J;
+    fit.b += weight * J.transpose() * match.offset_m.head<2>().cast<double>();
+  }
+  return fit;
+}
+
+// The best place along the way; who has a vote.
+std::optional<Pose> searchAlong(const StandingMatch::Params& params, const StandingPoints& standing,
+                                const StandingReference& reference, const Pose& T_odom_cog_predicted,
+                                std::vector<bool>& has_vote) {
+  const double way_m = (T_odom_cog_predicted.translation() - reference.T_odom_cog().translation()).norm();
+  const double window_m = std::clamp(0.5 * way_m, std::min(kLeastWindow_m, params.window_m), params.window_m);
+  const int steps = static_cast<int>(window_m / params.step_m + 1e-9);
+  const int beyond = steps + static_cast<int>(std::ceil(params.contrast_m / params.step_m));
+  const auto tried = [&](int i) { return movedAlong(T_odom_cog_predicted, i * params.step_m); };
+  std::vector<std::vector<double>> profile;
+  for (int i = -beyond; i <= beyond; ++i) {
+    profile.push_back(votesOfPlaces(standing, reference.map(), tried(i), kWideKernel * params.kernel_m));
+  }
+  has_vote.assign(standing.places, false);
+  for (std::size_t place = 0; place < standing.places; ++place) {
+    const auto less = [&](const std::vector<double>& a, const std::vector<double>& b) { return a[place] < b[place]; };
+    const auto [least, most] = std::minmax_element(profile.begin(), profile.end(), less);
+    has_vote[place] = (*most)[place] - (*least)[place] >= params.min_contrast;
+  }
+  int best = 0;
+  double best_votes = 0.0;
+  for (int i = -steps; i <= steps; ++i) {
+    double sum = 0.0;
+    const std::vector<double>& all = profile[static_cast<std::size_t>(i + beyond)];
+    for (std::size_t place = 0; place < standing.places; ++place) sum += has_vote[place] ? all[place] : 0.0;
+    if (sum > best_votes) {
+      best_votes = sum;
+      best = i;
+    }
+  }
+  if (best_votes < params.min_places) return std::nullopt;
+  return tried(best);
 }
 
 }  // namespace
@@ -65,7 +116,7 @@ void StandingMatch::Params::validate() const {
 }
 
 StandingMatch::StandingMatch(const Params& params, const NormalFilteredIcp::Params& planes)
-    : params_(params), planes_(planes), kept_(denseMap()) {
+    : params_(params), planes_(planes) {
   params_.validate();
   planes_.validate();
 }
@@ -81,114 +132,30 @@ double StandingMatch::shareOfPlanes(const std::vector<Eigen::Vector3f>& points_c
   return solveObserved(equations, planes_.observability).min_horizontal_share;
 }
 
-StandingPoints StandingMatch::standingWithin(double range_m, const std::vector<Eigen::Vector3f>& points_cog,
-                                             std::size_t enough) const {
-  const auto max_range2 = static_cast<float>(range_m * range_m);
-  std::vector<Eigen::Vector3f> within;
-  within.reserve(points_cog.size());
-  for (const Eigen::Vector3f& p : points_cog) {
-    if (p.squaredNorm() <= max_range2) within.push_back(p);
-  }
-  return findStandingPoints(within, {params_.cell_m, params_.column_m, params_.min_height_m}, enough);
-}
-
 // The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.
 StandingPoints StandingMatch::select(const std::vector<Eigen::Vector3f>& points_cog) const {
-  return standingWithin(params_.max_range_m - params_.max_way_m - params_.window_m - params_.contrast_m, points_cog,
-                        kMatched);
+  const double range_m = params_.max_range_m - params_.max_way_m - params_.window_m - params_.contrast_m;
+  return findStandingPoints(pointsWithin(points_cog, range_m), params_.points(), kMatched);
 }
 
-void StandingMatch::keep(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog, double stamp_s) {
-  kept_.clear();
-  T_odom_cog_kept_ = T_odom_cog;
-  kept_stamp_s_ = stamp_s;
-  const StandingPoints standing = standingWithin(params_.max_range_m, points_cog, kKept);
-  if (standing.share > params_.max_standing_share) return;
-  std::vector<Eigen::Vector3f> points;
-  points.reserve(standing.points.size());
-  for (const StandingPoint& point : standing.points) points.push_back(point.position.cast<float>());
-  kept_.insert(points, T_odom_cog);
-}
-
-bool StandingMatch::isDue(const Pose& T_odom_cog, double stamp_s) const {
-  return !kept_stamp_s_ || (T_odom_cog.translation() - T_odom_cog_kept_.translation()).norm() > params_.max_way_m ||
-         std::abs(secondsBetween(*kept_stamp_s_, stamp_s)) > params_.max_age_s;
-}
-
-// Gauss-Newton's equations for x, y and yaw about the vehicle; a place weighs 1 at most.
-StandingMatch::Fit StandingMatch::fit(const StandingPoints& standing, const std::vector<bool>& has_vote,
-                                      const Pose& T_odom_cog, double kernel_m) const {
-  Fit fit;
-  VoxelMap::PointMatch match;
-  for (const StandingPoint& point : standing.points) {
-    if (!has_vote[point.place]) continue;
-    const Eigen::Vector3d arm = T_odom_cog.linear() * point.position;
-    if (!kept_.findNearest(arm + T_odom_cog.translation(), kFarthestInKernels * kernel_m, match)) continue;
-    const double weight = gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m) / standing.counts[point.place];
-    Eigen::Matrix<double, 2, 3> J;
-    J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
-    fit.votes += weight;
-    fit.H += weight * J.transpose() * J;
-    fit.b += weight * J.transpose() * match.offset_m.head<2>().cast<double>();
-  }
-  return fit;
-}
-
-std::optional<Pose> StandingMatch::searchAlong(const StandingPoints& standing, const Pose& T_odom_cog_predicted,
-                                               std::vector<bool>& has_vote) const {
-  const double way_m = (T_odom_cog_predicted.translation() - T_odom_cog_kept_.translation()).norm();
-  const double window_m = std::clamp(0.5 * way_m, std::min(kLeastWindow_m, params_.window_m), params_.window_m);
-  const int steps = static_cast<int>(window_m / params_.step_m + 1e-9);
-  const int beyond = steps + static_cast<int>(std::ceil(params_.contrast_m / params_.step_m));
-  const auto tried = [&](int i) { return movedAlong(T_odom_cog_predicted, i * params_.step_m); };
-  std::vector<std::vector<double>> profile;
-  for (int i = -beyond; i <= beyond; ++i) {
-    profile.push_back(votesOfPlaces(standing, kept_, tried(i), kWideKernel * params_.kernel_m));
-  }
-  has_vote.assign(standing.places, false);
-  for (std::size_t place = 0; place < standing.places; ++place) {
-    const auto less = [&](const std::vector<double>& a, const std::vector<double>& b) { return a[place] < b[place]; };
-    const auto [least, most] = std::minmax_element(profile.begin(), profile.end(), less);
-    has_vote[place] = (*most)[place] - (*least)[place] >= params_.min_contrast;
-  }
-  int best = 0;
-  double best_votes = 0.0;
-  for (int i = -steps; i <= steps; ++i) {
-    double sum = 0.0;
-    const std::vector<double>& all = profile[static_cast<std::size_t>(i + beyond)];
-    for (std::size_t place = 0; place < standing.places; ++place) sum += has_vote[place] ? all[place] : 0.0;
-    if (sum > best_votes) {
-      best_votes = sum;
-      best = i;
-    }
-  }
-  if (best_votes < params_.min_places) return std::nullopt;
-  return tried(best);
-}
-
-std::optional<StandingPose> StandingMatch::find(const StandingPoints& standing_cog,
+std::optional<StandingPose> StandingMatch::find(const StandingPoints& standing_cog, const StandingReference& reference,
                                                 const Pose& T_odom_cog_predicted) const {
-  if (kept_.empty()) return std::nullopt;
+  if (reference.map().empty()) return std::nullopt;
   std::vector<bool> has_vote;
-  std::optional<Pose> T = searchAlong(standing_cog, T_odom_cog_predicted, has_vote);
+  std::optional<Pose> T = searchAlong(params_, standing_cog, reference, T_odom_cog_predicted, has_vote);
   if (!T) return std::nullopt;
   double kernel_m = kWideKernel * params_.kernel_m;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const Fit at = fit(standing_cog, has_vote, *T, kernel_m);
+    const Fit at = fitted(standing_cog, has_vote, reference.map(), *T, kernel_m);
     if (at.votes < params_.min_places) return std::nullopt;
     T = stepped(*T, at.H.ldlt().solve(at.b));
     kernel_m = std::max(0.5 * kernel_m, params_.kernel_m);
   }
-  const Fit at = fit(standing_cog, has_vote, *T, params_.kernel_m);
+  const Fit at = fitted(standing_cog, has_vote, reference.map(), *T, params_.kernel_m);
   if (at.votes < params_.min_places || !isFinite(*T)) return std::nullopt;
   const Eigen::Matrix3d covariance = params_.sigma_m * params_.sigma_m * at.H.inverse();
   if (!covariance.allFinite()) return std::nullopt;
   return StandingPose{*T, covariance};
-}
-
-void StandingMatch::clear() {
-  kept_.clear();
-  kept_stamp_s_.reset();
 }
 
 }  // namespace fail_aware

@@ -38,6 +38,16 @@ StandingPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, co
   return result;
 }
 
+std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& points, double range_m) {
+  const auto max_range2 = static_cast<float>(range_m * range_m);
+  std::vector<Eigen::Vector3f> within;
+  within.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) {
+    if (p.squaredNorm() <= max_range2) within.push_back(p);
+  }
+  return within;
+}
+
 std::vector<double> votesOfPlaces(const StandingPoints& standing, const VoxelMap& map, const Pose& T, double kernel_m) {
   std::vector<double> votes(standing.places, 0.0);
   VoxelMap::PointMatch match;

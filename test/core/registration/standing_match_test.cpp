@@ -61,9 +61,19 @@ StandingMatch::Params anyShare() {
   return params;
 }
 
-StandingMatch matchAgainst(const Points& kept, const StandingMatch::Params& params = anyShare()) {
-  StandingMatch match(params, NormalFilteredIcp::Params());
-  match.keep(kept, Pose::Identity(), 0.0);
+/// A match and the sweep that it is made with.
+struct KeptMatch {
+  StandingMatch match;
+  StandingReference reference;
+
+  std::optional<StandingPose> find(const Points& points_cog, const Pose& T_odom_cog_predicted) const {
+    return match.find(match.select(points_cog), reference, T_odom_cog_predicted);
+  }
+};
+
+KeptMatch matchAgainst(const Points& kept, const StandingMatch::Params& params = anyShare()) {
+  KeptMatch match{StandingMatch(params, NormalFilteredIcp::Params()), StandingReference(params.reference())};
+  match.reference.keep(kept, Pose::Identity(), 0.0);
   return match;
 }
 
@@ -102,9 +112,9 @@ TEST(StandingPoints, EnoughAreEveryNth) {
 }
 
 TEST(StandingMatch, PostsTellPositionAndHeading) {
-  const StandingMatch match = matchAgainst(posts());
+  const KeptMatch match = matchAgainst(posts());
   const Pose truth = planarPose(4.0, 0.3, 2.0 * kDegree), predicted = planarPose(4.7, 0.4, 1.7 * kDegree);
-  const std::optional<StandingPose> found = match.find(match.select(seenAt(truth, posts())), predicted);
+  const std::optional<StandingPose> found = match.find(seenAt(truth, posts()), predicted);
   ASSERT_TRUE(found);
   EXPECT_LT((found->T_odom_cog.translation() - truth.translation()).norm(), 0.02);
   EXPECT_LT(logSo3(found->T_odom_cog.linear().transpose() * truth.linear()).norm(), 0.05 * kDegree);
@@ -115,12 +125,11 @@ TEST(StandingMatch, PostsTellPositionAndHeading) {
 }
 
 TEST(StandingMatch, HeightRollAndPitchStayAsPredicted) {
-  const StandingMatch match = matchAgainst(posts());
+  const KeptMatch match = matchAgainst(posts());
   Vector6d v;
   v << 4.5, 0.0, 0.1, 0.01, 0.0, 0.0;
   const Pose predicted = poseFromVector(v);
-  const std::optional<StandingPose> found =
-      match.find(match.select(seenAt(planarPose(4.0, 0.0, 0.0), posts())), predicted);
+  const std::optional<StandingPose> found = match.find(seenAt(planarPose(4.0, 0.0, 0.0), posts()), predicted);
   ASSERT_TRUE(found);
   EXPECT_DOUBLE_EQ(found->T_odom_cog.translation().z(), 0.1);
   const Eigen::Vector3d down = found->T_odom_cog.linear().row(2), down_predicted = predicted.linear().row(2);
@@ -128,15 +137,15 @@ TEST(StandingMatch, HeightRollAndPitchStayAsPredicted) {
 }
 
 TEST(StandingMatch, AFenceAlongTheRoadTellsNothing) {
-  const StandingMatch match = matchAgainst(fence());
-  EXPECT_FALSE(match.find(match.select(seenAt(planarPose(4.0, 0.0, 0.0), fence())), planarPose(4.5, 0.0, 0.0)));
+  const KeptMatch match = matchAgainst(fence());
+  EXPECT_FALSE(match.find(seenAt(planarPose(4.0, 0.0, 0.0), fence()), planarPose(4.5, 0.0, 0.0)));
 }
 
 TEST(StandingMatch, BesideAFencePostsStillTell) {
   const Points scene = joined(fence(), posts());
-  const StandingMatch match = matchAgainst(scene);
+  const KeptMatch match = matchAgainst(scene);
   const std::optional<StandingPose> found =
-      match.find(match.select(seenAt(planarPose(4.0, 0.0, 0.0), scene)), planarPose(4.5, 0.0, 0.0));
+      match.find(seenAt(planarPose(4.0, 0.0, 0.0), scene), planarPose(4.5, 0.0, 0.0));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->T_odom_cog.translation().x(), 4.0, 0.05);
 }
@@ -145,11 +154,10 @@ TEST(StandingMatch, WhatKeepsItsDistanceAheadIsNoProofOfStandstill) {
   Points car;
   for (const double y : {-0.8, -0.4, 0.0, 0.4, 0.8}) addPost(15.0, y, car);
   const Pose truth = planarPose(4.0, 0.0, 0.0);
-  const StandingMatch alone = matchAgainst(car);
-  EXPECT_FALSE(alone.find(alone.select(car), truth));
-  const StandingMatch match = matchAgainst(joined(car, posts()));
-  const std::optional<StandingPose> found =
-      match.find(match.select(joined(car, seenAt(truth, posts()))), planarPose(3.6, 0.0, 0.0));
+  const KeptMatch alone = matchAgainst(car);
+  EXPECT_FALSE(alone.find(car, truth));
+  const KeptMatch match = matchAgainst(joined(car, posts()));
+  const std::optional<StandingPose> found = match.find(joined(car, seenAt(truth, posts())), planarPose(3.6, 0.0, 0.0));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->T_odom_cog.translation().x(), 4.0, 0.03);
 }
@@ -157,31 +165,19 @@ TEST(StandingMatch, WhatKeepsItsDistanceAheadIsNoProofOfStandstill) {
 TEST(StandingMatch, OnePlaceIsTooFew) {
   Points post;
   addPost(20.0, 5.0, post);
-  const StandingMatch match = matchAgainst(post);
-  EXPECT_FALSE(match.find(match.select(post), Pose::Identity()));
+  const KeptMatch match = matchAgainst(post);
+  EXPECT_FALSE(match.find(post, Pose::Identity()));
 }
 
 TEST(StandingMatch, NothingKeptNothingFound) {
-  const StandingMatch match(anyShare(), NormalFilteredIcp::Params());
-  EXPECT_FALSE(match.find(match.select(posts()), Pose::Identity()));
-  EXPECT_TRUE(match.isDue(Pose::Identity(), 0.0));
+  const KeptMatch match{StandingMatch(anyShare(), NormalFilteredIcp::Params()),
+                        StandingReference(anyShare().reference())};
+  EXPECT_FALSE(match.find(posts(), Pose::Identity()));
 }
 
-TEST(StandingMatch, KeptForSomeWayAndTime) {
-  StandingMatch match = matchAgainst(posts());
-  EXPECT_FALSE(match.isDue(planarPose(9.0, 0.0, 0.0), 0.9));
-  EXPECT_TRUE(match.isDue(planarPose(11.0, 0.0, 0.0), 0.9));
-  EXPECT_TRUE(match.isDue(planarPose(9.0, 0.0, 0.0), 1.1));
-  match.clear();
-  EXPECT_TRUE(match.isDue(Pose::Identity(), 0.0));
-}
-
-TEST(StandingMatch, ASweepInWhichMuchStandsIsNotKeptNorAskedForAgainAtOnce) {
-  const StandingMatch match = matchAgainst(posts(), StandingMatch::Params());
-  EXPECT_FALSE(match.find(match.select(posts()), Pose::Identity()));
-  EXPECT_TRUE(matchAgainst(posts()).find(match.select(posts()), Pose::Identity()));
-  EXPECT_FALSE(match.isDue(planarPose(9.0, 0.0, 0.0), 0.9));
-  EXPECT_TRUE(match.isDue(planarPose(11.0, 0.0, 0.0), 0.9));
+TEST(StandingMatch, OfASweepInWhichMuchStandsNothingIsKept) {
+  EXPECT_FALSE(matchAgainst(posts(), StandingMatch::Params()).find(posts(), Pose::Identity()));
+  EXPECT_TRUE(matchAgainst(posts()).find(posts(), Pose::Identity()));
 }
 
 TEST(StandingMatch, PlanesOfARoomTellAndThoseOfAFieldDoNot) {

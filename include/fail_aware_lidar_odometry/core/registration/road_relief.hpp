@@ -27,6 +27,7 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/registration/road_surface.hpp"
 #include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
@@ -77,6 +78,10 @@ class RoadRelief {
       v("mirrored_sigma_mps", self.mirrored_sigma_mps);
     }
     void validate() const;
+
+    RoadSurfaceParams surface() const {
+      return {min_range_m, max_range_m, half_width_m, direction_elevation_deg, direction_azimuth_deg, max_height_m};
+    }
   };
 
   struct Speed {

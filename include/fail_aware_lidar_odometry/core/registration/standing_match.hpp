@@ -5,7 +5,7 @@
 // know better but are outnumbered. So where planes hold little (`max_information_share`) and next to nothing stands
 // (`max_standing_share`: in a tunnel nearly half of the points do, at a motorway a seventh), horizontal position and
 // heading are taken from the standing points alone (standing_points.hpp), matched with those of one sweep that is kept
-// for some metres, a vote each place: a search along the way, then Gauss-Newton over x, y and heading.
+// for some metres (standing_reference.hpp), a vote each place: a search along the way, then Gauss-Newton over x, y and heading.
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
 // distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4 m).
@@ -22,6 +22,7 @@
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
 #include "fail_aware_lidar_odometry/core/registration/standing_points.hpp"
+#include "fail_aware_lidar_odometry/core/registration/standing_reference.hpp"
 
 namespace fail_aware {
 
@@ -74,6 +75,11 @@ class StandingMatch {
       v("max_age_s", self.max_age_s);
     }
     void validate() const;
+
+    StandingPointsParams points() const { return {cell_m, column_m, min_height_m}; }
+    StandingReference::Params reference() const {
+      return {enabled, points(), max_range_m, max_standing_share, max_way_m, max_age_s};
+    }
   };
 
   /// `planes`: which pairs count, and how much. Throws ParameterError.
@@ -86,36 +92,14 @@ class StandingMatch {
   /// What stands within range, less the way that a kept sweep may lie behind.
   StandingPoints select(const std::vector<Eigen::Vector3f>& points_cog) const;
 
-  /// The sweep that later ones are matched with; forgotten if too much stands in it.
-  void keep(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog, double stamp_s);
-
-  /// It is time to keep another: the last was too far or too long ago, whether kept or not, or there was none.
-  bool isDue(const Pose& T_odom_cog, double stamp_s) const;
-
-  std::optional<StandingPose> find(const StandingPoints& standing_cog, const Pose& T_odom_cog_predicted) const;
-
-  void clear();
+  std::optional<StandingPose> find(const StandingPoints& standing_cog, const StandingReference& reference,
+                                   const Pose& T_odom_cog_predicted) const;
 
   const Params& params() const { return params_; }
 
  private:
-  StandingPoints standingWithin(double range_m, const std::vector<Eigen::Vector3f>& points_cog,
-                                std::size_t enough) const;
-  struct Fit {
-    double votes = 0.0;
-    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
-  };
-  Fit fit(const StandingPoints& standing, const std::vector<bool>& has_vote, const Pose& T_odom_cog,
-          double kernel_m) const;
-  std::optional<Pose> searchAlong(const StandingPoints& standing, const Pose& T_odom_cog_predicted,
-                                  std::vector<bool>& has_vote) const;
-
   Params params_;
   NormalFilteredIcp::Params planes_;
-  VoxelMap kept_;
-  Pose T_odom_cog_kept_ = Pose::Identity();
-  std::optional<double> kept_stamp_s_;  ///< of the sweep that was kept, or would have been
 };
 
 }  // namespace fail_aware

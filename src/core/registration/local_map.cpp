@@ -1,0 +1,61 @@
+#include "fail_aware_lidar_odometry/core/registration/local_map.hpp"
+
+#include <cmath>
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kOtherReference_s = 0.02;  // between sweeps' middles; less is what a driver adds to a revolution
+
+}  // namespace
+
+LocalMap::LocalMap(const ReferenceMap::Params& map, const StandingReference::Params& standing)
+    : reference_(map), standing_(standing) {}
+
+bool LocalMap::enterOdom(int epoch) {
+  if (epoch == odom_epoch_) return false;
+  odom_epoch_ = epoch;
+  clear();
+  return true;
+}
+
+void LocalMap::enterReference(int epoch) {
+  if (epoch == reference_epoch_) return;
+  reference_epoch_ = epoch;
+  clear();
+}
+
+void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_standing) {
+  only_first_ = empty();
+  if (only_first_) {
+    first_cloud_ = cloud;
+    T_odom_cog_first_ = T_odom_cog;
+  }
+  reference_.add(cloud.map_points_cog, T_odom_cog);
+  newest_ = {time_s, T_odom_cog};
+  if (keep_standing && standing_.isDue(T_odom_cog, time_s)) standing_.keep(cloud.map_points_cog, T_odom_cog, time_s);
+}
+
+void LocalMap::redeskewFirst(const Vector6d& twist_cog, double middle_s) {
+  if (!only_first_ || first_cloud_.compensated) return;
+  RegistrationCloud first = first_cloud_;
+  // one whose time field failed was timed with no other before it: a head's sweeps lie alike about their stamps
+  const double shift_s = first.middle_s - middle_s;
+  first.recorrect(twist_cog, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
+  reference_.clear();
+  reference_.add(first.map_points_cog, T_odom_cog_first_);
+  standing_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);
+}
+
+void LocalMap::clear() {
+  reference_.clear();
+  standing_.clear();
+}
+
+void LocalMap::reset() {
+  clear();
+  only_first_ = false;
+}
+
+}  // namespace fail_aware
