@@ -19,16 +19,10 @@
 namespace fail_aware {
 
 struct UnscentedParams {
-  double alpha = 0.1;  ///< spread of the points; the nearer to 0, the more local
-  double beta = 2.0;   ///< 2 suits Gaussians
-  double kappa = 0.0;  ///< N + kappa > 0
-
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("alpha", self.alpha);
-    v("beta", self.beta);
-    v("kappa", self.kappa);
-  }
+  /// spread of the points; the nearer to 0, the more local. At 0.1 the weights keep their digits
+  double alpha = 0.1;
+  double beta = 2.0;   ///< best for Gaussians
+  double kappa = 0.0;  ///< N + kappa > 0; 0 is the usual choice
   void validate() const;
 };
 

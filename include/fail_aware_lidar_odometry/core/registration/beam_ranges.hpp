@@ -24,24 +24,20 @@ class BeamRanges {
  public:
   struct Params {
     bool enabled = true;
-    double sigma_m = 0.03;         ///< of a beam's offset, to begin with
-    double walk_m = 0.002;         ///< its change from sweep to sweep
-    double residual_m = 0.1;       ///< of a point's distance from a plane: noise, roughness, what neighbours share
-    double kernel_m = 0.1;         ///< larger distances are something else
-    double forget = 0.05;          ///< share of the offset that counts as measured away
-    double min_obliqueness = 0.7;  ///< cosine between beam and normal
-    double max_normal_z = 0.2;     ///< of planes that stand
+    double sigma_m = 0.03;  ///< of a beam's offset, to begin with: what a calibration leaves
+    /// its change from sweep to sweep, so that a wrong one is unlearnt; heads themselves hold for months
+    double walk_m = 0.002;
+    double residual_m = 0.1;  ///< of a point's distance from a plane: noise, roughness, what neighbours share
+    double kernel_m = 0.1;    ///< larger distances are something else
+    /// share of the offset that counts as measured away: keeps what varies slowly from drifting, see above
+    double forget = 0.05;
+    /// cosine between beam and normal: up to 45 deg; more grazing, the range hardly enters the distance
+    double min_obliqueness = 0.7;
+    double max_normal_z = 0.2;  ///< of planes that stand: ground misses by elevation errors, too
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("sigma_m", self.sigma_m);
-      v("walk_m", self.walk_m);
-      v("residual_m", self.residual_m);
-      v("kernel_m", self.kernel_m);
-      v("forget", self.forget);
-      v("min_obliqueness", self.min_obliqueness);
-      v("max_normal_z", self.max_normal_z);
     }
     void validate() const;
   };

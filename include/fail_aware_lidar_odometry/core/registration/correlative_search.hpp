@@ -21,18 +21,16 @@ class CorrelativeSearch {
  public:
   struct Params {
     bool enabled = true;
-    double range_m = 60.0;       ///< of the sweep's points
+    double range_m = 60.0;       ///< of the sweep's points: as the first motion's search
     double max_shift_m = 15.0;   ///< farthest from the prediction, along each axis
-    double max_turn_deg = 45.0;  ///< likewise
-    double min_share = 0.65;  ///< of what stands: so much has to fit; half counts what lies where the map shows nothing
+    double max_turn_deg = 45.0;  ///< likewise: more than a car turns in a gap that it is worth searching after
+    /// of what stands: so much has to fit; half counts what lies where the map shows nothing
+    double min_share = 0.65;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("range_m", self.range_m);
       v("max_shift_m", self.max_shift_m);
-      v("max_turn_deg", self.max_turn_deg);
-      v("min_share", self.min_share);
     }
     void validate() const;
   };

@@ -30,19 +30,22 @@ class NormalFilteredIcp {
     bool filter_normals = true;
     double heading_tolerance_deg = 45.0;  ///< floor of the tolerance; 45 keeps every vertical patch
     bool keep_ground = true;
-    double ground_tolerance_deg = 30.0;    ///< a patch is ground-like if its normal is that near to the vertical
-    double vertical_tolerance_deg = 30.0;  ///< a patch is wall-like if its normal is that near to the horizontal
-    double max_distance_m = 0.5;           ///< correspondences farther from their plane are left out
-    double kernel_m = 0.1;                 ///< Geman-McClure scale at the end
-    double initial_kernel_m = 0.4;         ///< and at the start; halved every iteration
-    double point_sigma_m = 0.03;           ///< of one point along the normal, added to the patch's own scatter
-    double ground_weight = 0.1;            ///< of ground-like patches against the others, see above
-    double range_weight_m = 20.0;          ///< weights grow as range / this; 0: all alike
+    double ground_tolerance_deg = 30.0;  ///< a patch is ground-like if its normal is that near to the vertical
+    /// a patch is wall-like if its normal is that near to the horizontal; between the two kinds are slopes
+    double vertical_tolerance_deg = 30.0;
+    double max_distance_m = 0.5;    ///< correspondences farther from their plane are left out
+    double kernel_m = 0.1;          ///< Geman-McClure scale at the end
+    double initial_kernel_m = 0.4;  ///< and at the start; halved every iteration: near the cut-off
+    /// of one point along the normal, added to the patch's own scatter: a lidar's range noise
+    double point_sigma_m = 0.03;
+    double ground_weight = 0.1;    ///< of ground-like patches against the others, see above
+    double range_weight_m = 20.0;  ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;
-    double step_translation_m = 1e-3;  ///< converged below both steps; at the last iteration
-    double step_rotation_deg = 0.01;   ///< `usable_steps` times as much will do, at R's cost
-    double usable_steps = 10.0;
-    int min_inliers = 100;
+    /// converged below both steps, well below the accuracy; at the last iteration
+    double step_translation_m = 1e-3;
+    double step_rotation_deg = 0.01;      ///< `usable_steps` times as much will do, at R's cost
+    double usable_steps = 10.0;           ///< still about the accuracy of the result
+    int min_inliers = 100;                ///< points with a plane, fewer: not usable; a sweep has thousands
     double correlation_inflation = 20.0;  ///< R is that much larger than for independent residuals
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};
@@ -53,18 +56,11 @@ class NormalFilteredIcp {
       v("heading_tolerance_deg", self.heading_tolerance_deg);
       v("keep_ground", self.keep_ground);
       v("ground_tolerance_deg", self.ground_tolerance_deg);
-      v("vertical_tolerance_deg", self.vertical_tolerance_deg);
       v("max_distance_m", self.max_distance_m);
       v("kernel_m", self.kernel_m);
-      v("initial_kernel_m", self.initial_kernel_m);
-      v("point_sigma_m", self.point_sigma_m);
       v("ground_weight", self.ground_weight);
       v("range_weight_m", self.range_weight_m);
       v("max_iterations", self.max_iterations);
-      v("step_translation_m", self.step_translation_m);
-      v("step_rotation_deg", self.step_rotation_deg);
-      v("usable_steps", self.usable_steps);
-      v("min_inliers", self.min_inliers);
       v("correlation_inflation", self.correlation_inflation);
       v("support", self.support);
       v("observability", self.observability);

@@ -21,21 +21,20 @@ class Relocalization {
  public:
   struct Params {
     bool enabled = true;
-    double min_sigma_m = 0.1;       ///< of the predicted position; below it the usual search reaches
-    double max_spread_m = 2.0;      ///< of the seeds, at most
-    double max_distance_m = 1.5;    ///< cut-off of correspondences, no more than voxels reach
-    double min_inlier_share = 0.5;  ///< of the sweep, within the usual distance, where no search confirmed the place
-    double narrow_m = 0.3;          ///< the kernel that ends the search: what fits by less counts
+    /// of the predicted position; below it the usual search reaches (its max_distance_m is five of these)
+    double min_sigma_m = 0.1;
+    /// of the seeds, at most: correspondences reach 1.5 m, so wider ones would leave gaps
+    double max_spread_m = 2.0;
+    double max_distance_m = 1.5;  ///< cut-off of correspondences, no more than the eight nearest voxels reach
+    /// of the sweep, within the usual distance, where no search confirmed the place: more than elsewhere (0.3)
+    double min_inlier_share = 0.5;
+    /// the kernel that ends the search: what fits by less counts; the usual cut-off takes over from there
+    double narrow_m = 0.3;
     CorrelativeSearch::Params search;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("min_sigma_m", self.min_sigma_m);
-      v("max_spread_m", self.max_spread_m);
-      v("max_distance_m", self.max_distance_m);
-      v("min_inlier_share", self.min_inlier_share);
-      v("narrow_m", self.narrow_m);
       v("search", self.search);
     }
     void validate() const;

@@ -34,44 +34,32 @@ class StandingMatch {
  public:
   struct Params {
     bool enabled = true;
-    double max_information_share = 0.12;  ///< of the weakest horizontal direction among the planes
-    double max_standing_share = 0.1;      ///< of the points
-    double surface_sigma_m = 0.3;         ///< of what surfaces tell there of the horizontal position
-    double surface_sigma_deg = 0.2;       ///< and of the heading
-    double max_range_m = 100.0;
-    double cell_m = 4.0;
-    double column_m = 0.5;
-    double min_height_m = 0.4;
-    double window_m = 1.0;  ///< along the way, to both sides of the prediction
-    double step_m = 0.2;
-    double kernel_m = 0.2;      ///< Geman-McClure scale at the end
-    double contrast_m = 0.6;    ///< looked so far beyond the window:
-    double min_contrast = 0.3;  ///< a place's best less its worst vote, at least
-    double sigma_m = 0.25;      ///< of one place
-    double min_places = 1.7;
-    double max_way_m = 10.0;  ///< since a sweep was kept; then it is another one
-    double max_age_s = 1.0;
+    /// of the weakest horizontal direction among the planes: a street has more
+    double max_information_share = 0.12;
+    /// of the points: between open country and a motorway (a seventh), see above
+    double max_standing_share = 0.1;
+    /// of what surfaces tell there of the horizontal position: a third of the way of a sweep at 10 m/s
+    double surface_sigma_m = 0.3;
+    double surface_sigma_deg = 0.2;  ///< and of the heading
+    double max_range_m = 100.0;      ///< of the points used: all that registration takes
+    double cell_m = 4.0;             ///< side of a place; each has one vote: a bush, or a car
+    double column_m = 0.5;           ///< side of the columns in which height is measured, as the first motion's search
+    double min_height_m = 0.4;       ///< above the lowest of its column: a point that stands
+    double window_m = 1.0;           ///< along the way, to both sides of the prediction: ten m/s wrong at 10 Hz
+    double step_m = 0.2;             ///< of the search: as the kernel
+    double kernel_m = 0.2;           ///< Geman-McClure scale at the end: a bush seen again
+    double contrast_m = 0.6;         ///< looked so far beyond the window, three steps:
+    /// a place's best less its worst vote, at least: a fence along the road has less
+    double min_contrast = 0.3;
+    double sigma_m = 0.25;    ///< of one place: what a bush's points scatter from sweep to sweep
+    double min_places = 1.7;  ///< fewer say nothing: one place has no heading
+    /// since a sweep was kept; then it is another one, before the same things look different
+    double max_way_m = 10.0;
+    double max_age_s = 1.0;  ///< likewise in time
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("max_information_share", self.max_information_share);
-      v("max_standing_share", self.max_standing_share);
-      v("surface_sigma_m", self.surface_sigma_m);
-      v("surface_sigma_deg", self.surface_sigma_deg);
-      v("max_range_m", self.max_range_m);
-      v("cell_m", self.cell_m);
-      v("column_m", self.column_m);
-      v("min_height_m", self.min_height_m);
-      v("window_m", self.window_m);
-      v("step_m", self.step_m);
-      v("kernel_m", self.kernel_m);
-      v("contrast_m", self.contrast_m);
-      v("min_contrast", self.min_contrast);
-      v("sigma_m", self.sigma_m);
-      v("min_places", self.min_places);
-      v("max_way_m", self.max_way_m);
-      v("max_age_s", self.max_age_s);
     }
     void validate() const;
   };

@@ -33,58 +33,44 @@ namespace fail_aware {
 
 struct LevelKeepingParams {
   bool enabled = true;
+  /// m driven between two looks: two of them in each place (place_length_m), at 1.5 ms each
   double look_every_m = 3.0;
-  double column_m = 1.0;  ///< side of a column
-  double min_range_m = 4.0;
-  double max_range_m = 30.0;
-  double min_height_m = -1.2;  ///< of a column's points above the sensor; the ground must be below
-  double max_height_m = 3.0;
-  int min_points = 12;                  ///< in a column
-  double min_extent_m = 0.7;            ///< height from a column's lowest to its highest point
-  double beam_step_deg = 0.4;           ///< beams nearer to each other count as one
-  double max_standard_error_deg = 3.0;  ///< of the lean of a surface; larger ones say nothing
-  double sigma_surface_deg = 0.05;      ///< how upright surfaces stand, beside their standard error
-  double sigma_line_deg = 1.0;          ///< likewise trunks and poles, along the beam, from range errors
-  double sigma_lean_deg = 1.0;          ///< apparent lean at a range, likewise
-  double sigma_place_deg = 0.3;         ///< what all at one place leans alike
-  double place_length_m = 6.0;
-  double sigma_drift_deg_per_m = 0.005;  ///< of pitch, to begin with
-  double drift_walk_deg_per_m = 4.5e-5;  ///< its change: sigma after one metre, grows with the root of the way
-  double tilt_walk_deg = 0.02;           ///< of the tilt beside the drift, likewise
-  double correlation_inflation = 2.0;    ///< neighbouring looks see the same columns
-  double response = 0.66;                ///< of pitch to a bend, against what ground alone would give: walls hold
+  double column_m = 1.0;      ///< side of a column: holds a trunk whole, and little besides one wall
+  double min_range_m = 4.0;   ///< nearer columns may be parts of the vehicle or its load
+  double max_range_m = 30.0;  ///< farther columns are hit by too few beams to tell their lean
+  /// of a column's points above the sensor: clear of the ground, which must be lower
+  double min_height_m = -1.2;
+  double max_height_m = 3.0;  ///< higher up are crowns of trees and eaves, which do not stand upright
+  int min_points = 12;        ///< in a column: fewer tell no direction
+  /// height from a column's lowest to its highest point; lower things, as a car's side, need not stand upright
+  double min_extent_m = 0.7;
+  double beam_step_deg = 0.4;  ///< beams nearer to each other count as one: about an HDL-64E's spacing
+  /// of the lean of a surface; larger ones say nothing beside sigma_line_deg
+  double max_standard_error_deg = 3.0;
+  /// how upright surfaces stand, beside their standard error: walls are plumb
+  double sigma_surface_deg = 0.05;
+  double sigma_line_deg = 1.0;   ///< likewise trunks and poles, along the beam, from range errors; trunks lean
+  double sigma_lean_deg = 1.0;   ///< apparent lean at a range, likewise
+  double sigma_place_deg = 0.3;  ///< what all at one place leans alike
+  double place_length_m = 6.0;   ///< m driven until what leans alike is another place's
+  /// of pitch, to begin with: the order of what errors of beams cause
+  double sigma_drift_deg_per_m = 0.005;
+  /// its change: sigma after one metre, grows with the root of the way; beam errors hardly change in a drive
+  double drift_walk_deg_per_m = 4.5e-5;
+  /// of the tilt beside the drift, likewise: what registration adds by itself
+  double tilt_walk_deg = 0.02;
+  double correlation_inflation = 2.0;  ///< neighbouring looks see the same columns: they count as half as many
+  double response = 0.66;              ///< of pitch to a bend, against what ground alone would give: walls hold
+  /// share of the tilt since the start that a metre takes back: within some 25 m, slower than places change
   double tilt_gain_per_m = 0.04;
-  double drift_gain = 1.0;
+  double drift_gain = 1.0;  ///< share of the drift that is taken back: all of it
+  /// sweeps are bent by no more: above the drift to expect, so that a wrong estimate stays small
   double max_bend_deg_per_m = 0.008;
-  double bend_range_m = 40.0;  ///< farther out the bend goes on straight
+  double bend_range_m = 40.0;  ///< farther out the bend goes on straight: little ground is seen there
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("enabled", self.enabled);
-    v("look_every_m", self.look_every_m);
-    v("column_m", self.column_m);
-    v("min_range_m", self.min_range_m);
-    v("max_range_m", self.max_range_m);
-    v("min_height_m", self.min_height_m);
-    v("max_height_m", self.max_height_m);
-    v("min_points", self.min_points);
-    v("min_extent_m", self.min_extent_m);
-    v("beam_step_deg", self.beam_step_deg);
-    v("max_standard_error_deg", self.max_standard_error_deg);
-    v("sigma_surface_deg", self.sigma_surface_deg);
-    v("sigma_line_deg", self.sigma_line_deg);
-    v("sigma_lean_deg", self.sigma_lean_deg);
-    v("sigma_place_deg", self.sigma_place_deg);
-    v("place_length_m", self.place_length_m);
-    v("sigma_drift_deg_per_m", self.sigma_drift_deg_per_m);
-    v("drift_walk_deg_per_m", self.drift_walk_deg_per_m);
-    v("tilt_walk_deg", self.tilt_walk_deg);
-    v("correlation_inflation", self.correlation_inflation);
-    v("response", self.response);
-    v("tilt_gain_per_m", self.tilt_gain_per_m);
-    v("drift_gain", self.drift_gain);
-    v("max_bend_deg_per_m", self.max_bend_deg_per_m);
-    v("bend_range_m", self.bend_range_m);
   }
   void validate() const;
 };
