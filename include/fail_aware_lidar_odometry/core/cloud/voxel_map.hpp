@@ -36,12 +36,11 @@ class VoxelMap {
  public:
   struct Params {
     double voxel_size_m = 0.8;
-    /// kept a voxel for nearest-point queries: three lanes of four, what min_point_spacing_m leaves of a wall
-    int max_points = 12;
-    double min_point_spacing_m = 0.15;  ///< a point nearer to one that is kept is not: a fifth of a voxel
+    int max_points = 12;                ///< points kept per voxel for nearest-point queries
+    double min_point_spacing_m = 0.15;  ///< a point nearer to a kept one is not kept: a fifth of a voxel
     int min_plane_samples = 6;
     int max_samples = 1000;  ///< statistics are frozen from here on
-    /// thicker patches are no planes: hedges; a wall seen by all beams of a head is thinner
+    /// thicker patches are no planes: hedges; a wall seen by all beams is thinner
     double max_plane_sigma_m = 0.12;
     double min_plane_flatness = 5.0;  ///< middle over smallest eigenvalue: a line is no plane
 

@@ -103,10 +103,9 @@ class CovariancePredictor {
     double alarm_confidence = 0.9;    ///< of the time that the state acts on: a lower one gives fewer false alarms
     double degrees_of_freedom = 8.0;  ///< of the error's distribution; 0: Gaussian
     double horizon_s = 60.0;
-    /// of the prediction: may be coarse, since the crossing is found inside a step by bisection
+    /// step of the prediction: may be coarse: the crossing is found inside a step by bisection
     double step_s = 0.25;
-    /// on the growth of the covariance: 1, the growth as it is; other values are for tests
-    double rate_scale = 1.0;
+    double rate_scale = 1.0;  ///< factor on the growth of the covariance: 1: as measured
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

@@ -45,9 +45,9 @@ class FailAwareIndicator {
     double threshold = 0.0005;  ///< rad, on the scale above
     int rate_window_samples = 10;
     double horizon_s = 60.0;
-    /// T above: the sweep period that the threshold belongs to, the article's 10 Hz
+    /// sweep period that the threshold belongs to: T above; the article's 10 Hz
     double reference_period_s = 0.1;
-    /// a sample closer to its predecessor is left out: a tenth of a sweep, a slope over it is noise
+    /// a sample closer to its predecessor is left out: a slope over less is noise
     double min_interval_s = 0.01;
     double max_gap_s = 1.0;             ///< longer without a sample: the rate is unknown, eta is kept
     double average_s = 1.0;             ///< 0: a sample is a sweep

@@ -21,22 +21,23 @@ namespace fail_aware {
 class Coasting {
  public:
   struct Params {
-    /// R, along and across the road, up to this: poses give the motion, to 0.7 m/s a sweep
+    /// R along and across the road up to this: poses give the velocity; 0.7 m/s from two poses at 10 Hz
     double observed_sigma_m = 0.05;
     double observed_sigma_deg = 0.15;  ///< likewise of the heading
-    /// so many of them in a row end the coasting: the derivatives' windows are full then
+    /// so many observed sweeps in a row end the dead reckoning: the windows of the derivatives are full then
     int observed_sweeps = 5;
     double acceleration_mps2 = 0.7;           ///< standard deviation along the road;
     double lateral_acceleration_mps2 = 0.15;  ///< of the velocity's components across and up
-    double acceleration_time_s = 1.5;         ///< for which such an acceleration lasts: a driver's push on a pedal
+    double acceleration_time_s = 1.5;         ///< duration of such an acceleration: a push on a pedal
     double yaw_acceleration_rad_s2 = 0.45;    ///< of the heading, up to this speed; above it
-    /// by the speed's square less: a turn of 0.45 rad/s at this speed is 3 m/s^2 of lateral acceleration, about a
-    /// driver's most
+    /// faster: the yaw acceleration falls with the square of the speed; 0.45 rad/s at this speed is 3 m/s^2 across,
+    /// about what drivers accept
     double turning_speed_mps = 6.7;
-    double yaw_acceleration_time_s = 0.5;  ///< likewise: a turn of the wheel
-    /// a measurement less sure than this says nothing of the speed: it would be 14 m/s at 10 Hz
+    /// duration of such a yaw acceleration: a turn of the steering wheel
+    double yaw_acceleration_time_s = 0.5;
+    /// a measurement with a larger sigma does not give the speed: the speed would have a sigma of 14 m/s at 10 Hz
     double max_measured_sigma_m = 1.0;
-    double max_measured_sigma_deg = 3.0;  ///< nor of the yaw rate
+    double max_measured_sigma_deg = 3.0;  ///< nor the yaw rate
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

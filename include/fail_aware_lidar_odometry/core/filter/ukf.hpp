@@ -20,7 +20,7 @@ class Ukf {
  public:
   struct Params {
     UnscentedParams sigma_points;
-    /// m and rad; floor of P's standard deviations in every direction: far below any pose error, above rounding
+    /// m and rad; least standard deviation of P in every direction; far below any pose error, above rounding
     double min_sigma = 1e-6;
     void validate() const;
   };

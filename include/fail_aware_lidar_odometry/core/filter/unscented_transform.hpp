@@ -19,10 +19,10 @@
 namespace fail_aware {
 
 struct UnscentedParams {
-  /// spread of the points; the nearer to 0, the more local. At 0.1 the weights keep their digits
+  /// spread of the sigma points; the nearer to 0, the more local; 0.1 keeps the digits of the weights
   double alpha = 0.1;
-  double beta = 2.0;   ///< best for Gaussians
-  double kappa = 0.0;  ///< N + kappa > 0; 0 is the usual choice
+  double beta = 2.0;   ///< 2 suits Gaussians
+  double kappa = 0.0;  ///< N + kappa > 0: 0 is the usual choice
   void validate() const;
 };
 

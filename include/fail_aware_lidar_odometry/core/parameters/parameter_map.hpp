@@ -98,8 +98,8 @@ void fromMap(Struct& parameters, const ParameterMap& values, MissingKeys missing
   parameters = std::move(updated);
 }
 
-/// Sets one field from text, "fusion.gate_sigma=3.0"; the field's type says how it is read: true|false, an integer, a number
-/// (inf and -inf too), text as it stands, or numbers in [a, b, c].
+/// Sets one field from text, "fusion.gate_sigma=3.0"; the field's type says how it is read: true|false, an integer, a
+/// number (inf and -inf too), text as it stands, or numbers in [a, b, c].
 template <class Struct>
 void setParameter(Struct& parameters, const std::string& assignment) {
   Struct updated = parameters;

@@ -24,16 +24,17 @@ class BeamRanges {
  public:
   struct Params {
     bool enabled = true;
-    double sigma_m = 0.03;  ///< of a beam's offset, to begin with: what a calibration leaves
-    /// its change from sweep to sweep, so that a wrong one is unlearnt; heads themselves hold for months
+    double sigma_m = 0.03;  ///< initial sigma of a beam's offset: what a calibration of the head leaves
+    /// its change from sweep to sweep: a wrong offset is corrected; heads hold theirs for months
     double walk_m = 0.002;
-    double residual_m = 0.1;  ///< of a point's distance from a plane: noise, roughness, what neighbours share
+    double residual_m = 0.1;  ///< sigma of a point's distance from a plane: noise, roughness, common errors
     double kernel_m = 0.1;    ///< larger distances are something else
-    /// share of the offset that counts as measured away: keeps what varies slowly from drifting, see above
+    /// ratio of the offset that is forgotten: keeps what varies slowly from beam to beam from drifting
     double forget = 0.05;
-    /// cosine between beam and normal: up to 45 deg; more grazing, the range hardly enters the distance
+    /// least cosine between beam and normal: 45 deg; at more grazing angles the range hardly changes the distance
     double min_obliqueness = 0.7;
-    double max_normal_z = 0.2;  ///< of planes that stand: ground misses by elevation errors, too
+    /// largest z of the normal: upright planes only; ground is missed because of elevation errors, too
+    double max_normal_z = 0.2;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

@@ -31,18 +31,17 @@ class CornerAlignment {
  public:
   struct Params {
     double association_distance_m = 0.5;
-    /// of the two: a prediction's heading is far better, a plane fitted to a hedge is not
-    double max_normal_difference_deg = 15.0;
+    double max_normal_difference_deg = 15.0;  ///< largest angle between the normals of the two corners
     int min_corners = 2;
     double max_residual_m = 0.15;  ///< of M and of N, horizontal
     double min_baseline_m = 2.0;   ///< between the two corners furthest apart
-    /// of a corner's M, per axis: what no number of points averages out, a beam's range error
+    /// least sigma of a corner's M, per axis: range error of a beam, which no number of points averages out
     double min_sigma_m = 0.02;
-    double min_direction_sigma_deg = 0.5;    ///< of a plane's direction, likewise
+    double min_direction_sigma_deg = 0.5;    ///< least sigma of a plane's direction, likewise
     int points_per_independent_sample = 20;  ///< neighbours share the beam's bias and the wall's relief
-    /// of the predicted variances of z, roll and pitch: says next to nothing of them
+    /// factor on the predicted variances of z, roll and pitch: a corner observes none of them
     double unobserved_inflation = 10.0;
-    int good_corners = 6;  ///< this many, well spread: an information share of 1
+    int good_corners = 6;  ///< this many, well spread: an information of 1
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

@@ -16,10 +16,10 @@ class CornerReference {
  public:
   struct Params {
     int sweeps = 20;
-    /// sightings nearer than this are one corner: more than the odometry is off in `sweeps`
+    /// sightings nearer than this are one corner: the odometry drifts by less within `sweeps`
     double merge_distance_m = 0.3;
-    double max_normal_difference_deg = 15.0;  ///< of sightings of one corner
-    /// corners farther from the vehicle are forgotten: they are extracted up to 50 m
+    double max_normal_difference_deg = 15.0;  ///< largest angle between the normals of sightings of one corner
+    /// corners farther from the vehicle are removed: corners are extracted up to 50 m
     double max_range_m = 60.0;
 
     template <class Self, class Visitor>

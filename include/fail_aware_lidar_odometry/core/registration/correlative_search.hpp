@@ -21,10 +21,11 @@ class CorrelativeSearch {
  public:
   struct Params {
     bool enabled = true;
-    double range_m = 60.0;       ///< of the sweep's points: as the first motion's search
-    double max_shift_m = 15.0;   ///< farthest from the prediction, along each axis
-    double max_turn_deg = 45.0;  ///< likewise: more than a car turns in a gap that it is worth searching after
-    /// of what stands: so much has to fit; half counts what lies where the map shows nothing
+    double range_m = 60.0;      ///< farthest points used: as the first motion's search
+    double max_shift_m = 15.0;  ///< farthest from the prediction, along each axis
+    /// largest turn from the prediction, to both sides: more than a car turns in a short gap
+    double max_turn_deg = 45.0;
+    /// ratio of what stands that must fit (half of it: what lies where nothing was seen)
     double min_share = 0.65;
 
     template <class Self, class Visitor>

@@ -29,18 +29,20 @@ class MotionInitialization {
   struct Params {
     double min_speed_mps = -5.0;
     double max_speed_mps = 45.0;
-    double step_mps = 2.0;  ///< 0.2 m a sweep: within kernel_m
+    /// coarse steps; then finer ones around the best; 0.2 m a sweep at 10 Hz, within kernel_m
+    double step_mps = 2.0;
     double max_yaw_rate_rps = 0.7;
-    double step_yaw_rate_rps = 0.1;  ///< 0.01 rad a sweep: 0.3 m at 30 m, as kernel_m
-    /// speed times yaw rate: faster turns are not tried, tyres hold no more
+    double step_yaw_rate_rps = 0.1;  ///< steps of the yaw rate: at 10 Hz 0.3 m at a range of 30 m, as kernel_m
+    /// speed times yaw rate: faster turns are not tried; tyres hold no more
     double max_lateral_acceleration_mps2 = 8.0;
-    double max_range_m = 60.0;  ///< of the points used: farther ones are too sparse to stand in a column
-    double thinning_m = 0.1;    ///< voxel size of the sweeps: coarser ones fit best at standstill, see above
-    double kernel_m = 0.3;      ///< Geman-McClure scale of the distance to the nearest point; half of it at last
+    double max_range_m = 60.0;  ///< farthest points used: beyond it points are sparse
+    double thinning_m = 0.1;    ///< voxel size of the sweeps: coarser sweeps fit best at standstill, see above
+    double kernel_m = 0.3;      ///< Geman-McClure scale of the distance to the nearest point; half of it at the end
     double cell_m = 3.0;        ///< horizontal cells, one vote each: about a car, so that one ahead has few
-    /// horizontal size of the columns in which height is measured: more than the slope of a road lifts a point in it
+    /// horizontal size of the columns in which height is measured: a slope lifts a point by less than min_height_m in
+    /// it
     double column_m = 0.5;
-    double min_height_m = 0.4;  ///< above the lowest of its column: what stands; a kerb does not
+    double min_height_m = 0.4;  ///< a point this far above the lowest of its column stands: a kerb does not
     /// While the speed is unknown, a sweep that has moved less than this is taken to stand only if its weakest
     /// horizontal direction has at least this share of the information: what travels with the vehicle makes it seem to
     /// stand.

@@ -21,15 +21,13 @@ class Relocalization {
  public:
   struct Params {
     bool enabled = true;
-    /// of the predicted position; below it the usual search reaches (its max_distance_m is five of these)
-    double min_sigma_m = 0.1;
-    /// of the seeds, at most: correspondences reach 1.5 m, so wider ones would leave gaps
+    double min_sigma_m = 0.1;  ///< predicted position sigma up to which the usual search is enough
+    /// largest spread of the seeds: wider seeds would leave gaps between what correspondences reach
     double max_spread_m = 2.0;
-    double max_distance_m = 1.5;  ///< cut-off of correspondences, no more than the eight nearest voxels reach
-    /// of the sweep, within the usual distance, where no search confirmed the place: more than elsewhere (0.3)
+    double max_distance_m = 1.5;  ///< cut-off of correspondences, not more than the voxels reach
+    /// least ratio of inliers where no search confirmed the place: more than elsewhere (0.3)
     double min_inlier_share = 0.5;
-    /// the kernel that ends the search: what fits by less counts; the usual cut-off takes over from there
-    double narrow_m = 0.3;
+    double narrow_m = 0.3;  ///< kernel at the end of the search: what fits better than this counts
     CorrelativeSearch::Params search;
 
     template <class Self, class Visitor>

@@ -35,32 +35,34 @@ class RoadRelief {
  public:
   struct Params {
     bool enabled = true;
-    /// laid over each other: two seconds at 10 Hz, in which a constant acceleration is near enough
+    /// sweeps that are compared: 2 s at 10 Hz, in which the acceleration is nearly constant
     int window_sweeps = 20;
-    int min_sweeps = 10;  ///< half a window; fewer say nothing
-    /// of the points used, horizontal, from the lidar: nearer ones are the vehicle's own
+    int min_sweeps = 10;  ///< fewer sweeps give no speed: half a window
+    /// nearest points used, horizontal, from the lidar: nearer ones are the vehicle's own
     double min_range_m = 3.0;
-    double max_range_m = 16.0;  ///< farther beams are too grazing to hit each cell
-    double half_width_m = 4.0;  ///< of the strip of road used: the own lane and its neighbours
-    /// size of the bins in which the mean is taken: a fraction of the beams' spacing
+    double max_range_m = 16.0;  ///< farthest points used: farther beams are too grazing
+    double half_width_m = 4.0;  ///< half the width of the strip of road used: own lane and its neighbours
+    /// elevation of the bins in which the mean is taken: a fraction of the beams' spacing
     double direction_elevation_deg = 0.1;
-    double direction_azimuth_deg = 0.5;  ///< likewise around: 0.14 m at max_range_m, less than a cell
-    /// what stands out more is no road: the relief is millimetres, range noise centimetres
+    double direction_azimuth_deg = 0.5;  ///< azimuth of these bins: 0.14 m at max_range_m, less than a cell
+    /// what stands out more is not the road: the relief is millimetres, range noise centimetres
     double max_height_m = 0.03;
-    double cell_m = 0.25;  ///< a quarter of the relief's wavelength
-    /// half the side of the square whose mean height is taken off: longer than the relief's metre, shorter than a
+    double cell_m = 0.25;  ///< cell of the grid of heights: a quarter of the relief's length
+    /// half the side of the square whose mean height is subtracted: longer than the relief, shorter than the road's
     /// crown
     double smoothing_m = 1.5;
-    double relief_sigma_m = 0.002;  ///< height of a road's relief: what noise is weighed against
+    double relief_sigma_m = 0.002;  ///< height of the relief, against which noise is weighed
     double min_speed_mps = -5.0;
     double max_speed_mps = 45.0;
-    double max_acceleration_mps2 = 4.0;  ///< and braking, within the window: beyond it is an emergency
-    double min_correlation = 0.1;        ///< of sweeps laid over each other at the peak: chance alone gives less
-    /// share of the highest, in a search over all speeds: of two peaks alike none is believed
+    /// largest acceleration and braking within the window: beyond it is emergency braking
+    double max_acceleration_mps2 = 4.0;
+    double min_correlation = 0.1;  ///< least correlation of the sweeps at the peak
+    /// largest second peak, as a ratio of the highest, in a search over all speeds: with two similar peaks none is
+    /// reliable
     double max_second_peak = 0.7;
-    double speed_sigma_mps = 0.6;  ///< of a result; consecutive errors are alike, so more than theirs (0.2)
-    /// on top, times the share of the energy that the opposite motion has: as good as no result if that is all
-    double mirrored_sigma_mps = 8.0;
+    /// sigma of a result; errors of consecutive results are alike, so larger than theirs (0.2)
+    double speed_sigma_mps = 0.6;
+    double mirrored_sigma_mps = 8.0;  ///< added, times the ratio of the energy that the opposite motion has
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

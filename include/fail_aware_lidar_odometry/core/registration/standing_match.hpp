@@ -34,28 +34,26 @@ class StandingMatch {
  public:
   struct Params {
     bool enabled = true;
-    /// of the weakest horizontal direction among the planes: a street has more
+    /// used up to this information of the planes' weakest horizontal direction; streets have more
     double max_information_share = 0.12;
-    /// of the points: between open country and a motorway (a seventh), see above
-    double max_standing_share = 0.1;
-    /// of what surfaces tell there of the horizontal position: a third of the way of a sweep at 10 m/s
-    double surface_sigma_m = 0.3;
-    double surface_sigma_deg = 0.2;  ///< and of the heading
-    double max_range_m = 100.0;      ///< of the points used: all that registration takes
-    double cell_m = 4.0;             ///< side of a place; each has one vote: a bush, or a car
-    double column_m = 0.5;           ///< side of the columns in which height is measured, as the first motion's search
-    double min_height_m = 0.4;       ///< above the lowest of its column: a point that stands
-    double window_m = 1.0;           ///< along the way, to both sides of the prediction: ten m/s wrong at 10 Hz
-    double step_m = 0.2;             ///< of the search: as the kernel
-    double kernel_m = 0.2;           ///< Geman-McClure scale at the end: a bush seen again
-    double contrast_m = 0.6;         ///< looked so far beyond the window, three steps:
-    /// a place's best less its worst vote, at least: a fence along the road has less
+    double max_standing_share = 0.1;  ///< and up to this ratio of points that stand: on a motorway a seventh do
+    double surface_sigma_m = 0.3;     ///< sigma there of the horizontal position from surfaces
+    double surface_sigma_deg = 0.2;   ///< likewise of the heading
+    double max_range_m = 100.0;       ///< farthest points used: all that registration uses
+    double cell_m = 4.0;              ///< side of a place, which has one vote: a bush, or a car
+    double column_m = 0.5;            ///< side of the columns in which height is measured
+    double min_height_m = 0.4;        ///< a point this far above the lowest of its column stands
+    /// searched along the road, to both sides of the prediction: a speed that is wrong by 10 m/s at 10 Hz
+    double window_m = 1.0;
+    double step_m = 0.2;      ///< step of that search: as kernel_m
+    double kernel_m = 0.2;    ///< Geman-McClure scale at the end
+    double contrast_m = 0.6;  ///< the votes are compared this far beyond the window
+    /// least difference of a place's best and worst vote: a fence along the road has less
     double min_contrast = 0.3;
-    double sigma_m = 0.25;    ///< of one place: what a bush's points scatter from sweep to sweep
-    double min_places = 1.7;  ///< fewer say nothing: one place has no heading
-    /// since a sweep was kept; then it is another one, before the same things look different
-    double max_way_m = 10.0;
-    double max_age_s = 1.0;  ///< likewise in time
+    double sigma_m = 0.25;    ///< sigma of one place: scatter of a bush's points from sweep to sweep
+    double min_places = 1.7;  ///< fewer places give no result: one place gives no heading
+    double max_way_m = 10.0;  ///< farthest from the sweep that is matched with; then another one is used
+    double max_age_s = 1.0;   ///< likewise in time
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

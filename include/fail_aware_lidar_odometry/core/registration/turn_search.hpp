@@ -23,7 +23,8 @@ class TurnSearch {
  public:
   struct Params {
     bool enabled = true;
-    /// of the predicted turn rate, each axis: where a turn begins it is off by some degrees a second
+    /// sigma of the predicted turn rate, each axis (a compensated cloud: of no turn); at the start of a turn the
+    /// prediction is off by some degrees a second
     double sigma_deg_s = 4.0;
 
     template <class Self, class Visitor>

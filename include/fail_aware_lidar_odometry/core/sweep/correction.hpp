@@ -39,7 +39,7 @@ struct CorrectionResult {
 
 struct SweepCorrectionParams {
   bool enabled = true;
-  /// of the power series, for a point 200 m away: far below a lidar's range noise
+  /// truncation error of the power series, for a point 200 m away: far below range noise
   double max_truncation_m = 1e-4;
 
   template <class Self, class Visitor>

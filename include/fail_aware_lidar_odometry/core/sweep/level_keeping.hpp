@@ -33,40 +33,43 @@ namespace fail_aware {
 
 struct LevelKeepingParams {
   bool enabled = true;
-  /// m driven between two looks: two of them in each place (place_length_m), at 1.5 ms each
+  /// distance between two searches for walls, trunks and poles: two searches in each place (place_length_m)
   double look_every_m = 3.0;
-  double column_m = 1.0;      ///< side of a column: holds a trunk whole, and little besides one wall
-  double min_range_m = 4.0;   ///< nearer columns may be parts of the vehicle or its load
-  double max_range_m = 30.0;  ///< farther columns are hit by too few beams to tell their lean
-  /// of a column's points above the sensor: clear of the ground, which must be lower
-  double min_height_m = -1.2;
-  double max_height_m = 3.0;  ///< higher up are crowns of trees and eaves, which do not stand upright
-  int min_points = 12;        ///< in a column: fewer tell no direction
-  /// height from a column's lowest to its highest point; lower things, as a car's side, need not stand upright
+  double column_m = 1.0;  ///< side of a column: holds a trunk, and little besides one wall
+  /// nearest points used, from the sensor: nearer ones may be parts of the vehicle or its load
+  double min_range_m = 4.0;
+  double max_range_m = 30.0;   ///< farthest points used: farther columns are hit by too few beams
+  double min_height_m = -1.2;  ///< lowest point of a column, above the sensor; the ground must be below it
+  /// highest point of a column, above the sensor: higher up are crowns of trees and eaves
+  double max_height_m = 3.0;
+  int min_points = 12;  ///< fewest points of a column: fewer give no direction
+  /// least height from a column's lowest to its highest point: lower things need not stand upright
   double min_extent_m = 0.7;
-  double beam_step_deg = 0.4;  ///< beams nearer to each other count as one: about an HDL-64E's spacing
-  /// of the lean of a surface; larger ones say nothing beside sigma_line_deg
-  double max_standard_error_deg = 3.0;
-  /// how upright surfaces stand, beside their standard error: walls are plumb
+  double beam_step_deg = 0.4;  ///< beams that are nearer to each other count as one: about an HDL-64E's spacing
+  double max_standard_error_deg = 3.0;  ///< surfaces with a larger standard error of the lean are not used
+  /// sigma of the true lean of surfaces, in addition to the standard error: walls are plumb
   double sigma_surface_deg = 0.05;
-  double sigma_line_deg = 1.0;   ///< likewise trunks and poles, along the beam, from range errors; trunks lean
-  double sigma_lean_deg = 1.0;   ///< apparent lean at a range, likewise
-  double sigma_place_deg = 0.3;  ///< what all at one place leans alike
-  double place_length_m = 6.0;   ///< m driven until what leans alike is another place's
-  /// of pitch, to begin with: the order of what errors of beams cause
+  double sigma_line_deg = 1.0;   ///< the same for trunks and poles, towards the sensor, from range errors
+  double sigma_lean_deg = 1.0;   ///< sigma of the apparent lean at one range
+  double sigma_place_deg = 0.3;  ///< sigma of the lean that all surfaces at one place have in common
+  double place_length_m = 6.0;   ///< length of a place along the road
+  /// initial sigma of the drift of pitch: the order of what errors of the beams cause
   double sigma_drift_deg_per_m = 0.005;
-  /// its change: sigma after one metre, grows with the root of the way; beam errors hardly change in a drive
+  /// random walk of the drift: sigma after 1 m, grows with the root of the distance; errors of the beams hardly
+  /// change during a drive
   double drift_walk_deg_per_m = 4.5e-5;
-  /// of the tilt beside the drift, likewise: what registration adds by itself
-  double tilt_walk_deg = 0.02;
-  double correlation_inflation = 2.0;  ///< neighbouring looks see the same columns: they count as half as many
-  double response = 0.66;              ///< of pitch to a bend, against what ground alone would give: walls hold
-  /// share of the tilt since the start that a metre takes back: within some 25 m, slower than places change
+  double tilt_walk_deg = 0.02;  ///< random walk of the tilt, in addition to the drift, likewise
+  /// neighbouring searches see the same columns: factor on the variance; they count as half as many
+  double correlation_inflation = 2.0;
+  /// response of pitch to a bend, as a ratio of what ground alone would give: walls hold the pitch
+  double response = 0.66;
+  /// ratio of the tilt since the start that is corrected per metre: gone after some 25 m
   double tilt_gain_per_m = 0.04;
-  double drift_gain = 1.0;  ///< share of the drift that is taken back: all of it
-  /// sweeps are bent by no more: above the drift to expect, so that a wrong estimate stays small
+  double drift_gain = 1.0;  ///< ratio of the drift that is corrected; 1: all of it
+  /// largest bend of a sweep: above the expected drift, so that a wrong estimate has a small effect
   double max_bend_deg_per_m = 0.008;
-  double bend_range_m = 40.0;  ///< farther out the bend goes on straight: little ground is seen there
+  /// beyond this range the bend continues as a straight line: little ground is seen there
+  double bend_range_m = 40.0;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

@@ -42,12 +42,11 @@ class MotionHistory {
     int window_sweeps = 2;               ///< intervals that give the rates
     int acceleration_window_sweeps = 4;  ///< intervals that give the accelerations
     bool second_differences = false;     ///< the article's finite differences instead
-    /// a pose closer to its predecessor replaces it: its rates would be noise (a sweep takes 0.05 s at least)
+    /// a pose that comes sooner replaces its predecessor: rates over less time are noise
     double min_interval_s = 0.02;
-    /// intervals whose middle is older are left out: a car's acceleration is another one a second later
+    /// intervals whose middle is older are left out: a car's acceleration changes within a second
     double max_age_s = 1.0;
-    /// longer acceleration vectors are cut to this: more than tyres can do
-    double max_acceleration_mps2 = 12.0;
+    double max_acceleration_mps2 = 12.0;  ///< longer acceleration vectors are cut to this: tyres can do no more
     double max_angular_acceleration_rad_s2 = 10.0;  ///< likewise, each of roll, pitch, yaw
 
     template <class Self, class Visitor>

@@ -34,7 +34,7 @@ Eigen::Vector2d restingRollPitch(const SuspensionAxis& roll_axis, const Suspensi
 class RoadPlaneEstimator {
  public:
   struct Params {
-    /// of the fading memory: about one swing of the suspension
+    /// memory of the estimate of the road's slope: about one swing of the suspension
     double time_constant_s = 0.5;
     void validate() const;
   };
