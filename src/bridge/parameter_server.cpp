@@ -63,7 +63,7 @@ PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
                          "s there (launch/odometry.launch does)");
   }
   PipelineParameters parameters;
-  readParameters(node, "profile", parameters.profile);
+  readParameters(node, "profile", parameters.profile, MissingKeys::kKeep);
   readParameters(node, "vehicle", parameters.vehicle);
   readParameters(node, "sensor", parameters.sensor);
   parameters.validate();

@@ -94,8 +94,10 @@ def check(root, name, arguments, config, nodelets):
     expect({"SweepCorrection", "IcpPointToPoint", "IcpPointToPlane", "CornerSvd", "FusionUkf",
             "FailAwareMonitor"} <= set(loaded), "a nodelet is missing: %s" % loaded)
     expect(("rviz" in names) == (arguments.get("rviz") == "true"), "rviz")
-    for key in ("profile/registration/use_point", "vehicle/cog_in_base", "sensor/lidar_in_base"):
+    for key in ("profile/registration/use_point", "profile/fusion/min_weight", "vehicle/cog_in_base", "sensor/lidar_in_base"):
         expect("%s/%s" % (namespace, key) in values, "no parameter %s" % key)
+    literal = values["%s/profile/fusion/literal" % namespace]
+    expect(literal == (arguments.get("profile") == "paper"), "the profile over default and expert")
     fitted = values["%s/profile/monitor/drift/scale_bias" % namespace] == 0.5
     expect(fitted == ("parameters" in arguments), "parameters over the profile's")
     for kind in OWN:

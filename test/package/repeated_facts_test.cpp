@@ -122,7 +122,6 @@ TEST(RepeatedFacts, alertLimit) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
   const std::multimap<std::string, std::string> places = {
-      {"cfg/profiles/paper.yaml", "alert_limit_m: " + number},
       {"include/fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
       {"include/fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
       {"scripts/fault_matrix", "ALERT_LIMIT_M = " + number},

@@ -493,8 +493,8 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
 
   expectRefused(good + "--set fusion.gate_sigmas=2.5", "fusion.gate_sigmas: unknown parameter");
   expectRefused(good + "--set fusion.gate_sigma=-2.5", "fusion.gate_sigma = -2.5");
-  expectRefused(good + "--set registration.plane.observability.lever_m=0",
-                "registration.plane.observability.lever_m = 0");
+  expectRefused(good + "--set registration.plane.observability.min_information_share=2",
+                "registration.plane.observability.min_information_share = 2");
   expectRefused(good + "--set fusion.gate_sigma=wide", "fusion.gate_sigma: must be a number");
   expectRefused(good + "--set fusion.gate_sigma", "key=value");
   std::ofstream(folder_ / "wrong.yaml") << "fusion:\n  gate_sigmas: 2.5\n";

@@ -1,8 +1,9 @@
 // The parameter server -> parameter structs. The only reader of the server in this package.
 //
-// `rosparam load` puts cfg/profiles/*.yaml into profile/, cfg/vehicles/*.yaml into vehicle/ and cfg/sensors/*.yaml
-// into sensor/ of the graph's namespace; the same rules hold as for files (core/parameters/parameter_map.hpp): every
-// key must be there, an unknown one is refused.
+// `rosparam load` puts a profile's layers (core/io/profile_files.hpp) into profile/, a file of cfg/vehicles into vehicle/
+// and one of cfg/sensors into sensor/ of the graph's namespace. The same rules hold as for files: an unknown key is
+// refused; of vehicle/ and sensor/ every key must be there. A key that profile/ lacks keeps the value in code, which is
+// that of default.yaml and expert.yaml.
 // Failure: ParameterError naming namespace, key and rule.
 #pragma once
 

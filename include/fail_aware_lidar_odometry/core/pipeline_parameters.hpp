@@ -1,5 +1,7 @@
 // All parameters of the odometry as one tree: what the profile, vehicle and sensor files fill, offline and on the
-// vehicle alike. Keys are the dotted names, e.g. `registration.plane.kernel_m`.
+// vehicle alike. Keys are the dotted names, e.g. `registration.plane.kernel_m`. The profile's are of two tiers, what a
+// user may have to set (default.yaml) and what a developer varies (expert.yaml); members that visit() leaves out are
+// constants, with the reason for their value beside them.
 #pragma once
 
 #include <vector>
@@ -57,14 +59,14 @@ struct VehicleFileParameters {
   Pose T_base_cog() const;
 };
 
-/// cfg/profiles/*.yaml
+/// cfg/profiles/*.yaml. The values in code are those of default.yaml and expert.yaml.
 struct ProfileParameters {
   SweepCorrectionParams sweep_correction;
   LevelKeepingParams level_keeping;
   VehicleModel::Params model;
   MotionHistory::Params history;
-  RoadPlaneEstimator::Params road;
-  Ukf::Params ukf;
+  RoadPlaneEstimator::Params road;  ///< constants
+  Ukf::Params ukf;                  ///< constants
   PoseFilter::Params filter;
   RegistrationParameters registration;
   MeasurementFusion::Params fusion;
@@ -76,8 +78,6 @@ struct ProfileParameters {
     v("level_keeping", self.level_keeping);
     v("model", self.model);
     v("history", self.history);
-    v("road", self.road);
-    v("ukf", self.ukf);
     v("filter", self.filter);
     v("registration", self.registration);
     v("fusion", self.fusion);

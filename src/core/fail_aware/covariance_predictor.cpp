@@ -103,9 +103,9 @@ void CovariancePredictor::Params::validate() const {
   requireParameter(degrees_of_freedom == 0.0 || (degrees_of_freedom >= 1.0 && degrees_of_freedom <= 1e6),
                    "degrees_of_freedom", degrees_of_freedom, "0 or in [1, 1e6]");
   requirePositive("horizon_s", horizon_s);
-  requireParameter(std::isfinite(step_s) && step_s > 0.0 && horizon_s / step_s <= kMaxSteps, "step_s", step_s,
-                   "> 0 and at least horizon_s / 100000");
+  requirePositive("step_s", step_s);
   requireAtMost("step_s", step_s, 10.0);
+  requireParameter(horizon_s / step_s <= kMaxSteps, "horizon_s", horizon_s, "at most 100000 steps of step_s");
   requireWithin("rate_scale", rate_scale, 0.0, 1e6);
 }
 

@@ -18,6 +18,9 @@ bool isPath(const std::string& name) {
   return name.find('/') != std::string::npos || fs::path(name).extension() == ".yaml";
 }
 
+constexpr const char* kDefault = "default";
+constexpr const char* kExpert = "expert";  // in the profiles' folder, but a layer below each of them and none itself
+
 std::string resolve(const fs::path& folder, const std::string& name, const std::string& what) {
   const fs::path file = isPath(name) ? fs::path(name) : folder / (name + ".yaml");
   std::error_code error;  // a name that cannot be a file's is no file
@@ -26,6 +29,7 @@ std::string resolve(const fs::path& folder, const std::string& name, const std::
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".yaml") known.push_back(entry.path().stem().string());
   }
+  known.erase(std::remove(known.begin(), known.end(), kExpert), known.end());
   std::sort(known.begin(), known.end());
   std::string list;
   for (const std::string& stem : known) list += (list.empty() ? "" : ", ") + stem;
@@ -55,7 +59,9 @@ PipelineParameters loadPipelineParameters(const ProfileFiles& files) {
   const fs::path cfg = files.cfg.empty() ? findCfg() : files.cfg;
   if (!isCfg(cfg)) throw InputError("no cfg folder: " + cfg.string() + " has no profiles/");
   PipelineParameters params;
-  loadYaml(resolve(cfg / "profiles", files.profile, "profile"), params.profile);
+  for (const std::string& layer : {std::string(kDefault), std::string(kExpert), files.profile}) {
+    loadYaml(resolve(cfg / "profiles", layer, "profile"), params.profile, MissingKeys::kKeep);
+  }
   loadYaml(resolve(cfg / "vehicles", files.vehicle, "vehicle"), params.vehicle);
   loadYaml(resolve(cfg / "sensors", files.sensor, "sensor"), params.sensor);
   params.validate();

@@ -32,7 +32,8 @@ void MotionInitialization::Params::validate() const {
   requireWithin("step_yaw_rate_rps", step_yaw_rate_rps, 0.01, 10.0);
   const double tried =
       ((max_speed_mps - min_speed_mps) / step_mps + 1.0) * (2.0 * max_yaw_rate_rps / step_yaw_rate_rps + 1.0);
-  requireParameter(tried <= kMostTried, "step_mps", step_mps, "so large that at most 10000 motions are tried");
+  requireParameter(tried <= kMostTried, "max_yaw_rate_rps", max_yaw_rate_rps,
+                   "so small that at most 10000 motions are tried");
   requirePositive("max_lateral_acceleration_mps2", max_lateral_acceleration_mps2);
   requireWithin("max_range_m", max_range_m, 0.1, 1000.0);
   requireWithin("thinning_m", thinning_m, 0.01, 10.0);

@@ -89,21 +89,12 @@ TEST_F(ProfileFilesTest, EveryFileOfThePackageLoads) {
   for (const std::string& sensor : sensors) EXPECT_EQ(refusal({kCfg.string(), "default", "passat_b6", sensor}), "");
 }
 
-TEST_F(ProfileFilesTest, TheDefaultProfileIsTheDefaultsInCode) {
-  const ParameterMap in_code = toMap(ProfileParameters());
-  ProfileParameters read;
-  loadYaml((kCfg / "profiles" / "default.yaml").string(), read);
-  const ParameterMap in_file = toMap(read);
-  ASSERT_EQ(in_file.size(), in_code.size());
-  for (const auto& [key, value] : in_code) {
-    EXPECT_TRUE(in_file.at(key) == value)
-        << "file: " << formatYaml({{key, in_file.at(key)}}) << "code: " << formatYaml({{key, value}});
-  }
+ProfileParameters paperProfile() {
+  return loadPipelineParameters({kCfg.string(), "paper", "passat_b6", "hdl64e"}).profile;
 }
 
 TEST_F(ProfileFilesTest, ThePaperProfileIsTheArticle) {
-  ProfileParameters paper;
-  loadYaml((kCfg / "profiles" / "paper.yaml").string(), paper);
+  const ProfileParameters paper = paperProfile();
   EXPECT_TRUE(paper.model.literal);
   EXPECT_TRUE(paper.model.six_dof);
   EXPECT_TRUE(paper.history.second_differences);
@@ -117,8 +108,7 @@ TEST_F(ProfileFilesTest, ThePaperProfileIsTheArticle) {
 }
 
 TEST_F(ProfileFilesTest, ThePaperProfileLeavesOutWhatIsNotInTheArticle) {
-  ProfileParameters paper;
-  loadYaml((kCfg / "profiles" / "paper.yaml").string(), paper);
+  const ProfileParameters paper = paperProfile();
   const std::vector<std::string> on = {"sweep_correction.enabled",                     // the article's
                                        "registration.relocalization.search.enabled"};  // of a part that is off
   const std::string ending = ".enabled";
@@ -141,6 +131,21 @@ TEST_F(ProfileFilesTest, ThreeFilesMakeOneSetOfParameters) {
   EXPECT_TRUE(params.sensor.T_base_lidar().translation().isApprox(Eigen::Vector3d(1.0, 2.0, 3.0)));
 }
 
+TEST_F(ProfileFilesTest, AProfileIsLayers) {
+  replaceLine("profiles/default.yaml", "  gate_sigma:", "  gate_sigma: 2.5");
+  replaceLine("profiles/expert.yaml", "  min_weight:", "  min_weight: 0.02");
+  std::ofstream(cfg_ / "mine.yaml") << "fusion:\n  literal: true\n  min_weight: 0.03\n";
+  const auto fusion = [&](const std::string& profile) {
+    return loadPipelineParameters({cfg_.string(), profile, "passat_b6", "hdl64e"}).profile.fusion;
+  };
+  EXPECT_EQ(fusion("default").gate_sigma, 2.5);
+  EXPECT_EQ(fusion("default").min_weight, 0.02);
+  const MeasurementFusion::Params mine = fusion((cfg_ / "mine.yaml").string());
+  EXPECT_TRUE(mine.literal);
+  EXPECT_EQ(mine.gate_sigma, 2.5);
+  EXPECT_EQ(mine.min_weight, 0.03);
+}
+
 TEST_F(ProfileFilesTest, AnUnknownKeyIsNamedWithItsPlace) {
   replaceLine("profiles/default.yaml", "fusion:", "fusion:\n  gate_sigmas: 3.0");
   const std::string said = refusal();
@@ -151,9 +156,7 @@ TEST_F(ProfileFilesTest, AnUnknownKeyIsNamedWithItsPlace) {
   expectHas(refusal({"", "paper", "passat_b6", "hdl64e"}), "rings: unknown parameter");
 }
 
-TEST_F(ProfileFilesTest, AMissingKeyIsNamed) {
-  replaceLine("profiles/paper.yaml", "  gate_sigma:", "");
-  expectHas(refusal({"", "paper", "passat_b6", "hdl64e"}), "fusion.gate_sigma: missing");
+TEST_F(ProfileFilesTest, AMissingKeyOfVehicleOrSensorIsNamed) {
   replaceLine("vehicles/passat_b6.yaml", "cog_in_base:", "");
   expectHas(refusal(), "cog_in_base: missing");
   replaceLine("sensors/hdl64e.yaml", "  clockwise:", "");
@@ -188,7 +191,7 @@ TEST_F(ProfileFilesTest, AnUnknownNameListsWhatThereIs) {
 
 TEST_F(ProfileFilesTest, ANameMayBeAPath) {
   const fs::path mine = cfg_ / "mine.yaml";
-  fs::copy_file(cfg_ / "profiles" / "default.yaml", mine);
+  std::ofstream(mine) << "fusion:\n  gate_sigma: 2.5\n";
   EXPECT_EQ(refusal({"", mine.string(), "passat_b6", "hdl64e"}), "");
   std::ofstream(mine, std::ios::app) << "more: 1\n";
   expectHas(refusal({"", mine.string(), "passat_b6", "hdl64e"}), "more: unknown parameter");

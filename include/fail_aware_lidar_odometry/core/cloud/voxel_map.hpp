@@ -36,22 +36,19 @@ class VoxelMap {
  public:
   struct Params {
     double voxel_size_m = 0.8;
-    int max_points = 12;  ///< kept a voxel for nearest-point queries
-    double min_point_spacing_m = 0.15;
+    int max_points = 12;                ///< points kept per voxel for nearest-point queries
+    double min_point_spacing_m = 0.15;  ///< a point nearer to a kept one is not kept: a fifth of a voxel
     int min_plane_samples = 6;
-    int max_samples = 1000;           ///< statistics are frozen from here on
-    double max_plane_sigma_m = 0.12;  ///< thicker patches are no planes
+    int max_samples = 1000;  ///< statistics are frozen from here on
+    /// thicker patches are no planes: hedges; a wall seen by all beams is thinner
+    double max_plane_sigma_m = 0.12;
     double min_plane_flatness = 5.0;  ///< middle over smallest eigenvalue: a line is no plane
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("voxel_size_m", self.voxel_size_m);
-      v("max_points", self.max_points);
-      v("min_point_spacing_m", self.min_point_spacing_m);
       v("min_plane_samples", self.min_plane_samples);
       v("max_samples", self.max_samples);
-      v("max_plane_sigma_m", self.max_plane_sigma_m);
-      v("min_plane_flatness", self.min_plane_flatness);
     }
     void validate() const;
   };

@@ -103,8 +103,9 @@ class CovariancePredictor {
     double alarm_confidence = 0.9;    ///< of the time that the state acts on: a lower one gives fewer false alarms
     double degrees_of_freedom = 8.0;  ///< of the error's distribution; 0: Gaussian
     double horizon_s = 60.0;
+    /// step of the prediction: may be coarse: the crossing is found inside a step by bisection
     double step_s = 0.25;
-    double rate_scale = 1.0;  ///< on the growth of the covariance
+    double rate_scale = 1.0;  ///< factor on the growth of the covariance: 1: as measured
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -113,8 +114,6 @@ class CovariancePredictor {
       v("alarm_confidence", self.alarm_confidence);
       v("degrees_of_freedom", self.degrees_of_freedom);
       v("horizon_s", self.horizon_s);
-      v("step_s", self.step_s);
-      v("rate_scale", self.rate_scale);
     }
     void validate() const;
   };

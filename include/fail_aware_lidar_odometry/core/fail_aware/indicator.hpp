@@ -45,9 +45,11 @@ class FailAwareIndicator {
     double threshold = 0.0005;  ///< rad, on the scale above
     int rate_window_samples = 10;
     double horizon_s = 60.0;
-    double reference_period_s = 0.1;  ///< T above: the sweep period that the threshold belongs to
+    /// sweep period that the threshold belongs to: T above; the article's 10 Hz
+    double reference_period_s = 0.1;
+    /// a sample closer to its predecessor is left out: a slope over less is noise
     double min_interval_s = 0.01;
-    double max_gap_s = 1.0;
+    double max_gap_s = 1.0;             ///< longer without a sample: the rate is unknown, eta is kept
     double average_s = 1.0;             ///< 0: a sample is a sweep
     double reference_speed_mps = 10.0;  ///< 0: not weighted with the speed
     bool measured_only = true;          ///< sweeps whose pose is a prediction count as missing
@@ -57,9 +59,6 @@ class FailAwareIndicator {
       v("threshold", self.threshold);
       v("rate_window_samples", self.rate_window_samples);
       v("horizon_s", self.horizon_s);
-      v("reference_period_s", self.reference_period_s);
-      v("min_interval_s", self.min_interval_s);
-      v("max_gap_s", self.max_gap_s);
       v("average_s", self.average_s);
       v("reference_speed_mps", self.reference_speed_mps);
       v("measured_only", self.measured_only);

@@ -25,19 +25,17 @@ class MotionPlausibility {
   struct Params {
     double lasting_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
     double lasting_innovation_m = 0.07;    ///< so far off the prediction, sweep after sweep, is an error, too; 0: off
-    double fitting_share = 0.3;       ///< of the planes' points: where less fits the map, R is not believed; 0: off
-    double unfitting_sigma_m = 0.25;  ///< what a sweep adds of which nothing fits
-    double usual_turn_deg = 4.5;      ///< off the prediction, of one sweep: more is an error, too; 0: off
-    double wrong_share_of_turn = 0.1;
+    double fitting_share = 0.3;        ///< of the planes' points: where less fits the map, R is not believed; 0: off
+    double unfitting_sigma_m = 0.25;   ///< sigma that a sweep adds of which nothing fits: 2.5 m/s at 10 Hz
+    double usual_turn_deg = 4.5;       ///< off the prediction, of one sweep: more is an error, too; 0: off
+    double wrong_share_of_turn = 0.1;  ///< standard deviation of a sudden turn's error, as a ratio of the turn
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("lasting_disagreement_m", self.lasting_disagreement_m);
       v("lasting_innovation_m", self.lasting_innovation_m);
       v("fitting_share", self.fitting_share);
-      v("unfitting_sigma_m", self.unfitting_sigma_m);
       v("usual_turn_deg", self.usual_turn_deg);
-      v("wrong_share_of_turn", self.wrong_share_of_turn);
     }
     void validate() const;
   };

@@ -36,11 +36,12 @@ namespace fail_aware {
 class PoseFilter {
  public:
   struct Params {
-    double initial_speed_sigma_mps = 15.0;  ///< until a motion is known
-    double initial_sigma_m = 1e-3;          ///< of the start pose
-    double initial_sigma_deg = 0.01;
-    double max_speed_mps = 80.0;  ///< derivatives are cut to these
-    double max_yaw_rate_rps = 3.0;
+    /// sigma of the speed until a motion is known: a third of a car's top speed
+    double initial_speed_sigma_mps = 15.0;
+    double initial_sigma_m = 1e-3;           ///< sigma of the start position: odom begins there by definition
+    double initial_sigma_deg = 0.01;         ///< sigma of the start attitude
+    double max_speed_mps = 80.0;             ///< larger speeds are cut to this: no car on a road is faster
+    double max_yaw_rate_rps = 3.0;           ///< larger yaw rates are cut to this: half a turn a second
     double increment_scale = 0.43;           ///< on the covariance that one sweep adds to the odometry
     double coasting_increment_factor = 6.8;  ///< on that, where the filter coasts: what observes little misleads, too
     double increment_floor_m = 0.0005;       ///< standard deviation a sweep, at least, and per metre driven:
@@ -51,11 +52,6 @@ class PoseFilter {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("initial_speed_sigma_mps", self.initial_speed_sigma_mps);
-      v("initial_sigma_m", self.initial_sigma_m);
-      v("initial_sigma_deg", self.initial_sigma_deg);
-      v("max_speed_mps", self.max_speed_mps);
-      v("max_yaw_rate_rps", self.max_yaw_rate_rps);
       v("increment_scale", self.increment_scale);
       v("coasting_increment_factor", self.coasting_increment_factor);
       v("increment_floor_m", self.increment_floor_m);

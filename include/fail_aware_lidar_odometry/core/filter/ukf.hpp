@@ -20,13 +20,8 @@ class Ukf {
  public:
   struct Params {
     UnscentedParams sigma_points;
-    double min_sigma = 1e-6;  ///< m and rad; floor of P's standard deviations in every direction
-
-    template <class Self, class Visitor>
-    static void visit(Self& self, Visitor&& v) {
-      v("sigma_points", self.sigma_points);
-      v("min_sigma", self.min_sigma);
-    }
+    /// m and rad; least standard deviation of P in every direction; far below any pose error, above rounding
+    double min_sigma = 1e-6;
     void validate() const;
   };
 

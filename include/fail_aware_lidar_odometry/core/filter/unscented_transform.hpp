@@ -19,16 +19,10 @@
 namespace fail_aware {
 
 struct UnscentedParams {
-  double alpha = 0.1;  ///< spread of the points; the nearer to 0, the more local
+  /// spread of the sigma points; the nearer to 0, the more local; 0.1 keeps the digits of the weights
+  double alpha = 0.1;
   double beta = 2.0;   ///< 2 suits Gaussians
-  double kappa = 0.0;  ///< N + kappa > 0
-
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("alpha", self.alpha);
-    v("beta", self.beta);
-    v("kappa", self.kappa);
-  }
+  double kappa = 0.0;  ///< N + kappa > 0: 0 is the usual choice
   void validate() const;
 };
 

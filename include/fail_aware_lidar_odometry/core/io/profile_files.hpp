@@ -1,7 +1,8 @@
 // Finds and reads the parameter files: profile, vehicle and sensor make one PipelineParameters.
 //
 // A name is either a path to a yaml file (it contains a '/' or ends in .yaml) or the stem of a file in the package's
-// cfg/profiles, cfg/vehicles or cfg/sensors. Every file must name every key of its part, and no other.
+// cfg/profiles, cfg/vehicles or cfg/sensors. A profile is layers: default.yaml, expert.yaml, and over them its own file,
+// which names only what differs. A vehicle's and a sensor's file must name every key. No file may name an unknown key.
 #pragma once
 
 #include <string>

@@ -2,7 +2,8 @@
 //
 // A struct takes part by `template <class Self, class Visitor> static void visit(Self&, Visitor&&)`, which calls the
 // visitor with every field's name and the field. Fields are bool, int, double, std::string, std::vector<double> or a
-// nested struct with its own visit; nested names are joined with dots ("ukf.alpha").
+// nested struct with its own visit; nested names are joined with dots ("fusion.gate_sigma"). A field that visit leaves
+// out is a constant: no file sets it, the reason for its value stands beside it.
 // Failure: ParameterError naming the key; the struct is then unchanged. Nothing here calls the struct's validate().
 #pragma once
 
@@ -97,8 +98,8 @@ void fromMap(Struct& parameters, const ParameterMap& values, MissingKeys missing
   parameters = std::move(updated);
 }
 
-/// Sets one field from text, "ukf.alpha=0.1"; the field's type says how it is read: true|false, an integer, a number
-/// (inf and -inf too), text as it stands, or numbers in [a, b, c].
+/// Sets one field from text, "fusion.gate_sigma=3.0"; the field's type says how it is read: true|false, an integer, a
+/// number (inf and -inf too), text as it stands, or numbers in [a, b, c].
 template <class Struct>
 void setParameter(Struct& parameters, const std::string& assignment) {
   Struct updated = parameters;

@@ -24,24 +24,21 @@ class BeamRanges {
  public:
   struct Params {
     bool enabled = true;
-    double sigma_m = 0.03;         ///< of a beam's offset, to begin with
-    double walk_m = 0.002;         ///< its change from sweep to sweep
-    double residual_m = 0.1;       ///< of a point's distance from a plane: noise, roughness, what neighbours share
-    double kernel_m = 0.1;         ///< larger distances are something else
-    double forget = 0.05;          ///< share of the offset that counts as measured away
-    double min_obliqueness = 0.7;  ///< cosine between beam and normal
-    double max_normal_z = 0.2;     ///< of planes that stand
+    double sigma_m = 0.03;  ///< initial sigma of a beam's offset: what a calibration of the head leaves
+    /// its change from sweep to sweep: a wrong offset is corrected; heads hold theirs for months
+    double walk_m = 0.002;
+    double residual_m = 0.1;  ///< sigma of a point's distance from a plane: noise, roughness, common errors
+    double kernel_m = 0.1;    ///< larger distances are something else
+    /// ratio of the offset that is forgotten: keeps what varies slowly from beam to beam from drifting
+    double forget = 0.05;
+    /// least cosine between beam and normal: 45 deg; at more grazing angles the range hardly changes the distance
+    double min_obliqueness = 0.7;
+    /// largest z of the normal: upright planes only; ground is missed because of elevation errors, too
+    double max_normal_z = 0.2;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("sigma_m", self.sigma_m);
-      v("walk_m", self.walk_m);
-      v("residual_m", self.residual_m);
-      v("kernel_m", self.kernel_m);
-      v("forget", self.forget);
-      v("min_obliqueness", self.min_obliqueness);
-      v("max_normal_z", self.max_normal_z);
     }
     void validate() const;
   };

@@ -31,28 +31,24 @@ class CornerAlignment {
  public:
   struct Params {
     double association_distance_m = 0.5;
-    double max_normal_difference_deg = 15.0;
+    double max_normal_difference_deg = 15.0;  ///< largest angle between the normals of the two corners
     int min_corners = 2;
-    double max_residual_m = 0.15;            ///< of M and of N, horizontal
-    double min_baseline_m = 2.0;             ///< between the two corners furthest apart
-    double min_sigma_m = 0.02;               ///< of a corner's M, per axis: what no number of points averages out
-    double min_direction_sigma_deg = 0.5;    ///< of a plane's direction, likewise
+    double max_residual_m = 0.15;  ///< of M and of N, horizontal
+    double min_baseline_m = 2.0;   ///< between the two corners furthest apart
+    /// least sigma of a corner's M, per axis: range error of a beam, which no number of points averages out
+    double min_sigma_m = 0.02;
+    double min_direction_sigma_deg = 0.5;    ///< least sigma of a plane's direction, likewise
     int points_per_independent_sample = 20;  ///< neighbours share the beam's bias and the wall's relief
-    double unobserved_inflation = 10.0;      ///< of the predicted variances of z, roll and pitch
-    int good_corners = 6;                    ///< this many, well spread: an information share of 1
+    /// factor on the predicted variances of z, roll and pitch: a corner observes none of them
+    double unobserved_inflation = 10.0;
+    int good_corners = 6;  ///< this many, well spread: an information of 1
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("association_distance_m", self.association_distance_m);
-      v("max_normal_difference_deg", self.max_normal_difference_deg);
       v("min_corners", self.min_corners);
       v("max_residual_m", self.max_residual_m);
       v("min_baseline_m", self.min_baseline_m);
-      v("min_sigma_m", self.min_sigma_m);
-      v("min_direction_sigma_deg", self.min_direction_sigma_deg);
-      v("points_per_independent_sample", self.points_per_independent_sample);
-      v("unobserved_inflation", self.unobserved_inflation);
-      v("good_corners", self.good_corners);
     }
     void validate() const;
   };

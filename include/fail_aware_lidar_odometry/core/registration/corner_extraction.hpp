@@ -31,46 +31,38 @@ namespace fail_aware {
 class CornerExtractor {
  public:
   struct Params {
-    double cell_m = 0.4;
-    double min_range_m = 2.0;  ///< horizontal, from the frame's origin
+    double cell_m = 0.4;  ///< side of a cell in the plane: a wall's points of all beams fall into one
+    /// nearest points used, horizontal, from the frame's origin: nearer ones are the vehicle's own
+    double min_range_m = 2.0;
     double max_range_m = 50.0;
     int min_beams_per_cell = 10;  ///< article: 20, which walls beyond some 20 m cannot reach
-    double height_step_m = 0.03;  ///< heights this far apart are different beams
-    double dbscan_eps_m = 0.7;
-    int dbscan_min_points = 50;
+    /// heights this far apart are different beams: less than the beams' spacing at 5 m
+    double height_step_m = 0.03;
+    double dbscan_eps_m = 0.7;   ///< distance of neighbours: a little more than the diagonal of a cell
+    int dbscan_min_points = 50;  ///< a point with fewer neighbours is no core of a cluster
     bool cluster_cells = true;
-    int min_cluster_points = 300;
+    int min_cluster_points = 300;  ///< smaller clusters hold no planes
     int max_planes_per_cluster = 6;
     double max_corner_gap_m = 1.0;
     int min_points_near_corner = 20;  ///< of each plane, within max_corner_gap_m of the line; 0: no such rule
     double min_plane_height_m = 1.2;  ///< from the lowest to the highest of a plane's points
-    double min_angle_deg = 45.0;
-    double max_angle_deg = 135.0;
-    double min_corner_distance_m = 1.0;  ///< of two corners nearer than this the one with more points is kept
-    double synthetic_height_m = 0.0;     ///< of M, above the frame's origin
-    int seed = 1;
+    double min_angle_deg = 45.0;      ///< smallest angle between two planes: article
+    double max_angle_deg = 135.0;     ///< largest angle between two planes: article
+    /// of two nearer corners the one with more points is kept: matching could not tell them apart
+    double min_corner_distance_m = 1.0;
+    double synthetic_height_m = 0.0;  ///< of M, above the frame's origin: a convention, see corner.hpp
+    int seed = 1;                     ///< seed of the random numbers: any; a constant so that runs repeat
     RansacPlane::Params ransac;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("cell_m", self.cell_m);
-      v("min_range_m", self.min_range_m);
       v("max_range_m", self.max_range_m);
       v("min_beams_per_cell", self.min_beams_per_cell);
-      v("height_step_m", self.height_step_m);
-      v("dbscan_eps_m", self.dbscan_eps_m);
-      v("dbscan_min_points", self.dbscan_min_points);
       v("cluster_cells", self.cluster_cells);
-      v("min_cluster_points", self.min_cluster_points);
       v("max_planes_per_cluster", self.max_planes_per_cluster);
       v("max_corner_gap_m", self.max_corner_gap_m);
       v("min_points_near_corner", self.min_points_near_corner);
       v("min_plane_height_m", self.min_plane_height_m);
-      v("min_angle_deg", self.min_angle_deg);
-      v("max_angle_deg", self.max_angle_deg);
-      v("min_corner_distance_m", self.min_corner_distance_m);
-      v("synthetic_height_m", self.synthetic_height_m);
-      v("seed", self.seed);
       v("ransac", self.ransac);
     }
     void validate() const;

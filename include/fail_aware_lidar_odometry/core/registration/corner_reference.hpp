@@ -16,16 +16,15 @@ class CornerReference {
  public:
   struct Params {
     int sweeps = 20;
+    /// sightings nearer than this are one corner: the odometry drifts by less within `sweeps`
     double merge_distance_m = 0.3;
-    double max_normal_difference_deg = 15.0;  ///< of sightings of one corner
-    double max_range_m = 60.0;                ///< corners further from the vehicle are forgotten
+    double max_normal_difference_deg = 15.0;  ///< largest angle between the normals of sightings of one corner
+    /// corners farther from the vehicle are removed: corners are extracted up to 50 m
+    double max_range_m = 60.0;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("sweeps", self.sweeps);
-      v("merge_distance_m", self.merge_distance_m);
-      v("max_normal_difference_deg", self.max_normal_difference_deg);
-      v("max_range_m", self.max_range_m);
     }
     void validate() const;
   };

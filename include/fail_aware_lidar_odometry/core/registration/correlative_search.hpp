@@ -21,18 +21,17 @@ class CorrelativeSearch {
  public:
   struct Params {
     bool enabled = true;
-    double range_m = 60.0;       ///< of the sweep's points
-    double max_shift_m = 15.0;   ///< farthest from the prediction, along each axis
-    double max_turn_deg = 45.0;  ///< likewise
-    double min_share = 0.65;  ///< of what stands: so much has to fit; half counts what lies where the map shows nothing
+    double range_m = 60.0;      ///< farthest points used: as the first motion's search
+    double max_shift_m = 15.0;  ///< farthest from the prediction, along each axis
+    /// largest turn from the prediction, to both sides: more than a car turns in a short gap
+    double max_turn_deg = 45.0;
+    /// ratio of what stands that must fit (half of it: what lies where nothing was seen)
+    double min_share = 0.65;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("range_m", self.range_m);
       v("max_shift_m", self.max_shift_m);
-      v("max_turn_deg", self.max_turn_deg);
-      v("min_share", self.min_share);
     }
     void validate() const;
   };

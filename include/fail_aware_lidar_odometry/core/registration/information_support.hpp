@@ -16,13 +16,12 @@ namespace fail_aware {
 class InformationSupport {
  public:
   struct Params {
-    double cell_m = 5.0;
+    double cell_m = 5.0;  ///< side of a place: about a vehicle
     double max_place_share = 0.2;
     double below_share = 0.3;  ///< looked into where a horizontal direction has a smaller share of the information
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("cell_m", self.cell_m);
       v("max_place_share", self.max_place_share);
       v("below_share", self.below_share);
     }

@@ -29,16 +29,20 @@ class MotionInitialization {
   struct Params {
     double min_speed_mps = -5.0;
     double max_speed_mps = 45.0;
+    /// coarse steps; then finer ones around the best; 0.2 m a sweep at 10 Hz, within kernel_m
     double step_mps = 2.0;
     double max_yaw_rate_rps = 0.7;
-    double step_yaw_rate_rps = 0.1;
+    double step_yaw_rate_rps = 0.1;  ///< steps of the yaw rate: at 10 Hz 0.3 m at a range of 30 m, as kernel_m
+    /// speed times yaw rate: faster turns are not tried; tyres hold no more
     double max_lateral_acceleration_mps2 = 8.0;
-    double max_range_m = 60.0;
-    double thinning_m = 0.1;  ///< voxel size of the sweeps
-    double kernel_m = 0.3;    ///< Geman-McClure scale of the distance to the nearest point; half of it at last
-    double cell_m = 3.0;      ///< horizontal cells, one vote each
-    double column_m = 0.5;    ///< horizontal size of the columns in which height is measured
-    double min_height_m = 0.4;
+    double max_range_m = 60.0;  ///< farthest points used: beyond it points are sparse
+    double thinning_m = 0.1;    ///< voxel size of the sweeps: coarser sweeps fit best at standstill, see above
+    double kernel_m = 0.3;      ///< Geman-McClure scale of the distance to the nearest point; half of it at the end
+    double cell_m = 3.0;        ///< horizontal cells, one vote each: about a car, so that one ahead has few
+    /// horizontal size of the columns in which height is measured: a slope lifts a point by less than min_height_m in
+    /// it
+    double column_m = 0.5;
+    double min_height_m = 0.4;  ///< a point this far above the lowest of its column stands: a kerb does not
     /// While the speed is unknown, a sweep that has moved less than this is taken to stand only if its weakest
     /// horizontal direction has at least this share of the information: what travels with the vehicle makes it seem to
     /// stand.
@@ -49,16 +53,7 @@ class MotionInitialization {
     static void visit(Self& self, Visitor&& v) {
       v("min_speed_mps", self.min_speed_mps);
       v("max_speed_mps", self.max_speed_mps);
-      v("step_mps", self.step_mps);
       v("max_yaw_rate_rps", self.max_yaw_rate_rps);
-      v("step_yaw_rate_rps", self.step_yaw_rate_rps);
-      v("max_lateral_acceleration_mps2", self.max_lateral_acceleration_mps2);
-      v("max_range_m", self.max_range_m);
-      v("thinning_m", self.thinning_m);
-      v("kernel_m", self.kernel_m);
-      v("cell_m", self.cell_m);
-      v("column_m", self.column_m);
-      v("min_height_m", self.min_height_m);
       v("standstill_m", self.standstill_m);
       v("standstill_share", self.standstill_share);
     }

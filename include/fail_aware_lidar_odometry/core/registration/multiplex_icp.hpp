@@ -41,26 +41,31 @@ class MultiplexIcp {
   static constexpr int kMostIterations = 1000;
 
   struct Params {
-    int seeds = 8;               ///< 8: +- over x, y, z, yaw; 1: the prediction alone
-    double spread = 1.0;         ///< seeds lie that many sigma from the prediction
-    double min_spread_m = 0.05;  ///< but at least that far, and
-    double min_spread_deg = 0.1;
-    double max_spread_m = 1.0;  ///< at most that far
-    double max_spread_deg = 3.0;
-    int thinned_points = 500;           ///< points used while seeds descend together
-    double max_distance_m = 0.5;        ///< cut-off of correspondences
-    double kernel_m = 0.2;              ///< Geman-McClure scale at the end
-    double initial_kernel_m = 0.4;      ///< and at the start; halved every iteration
-    double merge_translation_m = 0.02;  ///< seeds nearer than both are one
-    double merge_rotation_deg = 0.1;
-    int max_joint_iterations = 12;
+    int seeds = 8;                ///< 8: +- over x, y, z, yaw; 1: the prediction alone
+    double spread = 1.0;          ///< seeds lie that many sigma from the prediction
+    double min_spread_m = 0.05;   ///< least distance of the seeds: with less all seeds are the same
+    double min_spread_deg = 0.1;  ///< least turn of the seeds: 0.05 m at 30 m
+    double max_spread_m = 1.0;    ///< largest distance of the seeds: beyond it is relocalization
+    double max_spread_deg = 3.0;  ///< largest turn of the seeds
+    /// points used while the seeds descend together: enough to tell one minimum from another
+    int thinned_points = 500;
+    double max_distance_m = 0.5;  ///< cut-off of correspondences
+    double kernel_m = 0.2;        ///< Geman-McClure scale at the end
+    /// Geman-McClure scale at the start; halved every iteration; near max_distance_m
+    double initial_kernel_m = 0.4;
+    /// seeds nearer than this and merge_rotation_deg are one: they end in the same minimum
+    double merge_translation_m = 0.02;
+    double merge_rotation_deg = 0.1;  ///< see merge_translation_m
+    int max_joint_iterations = 12;    ///< iterations of all seeds, with the thinned points: most have met by then
     int max_refined_seeds = 3;
     int max_iterations = 30;
-    double step_translation_m = 2e-3;  ///< converged below both steps; at the last iteration
-    double step_rotation_deg = 0.02;   ///< `usable_steps` times as much will do, at R's cost
+    /// converged below this step and step_rotation_deg: well below the accuracy
+    double step_translation_m = 2e-3;
+    double step_rotation_deg = 0.02;  ///< see step_translation_m
+    /// at the last iteration steps this many times as large are usable, with a larger R
     double usable_steps = 10.0;
     double min_inlier_share = 0.3;
-    int min_inliers = 100;
+    int min_inliers = 100;               ///< least number of points with a partner: a sweep has thousands
     bool surface_information = true;     ///< false: a pair informs alike in all directions
     double correlation_inflation = 7.0;  ///< R is that much larger than for independent residuals
     InformationSupport::Params support;
@@ -70,24 +75,11 @@ class MultiplexIcp {
     static void visit(Self& self, Visitor&& v) {
       v("seeds", self.seeds);
       v("spread", self.spread);
-      v("min_spread_m", self.min_spread_m);
-      v("min_spread_deg", self.min_spread_deg);
-      v("max_spread_m", self.max_spread_m);
-      v("max_spread_deg", self.max_spread_deg);
-      v("thinned_points", self.thinned_points);
       v("max_distance_m", self.max_distance_m);
       v("kernel_m", self.kernel_m);
-      v("initial_kernel_m", self.initial_kernel_m);
-      v("merge_translation_m", self.merge_translation_m);
-      v("merge_rotation_deg", self.merge_rotation_deg);
-      v("max_joint_iterations", self.max_joint_iterations);
       v("max_refined_seeds", self.max_refined_seeds);
       v("max_iterations", self.max_iterations);
-      v("step_translation_m", self.step_translation_m);
-      v("step_rotation_deg", self.step_rotation_deg);
-      v("usable_steps", self.usable_steps);
       v("min_inlier_share", self.min_inlier_share);
-      v("min_inliers", self.min_inliers);
       v("surface_information", self.surface_information);
       v("correlation_inflation", self.correlation_inflation);
       v("support", self.support);

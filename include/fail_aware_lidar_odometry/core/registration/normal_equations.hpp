@@ -11,21 +11,19 @@
 namespace fail_aware {
 
 struct ObservabilityParams {
-  double lever_m = 10.0;                ///< a rotation dr moves points at this distance by lever_m * dr
+  /// a rotation dr moves points at this distance by lever_m * dr: a usual range of points
+  double lever_m = 10.0;
   double min_information_share = 0.01;  ///< a direction with a smaller share of the total weight is not observed
   /// Where an observed direction has less than this, steps, too, are made of the information alone: sliding residuals
   /// would outweigh it.
   double min_sliding_share = 0.03;
-  double weak_sigma_m = 3.0;  ///< standard deviation put into R along an unobserved direction
-  double weak_sigma_deg = 5.0;
+  /// standard deviation in R along an unobserved direction: as good as no measurement to gate and fusion
+  double weak_sigma_m = 3.0;
+  double weak_sigma_deg = 5.0;  ///< likewise of a rotation
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("lever_m", self.lever_m);
     v("min_information_share", self.min_information_share);
-    v("min_sliding_share", self.min_sliding_share);
-    v("weak_sigma_m", self.weak_sigma_m);
-    v("weak_sigma_deg", self.weak_sigma_deg);
   }
   void validate() const;
 };

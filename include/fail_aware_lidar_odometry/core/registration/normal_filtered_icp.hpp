@@ -31,18 +31,22 @@ class NormalFilteredIcp {
     double heading_tolerance_deg = 45.0;  ///< floor of the tolerance; 45 keeps every vertical patch
     bool keep_ground = true;
     double ground_tolerance_deg = 30.0;    ///< a patch is ground-like if its normal is that near to the vertical
-    double vertical_tolerance_deg = 30.0;  ///< a patch is wall-like if its normal is that near to the horizontal
+    double vertical_tolerance_deg = 30.0;  ///< a patch is a wall if its normal is that near to the horizontal
     double max_distance_m = 0.5;           ///< correspondences farther from their plane are left out
     double kernel_m = 0.1;                 ///< Geman-McClure scale at the end
-    double initial_kernel_m = 0.4;         ///< and at the start; halved every iteration
-    double point_sigma_m = 0.03;           ///< of one point along the normal, added to the patch's own scatter
-    double ground_weight = 0.1;            ///< of ground-like patches against the others, see above
-    double range_weight_m = 20.0;          ///< weights grow as range / this; 0: all alike
+    /// Geman-McClure scale at the start; halved every iteration; near max_distance_m
+    double initial_kernel_m = 0.4;
+    /// of one point along the normal, added to the patch's own scatter: range noise
+    double point_sigma_m = 0.03;
+    double ground_weight = 0.1;    ///< of ground-like patches against the others, see above
+    double range_weight_m = 20.0;  ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;
-    double step_translation_m = 1e-3;  ///< converged below both steps; at the last iteration
-    double step_rotation_deg = 0.01;   ///< `usable_steps` times as much will do, at R's cost
+    /// converged below this step and step_rotation_deg: well below the accuracy
+    double step_translation_m = 1e-3;
+    double step_rotation_deg = 0.01;  ///< see step_translation_m
+    /// at the last iteration steps this many times as large are usable, with a larger R
     double usable_steps = 10.0;
-    int min_inliers = 100;
+    int min_inliers = 100;                ///< fewer points with a plane: not usable; a sweep has thousands
     double correlation_inflation = 20.0;  ///< R is that much larger than for independent residuals
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};
@@ -53,18 +57,11 @@ class NormalFilteredIcp {
       v("heading_tolerance_deg", self.heading_tolerance_deg);
       v("keep_ground", self.keep_ground);
       v("ground_tolerance_deg", self.ground_tolerance_deg);
-      v("vertical_tolerance_deg", self.vertical_tolerance_deg);
       v("max_distance_m", self.max_distance_m);
       v("kernel_m", self.kernel_m);
-      v("initial_kernel_m", self.initial_kernel_m);
-      v("point_sigma_m", self.point_sigma_m);
       v("ground_weight", self.ground_weight);
       v("range_weight_m", self.range_weight_m);
       v("max_iterations", self.max_iterations);
-      v("step_translation_m", self.step_translation_m);
-      v("step_rotation_deg", self.step_rotation_deg);
-      v("usable_steps", self.usable_steps);
-      v("min_inliers", self.min_inliers);
       v("correlation_inflation", self.correlation_inflation);
       v("support", self.support);
       v("observability", self.observability);

@@ -19,25 +19,20 @@ namespace fail_aware {
 
 struct RansacPlane {
   struct Params {
-    int iterations = 500;       ///< hypotheses at most
-    bool stop_early = true;     ///< stop when `confidence` is reached; false: always all iterations (article)
-    double confidence = 0.999;  ///< that one hypothesis had only inliers
-    double inlier_distance_m = 0.1;
-    double sample_share = 0.25;   ///< of the points that hypotheses are drawn from and scored on
+    int iterations = 500;            ///< hypotheses at most: enough for `confidence` down to an inlier ratio of 0.12
+    bool stop_early = true;          ///< stop when `confidence` is reached; false: always all iterations (article)
+    double confidence = 0.999;       ///< probability that one hypothesis had only inliers
+    double inlier_distance_m = 0.1;  ///< distance of inliers from the plane: three sigma of range noise
+    /// ratio of the points that hypotheses are drawn from and scored on: the article's quarter
+    double sample_share = 0.25;
     int max_sample_points = 400;  ///< and at most so many
-    int min_inliers = 60;         ///< of all points, after refinement
-    double max_tilt_deg = 10.0;   ///< of the refined plane against `up`
+    int min_inliers = 60;         ///< least number of inliers among all points, after refinement
+    double max_tilt_deg = 10.0;   ///< largest tilt of the refined plane against the vertical: walls are plumb
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("iterations", self.iterations);
       v("stop_early", self.stop_early);
-      v("confidence", self.confidence);
-      v("inlier_distance_m", self.inlier_distance_m);
-      v("sample_share", self.sample_share);
       v("max_sample_points", self.max_sample_points);
-      v("min_inliers", self.min_inliers);
-      v("max_tilt_deg", self.max_tilt_deg);
     }
     void validate() const;
   };

@@ -21,21 +21,18 @@ class Relocalization {
  public:
   struct Params {
     bool enabled = true;
-    double min_sigma_m = 0.1;       ///< of the predicted position; below it the usual search reaches
-    double max_spread_m = 2.0;      ///< of the seeds, at most
-    double max_distance_m = 1.5;    ///< cut-off of correspondences, no more than voxels reach
-    double min_inlier_share = 0.5;  ///< of the sweep, within the usual distance, where no search confirmed the place
-    double narrow_m = 0.3;          ///< the kernel that ends the search: what fits by less counts
+    double min_sigma_m = 0.1;  ///< predicted position sigma up to which the usual search is enough
+    /// largest spread of the seeds: wider seeds would leave gaps between what correspondences reach
+    double max_spread_m = 2.0;
+    double max_distance_m = 1.5;  ///< cut-off of correspondences, not more than the voxels reach
+    /// least ratio of inliers where no search confirmed the place: more than elsewhere (0.3)
+    double min_inlier_share = 0.5;
+    double narrow_m = 0.3;  ///< kernel at the end of the search: what fits better than this counts
     CorrelativeSearch::Params search;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("min_sigma_m", self.min_sigma_m);
-      v("max_spread_m", self.max_spread_m);
-      v("max_distance_m", self.max_distance_m);
-      v("min_inlier_share", self.min_inlier_share);
-      v("narrow_m", self.narrow_m);
       v("search", self.search);
     }
     void validate() const;

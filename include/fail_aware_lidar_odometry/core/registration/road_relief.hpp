@@ -36,46 +36,40 @@ class RoadRelief {
  public:
   struct Params {
     bool enabled = true;
+    /// sweeps that are compared: 2 s at 10 Hz, in which the acceleration is nearly constant
     int window_sweeps = 20;
-    int min_sweeps = 10;
-    double min_range_m = 3.0;  ///< of the points used, horizontal, from the lidar
-    double max_range_m = 16.0;
-    double half_width_m = 4.0;             ///< of the strip of road used
-    double direction_elevation_deg = 0.1;  ///< size of the bins in which the mean is taken
-    double direction_azimuth_deg = 0.5;
-    double max_height_m = 0.03;  ///< what stands out more is no road
-    double cell_m = 0.25;
+    int min_sweeps = 10;  ///< fewer sweeps give no speed: half a window
+    /// nearest points used, horizontal, from the lidar: nearer ones are the vehicle's own
+    double min_range_m = 3.0;
+    double max_range_m = 16.0;  ///< farthest points used: farther beams are too grazing
+    double half_width_m = 4.0;  ///< half the width of the strip of road used: own lane and its neighbours
+    /// elevation of the bins in which the mean is taken: a fraction of the beams' spacing
+    double direction_elevation_deg = 0.1;
+    double direction_azimuth_deg = 0.5;  ///< azimuth of these bins: 0.14 m at max_range_m, less than a cell
+    /// what stands out more is not the road: the relief is millimetres, range noise centimetres
+    double max_height_m = 0.03;
+    double cell_m = 0.25;  ///< cell of the grid of heights: a quarter of the relief's length
+    /// half the side of the square whose mean height is subtracted: longer than the relief, shorter than the road's
+    /// crown
     double smoothing_m = 1.5;
-    double relief_sigma_m = 0.002;
+    double relief_sigma_m = 0.002;  ///< height of the relief, against which noise is weighed
     double min_speed_mps = -5.0;
     double max_speed_mps = 45.0;
+    /// largest acceleration and braking within the window: beyond it is emergency braking
     double max_acceleration_mps2 = 4.0;
-    double min_correlation = 0.1;     ///< of sweeps laid over each other at the peak
-    double max_second_peak = 0.7;     ///< share of the highest, in a search over all speeds
-    double speed_sigma_mps = 0.6;     ///< of a result; consecutive errors are alike, so more than theirs (0.2)
-    double mirrored_sigma_mps = 8.0;  ///< on top, times the share of the energy that the opposite motion has
+    double min_correlation = 0.1;  ///< least correlation of the sweeps at the peak
+    /// largest second peak, as a ratio of the highest, in a search over all speeds: with two similar peaks none is
+    /// reliable
+    double max_second_peak = 0.7;
+    /// sigma of a result; errors of consecutive results are alike, so larger than theirs (0.2)
+    double speed_sigma_mps = 0.6;
+    double mirrored_sigma_mps = 8.0;  ///< added, times the ratio of the energy that the opposite motion has
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("window_sweeps", self.window_sweeps);
-      v("min_sweeps", self.min_sweeps);
-      v("min_range_m", self.min_range_m);
-      v("max_range_m", self.max_range_m);
-      v("half_width_m", self.half_width_m);
-      v("direction_elevation_deg", self.direction_elevation_deg);
-      v("direction_azimuth_deg", self.direction_azimuth_deg);
-      v("max_height_m", self.max_height_m);
-      v("cell_m", self.cell_m);
-      v("smoothing_m", self.smoothing_m);
-      v("relief_sigma_m", self.relief_sigma_m);
       v("min_speed_mps", self.min_speed_mps);
       v("max_speed_mps", self.max_speed_mps);
-      v("max_acceleration_mps2", self.max_acceleration_mps2);
-      v("min_correlation", self.min_correlation);
-      v("max_second_peak", self.max_second_peak);
-      v("speed_sigma_mps", self.speed_sigma_mps);
-      v("mirrored_sigma_mps", self.mirrored_sigma_mps);
     }
     void validate() const;
 

@@ -35,44 +35,30 @@ class StandingMatch {
  public:
   struct Params {
     bool enabled = true;
-    double max_information_share = 0.12;  ///< of the weakest horizontal direction among the planes
-    double max_standing_share = 0.1;      ///< of the points
-    double surface_sigma_m = 0.3;         ///< of what surfaces tell there of the horizontal position
-    double surface_sigma_deg = 0.2;       ///< and of the heading
-    double max_range_m = 100.0;
-    double cell_m = 4.0;
-    double column_m = 0.5;
-    double min_height_m = 0.4;
-    double window_m = 1.0;  ///< along the way, to both sides of the prediction
-    double step_m = 0.2;
-    double kernel_m = 0.2;      ///< Geman-McClure scale at the end
-    double contrast_m = 0.6;    ///< looked so far beyond the window:
-    double min_contrast = 0.3;  ///< a place's best less its worst vote, at least
-    double sigma_m = 0.25;      ///< of one place
-    double min_places = 1.7;
-    double max_way_m = 10.0;  ///< since a sweep was kept; then it is another one
-    double max_age_s = 1.0;
+    /// used up to this information of the planes' weakest horizontal direction; streets have more
+    double max_information_share = 0.12;
+    double max_standing_share = 0.1;  ///< and up to this ratio of points that stand: on a motorway a seventh do
+    double surface_sigma_m = 0.3;     ///< sigma there of the horizontal position from surfaces
+    double surface_sigma_deg = 0.2;   ///< likewise of the heading
+    double max_range_m = 100.0;       ///< farthest points used: all that registration uses
+    double cell_m = 4.0;              ///< side of a place, which has one vote: a bush, or a car
+    double column_m = 0.5;            ///< side of the columns in which height is measured
+    double min_height_m = 0.4;        ///< a point this far above the lowest of its column stands
+    /// searched along the road, to both sides of the prediction: a speed that is wrong by 10 m/s at 10 Hz
+    double window_m = 1.0;
+    double step_m = 0.2;      ///< step of that search: as kernel_m
+    double kernel_m = 0.2;    ///< Geman-McClure scale at the end
+    double contrast_m = 0.6;  ///< the votes are compared this far beyond the window
+    /// least difference of a place's best and worst vote: a fence along the road has less
+    double min_contrast = 0.3;
+    double sigma_m = 0.25;    ///< sigma of one place: scatter of a bush's points from sweep to sweep
+    double min_places = 1.7;  ///< fewer places give no result: one place gives no heading
+    double max_way_m = 10.0;  ///< farthest from the sweep that is matched with; then another one is used
+    double max_age_s = 1.0;   ///< likewise in time
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("max_information_share", self.max_information_share);
-      v("max_standing_share", self.max_standing_share);
-      v("surface_sigma_m", self.surface_sigma_m);
-      v("surface_sigma_deg", self.surface_sigma_deg);
-      v("max_range_m", self.max_range_m);
-      v("cell_m", self.cell_m);
-      v("column_m", self.column_m);
-      v("min_height_m", self.min_height_m);
-      v("window_m", self.window_m);
-      v("step_m", self.step_m);
-      v("kernel_m", self.kernel_m);
-      v("contrast_m", self.contrast_m);
-      v("min_contrast", self.min_contrast);
-      v("sigma_m", self.sigma_m);
-      v("min_places", self.min_places);
-      v("max_way_m", self.max_way_m);
-      v("max_age_s", self.max_age_s);
     }
     void validate() const;
 

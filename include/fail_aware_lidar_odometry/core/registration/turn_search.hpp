@@ -23,12 +23,13 @@ class TurnSearch {
  public:
   struct Params {
     bool enabled = true;
-    double sigma_deg_s = 4.0;  ///< of the predicted turn rate, each axis
+    /// sigma of the predicted turn rate, each axis (a compensated cloud: of no turn); at the start of a turn the
+    /// prediction is off by some degrees a second
+    double sigma_deg_s = 4.0;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("sigma_deg_s", self.sigma_deg_s);
     }
     void validate() const;
   };

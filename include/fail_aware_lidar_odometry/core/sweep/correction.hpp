@@ -39,12 +39,12 @@ struct CorrectionResult {
 
 struct SweepCorrectionParams {
   bool enabled = true;
-  double max_truncation_m = 1e-4;  ///< of the power series, for a point 200 m away
+  /// truncation error of the power series, for a point 200 m away: far below range noise
+  double max_truncation_m = 1e-4;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("enabled", self.enabled);
-    v("max_truncation_m", self.max_truncation_m);
   }
   void validate() const;
 };

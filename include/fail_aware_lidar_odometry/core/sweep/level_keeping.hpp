@@ -33,58 +33,47 @@ namespace fail_aware {
 
 struct LevelKeepingParams {
   bool enabled = true;
+  /// distance between two searches for walls, trunks and poles: two searches in each place (place_length_m)
   double look_every_m = 3.0;
-  double column_m = 1.0;  ///< side of a column
+  double column_m = 1.0;  ///< side of a column: holds a trunk, and little besides one wall
+  /// nearest points used, from the sensor: nearer ones may be parts of the vehicle or its load
   double min_range_m = 4.0;
-  double max_range_m = 30.0;
-  double min_height_m = -1.2;  ///< of a column's points above the sensor; the ground must be below
+  double max_range_m = 30.0;   ///< farthest points used: farther columns are hit by too few beams
+  double min_height_m = -1.2;  ///< lowest point of a column, above the sensor; the ground must be below it
+  /// highest point of a column, above the sensor: higher up are crowns of trees and eaves
   double max_height_m = 3.0;
-  int min_points = 12;                  ///< in a column
-  double min_extent_m = 0.7;            ///< height from a column's lowest to its highest point
-  double beam_step_deg = 0.4;           ///< beams nearer to each other count as one
-  double max_standard_error_deg = 3.0;  ///< of the lean of a surface; larger ones say nothing
-  double sigma_surface_deg = 0.05;      ///< how upright surfaces stand, beside their standard error
-  double sigma_line_deg = 1.0;          ///< likewise trunks and poles, along the beam, from range errors
-  double sigma_lean_deg = 1.0;          ///< apparent lean at a range, likewise
-  double sigma_place_deg = 0.3;         ///< what all at one place leans alike
-  double place_length_m = 6.0;
-  double sigma_drift_deg_per_m = 0.005;  ///< of pitch, to begin with
-  double drift_walk_deg_per_m = 4.5e-5;  ///< its change: sigma after one metre, grows with the root of the way
-  double tilt_walk_deg = 0.02;           ///< of the tilt beside the drift, likewise
-  double correlation_inflation = 2.0;    ///< neighbouring looks see the same columns
-  double response = 0.66;                ///< of pitch to a bend, against what ground alone would give: walls hold
+  int min_points = 12;  ///< fewest points of a column: fewer give no direction
+  /// least height from a column's lowest to its highest point: lower things need not stand upright
+  double min_extent_m = 0.7;
+  double beam_step_deg = 0.4;  ///< beams that are nearer to each other count as one: about an HDL-64E's spacing
+  double max_standard_error_deg = 3.0;  ///< surfaces with a larger standard error of the lean are not used
+  /// sigma of the true lean of surfaces, in addition to the standard error: walls are plumb
+  double sigma_surface_deg = 0.05;
+  double sigma_line_deg = 1.0;   ///< the same for trunks and poles, towards the sensor, from range errors
+  double sigma_lean_deg = 1.0;   ///< sigma of the apparent lean at one range
+  double sigma_place_deg = 0.3;  ///< sigma of the lean that all surfaces at one place have in common
+  double place_length_m = 6.0;   ///< length of a place along the road
+  /// initial sigma of the drift of pitch: the order of what errors of the beams cause
+  double sigma_drift_deg_per_m = 0.005;
+  /// random walk of the drift: sigma after 1 m, grows with the root of the distance; errors of the beams hardly
+  /// change during a drive
+  double drift_walk_deg_per_m = 4.5e-5;
+  double tilt_walk_deg = 0.02;  ///< random walk of the tilt, in addition to the drift, likewise
+  /// neighbouring searches see the same columns: factor on the variance; they count as half as many
+  double correlation_inflation = 2.0;
+  /// response of pitch to a bend, as a ratio of what ground alone would give: walls hold the pitch
+  double response = 0.66;
+  /// ratio of the tilt since the start that is corrected per metre: gone after some 25 m
   double tilt_gain_per_m = 0.04;
-  double drift_gain = 1.0;
+  double drift_gain = 1.0;  ///< ratio of the drift that is corrected; 1: all of it
+  /// largest bend of a sweep: above the expected drift, so that a wrong estimate has a small effect
   double max_bend_deg_per_m = 0.008;
-  double bend_range_m = 40.0;  ///< farther out the bend goes on straight
+  /// beyond this range the bend continues as a straight line: little ground is seen there
+  double bend_range_m = 40.0;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("enabled", self.enabled);
-    v("look_every_m", self.look_every_m);
-    v("column_m", self.column_m);
-    v("min_range_m", self.min_range_m);
-    v("max_range_m", self.max_range_m);
-    v("min_height_m", self.min_height_m);
-    v("max_height_m", self.max_height_m);
-    v("min_points", self.min_points);
-    v("min_extent_m", self.min_extent_m);
-    v("beam_step_deg", self.beam_step_deg);
-    v("max_standard_error_deg", self.max_standard_error_deg);
-    v("sigma_surface_deg", self.sigma_surface_deg);
-    v("sigma_line_deg", self.sigma_line_deg);
-    v("sigma_lean_deg", self.sigma_lean_deg);
-    v("sigma_place_deg", self.sigma_place_deg);
-    v("place_length_m", self.place_length_m);
-    v("sigma_drift_deg_per_m", self.sigma_drift_deg_per_m);
-    v("drift_walk_deg_per_m", self.drift_walk_deg_per_m);
-    v("tilt_walk_deg", self.tilt_walk_deg);
-    v("correlation_inflation", self.correlation_inflation);
-    v("response", self.response);
-    v("tilt_gain_per_m", self.tilt_gain_per_m);
-    v("drift_gain", self.drift_gain);
-    v("max_bend_deg_per_m", self.max_bend_deg_per_m);
-    v("bend_range_m", self.bend_range_m);
   }
   void validate() const;
 };

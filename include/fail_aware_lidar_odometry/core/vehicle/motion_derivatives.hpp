@@ -39,12 +39,14 @@ struct MotionDerivatives {
 class MotionHistory {
  public:
   struct Params {
-    int window_sweeps = 2;                          ///< intervals that give the rates
-    int acceleration_window_sweeps = 4;             ///< intervals that give the accelerations
-    bool second_differences = false;                ///< the article's finite differences instead
-    double min_interval_s = 0.02;                   ///< a pose closer to its predecessor replaces it
-    double max_age_s = 1.0;                         ///< intervals whose middle is older are left out
-    double max_acceleration_mps2 = 12.0;            ///< longer acceleration vectors are cut to this
+    int window_sweeps = 2;               ///< intervals that give the rates
+    int acceleration_window_sweeps = 4;  ///< intervals that give the accelerations
+    bool second_differences = false;     ///< the article's finite differences instead
+    /// a pose that comes sooner replaces its predecessor: rates over less time are noise
+    double min_interval_s = 0.02;
+    /// intervals whose middle is older are left out: a car's acceleration changes within a second
+    double max_age_s = 1.0;
+    double max_acceleration_mps2 = 12.0;  ///< longer acceleration vectors are cut to this: tyres can do no more
     double max_angular_acceleration_rad_s2 = 10.0;  ///< likewise, each of roll, pitch, yaw
 
     template <class Self, class Visitor>
@@ -52,10 +54,6 @@ class MotionHistory {
       v("window_sweeps", self.window_sweeps);
       v("acceleration_window_sweeps", self.acceleration_window_sweeps);
       v("second_differences", self.second_differences);
-      v("min_interval_s", self.min_interval_s);
-      v("max_age_s", self.max_age_s);
-      v("max_acceleration_mps2", self.max_acceleration_mps2);
-      v("max_angular_acceleration_rad_s2", self.max_angular_acceleration_rad_s2);
     }
     void validate() const;
   };

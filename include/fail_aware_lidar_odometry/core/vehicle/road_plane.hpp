@@ -34,12 +34,8 @@ Eigen::Vector2d restingRollPitch(const SuspensionAxis& roll_axis, const Suspensi
 class RoadPlaneEstimator {
  public:
   struct Params {
+    /// memory of the estimate of the road's slope: about one swing of the suspension
     double time_constant_s = 0.5;
-
-    template <class Self, class Visitor>
-    static void visit(Self& self, Visitor&& v) {
-      v("time_constant_s", self.time_constant_s);
-    }
     void validate() const;
   };
 

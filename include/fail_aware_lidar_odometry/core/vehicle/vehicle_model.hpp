@@ -34,10 +34,12 @@ class VehicleModel {
   struct Params {
     bool six_dof = true;
     bool literal = false;
-    double min_speed_mps = LateralLimits().min_speed_mps;
-    double standstill_speed_mps = LateralLimits().standstill_speed_mps;
+    double min_speed_mps = LateralLimits().min_speed_mps;  ///< below: kinematic bicycle (lateral_dynamics.hpp)
+    double standstill_speed_mps = LateralLimits().standstill_speed_mps;  ///< below: the curvature fades out
+    /// bounds the curvature: a car's steering lock
     double max_steering_angle_rad = LateralLimits().max_steering_angle_rad;
-    double suspension_gain = 0.5;    ///< 0: constant pitch and roll rates
+    /// 0: constant pitch and roll rates, 1: the whole suspension; half, since a vehicle's constants are never exact
+    double suspension_gain = 0.5;
     double lateral_trust_mps = 0.2;  ///< 0: measured v_y only
     // Process noise: the article's standard deviations after 0.1 s; variances grow in proportion to time.
     double sigma_x_m = 0.0485;
@@ -52,11 +54,6 @@ class VehicleModel {
     static void visit(Self& self, Visitor&& v) {
       v("six_dof", self.six_dof);
       v("literal", self.literal);
-      v("min_speed_mps", self.min_speed_mps);
-      v("standstill_speed_mps", self.standstill_speed_mps);
-      v("max_steering_angle_rad", self.max_steering_angle_rad);
-      v("suspension_gain", self.suspension_gain);
-      v("lateral_trust_mps", self.lateral_trust_mps);
       v("sigma_x_m", self.sigma_x_m);
       v("sigma_y_m", self.sigma_y_m);
       v("sigma_z_m", self.sigma_z_m);
