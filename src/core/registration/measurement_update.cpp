@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/core/registration/measurement_update.hpp"
 
+#include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+
 namespace fail_aware {
 
 void addOffset(const Vector6d& along, double offset, double sigma, Measurement& measurement) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/core/registration/measurement_update.hpp"
 
