@@ -33,7 +33,6 @@ TEST(OpenCountryAid, InARoomThereIsNone) {
   scan.cloud.map_points_cog = seenFrom(sampleScene(room(), 40.0, 0.01, 1), Pose::Identity());
   scan.cloud.plane_points_cog = scan.cloud.map_points_cog;
   map.insert(scan.cloud, Pose::Identity(), 0.0, false);
-  // a room's planes tell between once and twice of what open country's do
   EXPECT_FALSE(aid.find(scan, map, InitialGuess(), 0.01).open_country);
 }
 

@@ -40,7 +40,7 @@ class CornerMeasurement {
   CornerAlignment alignment_;
   std::vector<Corner> corners_cog_;
   bool motion_known_ = false;
-  int odom_epoch_ = 0;       ///< of the reference, as in registration_front.hpp
+  int odom_epoch_ = 0;       ///< of the reference, as in local_map.hpp
   int reference_epoch_ = 0;  ///< likewise
 };
 

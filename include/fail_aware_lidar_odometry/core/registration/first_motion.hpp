@@ -1,4 +1,5 @@
-// What the first measurements of a drive have to know beside the surfaces that they register (motion_initialization.hpp).
+// What the first measurements of a drive have to know beside the surfaces that they register
+// (motion_initialization.hpp).
 //
 // Both leave a measurement without a pose as it is.
 #pragma once

@@ -1,5 +1,5 @@
-// The references of the two ICPs: the local map and what is kept for the above-ground match. Its owner alone clears them,
-// inserts a sweep and knows which one came first and last.
+// The references of the two ICPs: the local map and what is kept for the above-ground match. The only place that clears
+// them, inserts a sweep and knows which one came first and last.
 //
 // The map belongs to one odom (FilterState::odom_epoch: odom was moved under the vehicle) and to one reference
 // (FilterState::reference_epoch: nothing fitted for a while); under another number it begins anew, with the next sweep

@@ -8,8 +8,8 @@
 //   that stand `min_height_m` above the lowest of their column are used;
 // - walls and rails along the road, which fit at any speed but, thinned, best at standstill: the sweeps are kept dense;
 // - a car ahead that keeps its distance: one vote a cell, so that scenery outvotes it.
-// Limit: where scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins; the front doubts
-// that (`standstill_share`).
+// Limit: where scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins; first_motion.hpp
+// doubts that (`standstill_share`).
 // Cost: about 150 ms, on the second sweep only.
 #pragma once
 

@@ -1,7 +1,7 @@
 // Open country: whether a sweep is in it, and the above-ground match (standing_match.hpp) as an aid to both ICPs there.
 //
-// Open country begins where planes hold little and next to nothing stands; it ends later, since a sweep with a little more
-// to hold on to does not end it: its planes are sure of the heading, and often wrong. Both ICPs start at the matched
+// Open country begins where planes hold little and next to nothing stands; it ends later: a sweep with a little more to
+// hold on to does not end it, as its planes are sure of the heading, and often wrong. Both ICPs start at the matched
 // pose, are less sure of what surfaces tell badly there, and take the match in. Shared with them: the points, the deskew.
 // Cost: standing_match.hpp's.
 #pragma once

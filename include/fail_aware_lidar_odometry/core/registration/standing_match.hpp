@@ -5,7 +5,8 @@
 // know better but are outnumbered. So where planes hold little (`max_information_share`) and next to nothing stands
 // (`max_standing_share`: in a tunnel nearly half of the points do, at a motorway a seventh), horizontal position and
 // heading are taken from the standing points alone (standing_points.hpp), matched with those of one sweep that is kept
-// for some metres (standing_reference.hpp), a vote each place: a search along the way, then Gauss-Newton over x, y and heading.
+// for some metres (standing_reference.hpp), a vote each place: a search along the way, then Gauss-Newton over x, y and
+// heading.
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
 // distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4 m).
