@@ -82,8 +82,8 @@ TEST_F(InitialGuessTest, OnceMotionIsKnownItIsThePrediction) {
 TEST_F(InitialGuessTest, AfterAGapThePlaceIsSearchedFor) {
   placeFirst();
   track_.add(FilterState());  // not measured
-  const Pose truth = drive_.pose(0.2), predicted = poseOf(1.4, 0.6, 0.0, 0.0, 0.0, 0.0);
-  const InitialGuess guess = resolve(0.2, 0.1, predicted, true, 0.5);
+  const Pose truth = drive_.pose(0.2), predicted = poseOf(1.6, 0.4, 0.0, 0.0, 0.0, 0.0);
+  const InitialGuess guess = resolve(0.2, 0.1, predicted, true, 0.3);
   EXPECT_FALSE(guess.lost);
   EXPECT_LT(translationError(guess.T_odom_cog, truth), 0.3);
   EXPECT_GT(translationError(predicted, truth), 0.8);
