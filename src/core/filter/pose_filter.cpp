@@ -49,6 +49,14 @@ bool isUsableStart(const std::vector<FusionInput>& inputs) {
   return std::none_of(inputs.begin(), inputs.end(), is_icp) || std::any_of(inputs.begin(), inputs.end(), has_points);
 }
 
+/// A state covariance at `from`, turned with odom by R_new_old to the same body at `to`.
+Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
+  const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
+  const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
+  const Matrix6d turned = J_inverse * pose_covariance * J_inverse.transpose();
+  return 0.5 * (turned + turned.transpose());
+}
+
 }  // namespace
 
 void PoseFilter::Params::validate() const {
@@ -98,18 +106,6 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
 }
-
-namespace {
-
-/// A state covariance at `from`, turned with odom by R_new_old to the same body at `to`.
-Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
-  const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
-  const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
-  const Matrix6d turned = J_inverse * pose_covariance * J_inverse.transpose();
-  return 0.5 * (turned + turned.transpose());
-}
-
-}  // namespace
 
 bool PoseFilter::setPose(const Pose& T_odom_cog) {
   if (!isFinite(T_odom_cog)) return false;
