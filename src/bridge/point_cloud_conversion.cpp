@@ -10,6 +10,7 @@
 #include <limits>
 #include <optional>
 
+#include "cloud_field.hpp"
 #include "cloud_layout.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
 
@@ -18,58 +19,6 @@ namespace fail_aware {
 namespace {
 
 using sensor_msgs::PointField;
-
-std::size_t sizeOf(std::uint8_t datatype) {
-  switch (datatype) {
-    case PointField::INT8:
-    case PointField::UINT8: return 1;
-    case PointField::INT16:
-    case PointField::UINT16: return 2;
-    case PointField::INT32:
-    case PointField::UINT32:
-    case PointField::FLOAT32: return 4;
-    case PointField::FLOAT64: return 8;
-  }
-  return 0;
-}
-
-template <class T>
-double load(const std::uint8_t* at, bool big_endian) {
-  T value;
-  if (big_endian) {
-    std::uint8_t bytes[sizeof(T)];
-    std::reverse_copy(at, at + sizeof(T), bytes);
-    std::memcpy(&value, bytes, sizeof value);
-  } else {
-    std::memcpy(&value, at, sizeof value);
-  }
-  return static_cast<double>(value);
-}
-
-/// A field that lies within the point.
-struct Field {
-  std::string name;
-  std::size_t offset = 0;
-  std::uint8_t datatype = 0;
-  bool big_endian = false;
-
-  explicit operator bool() const { return !name.empty(); }
-  bool isFloat() const { return datatype == PointField::FLOAT32 || datatype == PointField::FLOAT64; }
-
-  double at(const std::uint8_t* point) const {
-    const std::uint8_t* value = point + offset;
-    switch (datatype) {
-      case PointField::INT8: return load<std::int8_t>(value, big_endian);
-      case PointField::UINT8: return load<std::uint8_t>(value, big_endian);
-      case PointField::INT16: return load<std::int16_t>(value, big_endian);
-      case PointField::UINT16: return load<std::uint16_t>(value, big_endian);
-      case PointField::INT32: return load<std::int32_t>(value, big_endian);
-      case PointField::UINT32: return load<std::uint32_t>(value, big_endian);
-      case PointField::FLOAT32: return load<float>(value, big_endian);
-      default: return load<double>(value, big_endian);
-    }
-  }
-};
 
 constexpr std::initializer_list<const char*> kRingNames = {"ring", "line", "channel", "layer"};
 
@@ -146,8 +95,8 @@ class Layout {
     return valid ? static_cast<std::uint16_t>(number) : std::numeric_limits<std::uint16_t>::max();  // no beam
   }
 
-  Field x, y, z, intensity, ring;
-  std::vector<Field> times;  ///< what may be the points' time, the likeliest first; no more than kMostTimes
+  CloudField x, y, z, intensity, ring;
+  std::vector<CloudField> times;  ///< what may be the points' time, the likeliest first; no more than kMostTimes
 
  private:
   void refuse(CloudStatus status, const std::string& reason) {
@@ -155,7 +104,7 @@ class Layout {
     result_ = {status, reason};
   }
 
-  Field find(std::initializer_list<const char*> names) {
+  CloudField find(std::initializer_list<const char*> names) {
     for (const char* name : names) {
       for (const PointField& field : cloud_.fields) {
         if (field.name == name) return located(field);
@@ -165,7 +114,7 @@ class Layout {
   }
 
   /// Empty, and the cloud refused: the field does not lie within the point.
-  Field located(const PointField& field) {
+  CloudField located(const PointField& field) {
     const std::size_t size = sizeOf(field.datatype);
     if (size == 0 || field.offset > cloud_.point_step || size > cloud_.point_step - field.offset) {
       refuse(CloudStatus::kBadLayout, "field " + field.name + " (offset " + std::to_string(field.offset) +
@@ -180,7 +129,7 @@ class Layout {
     constexpr std::size_t kMostTimes = 3;
     const auto add = [&](const PointField& field) {
       if (times.size() >= kMostTimes) return;
-      if (const Field found = located(field)) times.push_back(found);
+      if (const CloudField found = located(field)) times.push_back(found);
     };
     const auto isUsual = [](const std::string& name) {
       return std::find(std::begin(kTimeNames), std::end(kTimeNames), name) != std::end(kTimeNames);
@@ -195,8 +144,8 @@ class Layout {
     }
   }
 
-  Field coordinate(const char* name) {
-    const Field field = find({name});
+  CloudField coordinate(const char* name) {
+    const CloudField field = find({name});
     if (!field) refuse(CloudStatus::kNoCoordinates, std::string("no field ") + name);
     if (field && !field.isFloat()) {
       refuse(CloudStatus::kNoCoordinates, std::string("field ") + name + " must be FLOAT32 or FLOAT64");
@@ -210,13 +159,13 @@ class Layout {
   std::uint64_t row_step_ = 0;
 };
 
-TimeNumber numberOf(const Field& field) {
+TimeNumber numberOf(const CloudField& field) {
   if (field.datatype == PointField::FLOAT32) return TimeNumber::kFloat32;
   return field.datatype == PointField::FLOAT64 ? TimeNumber::kFloat64 : TimeNumber::kInteger;
 }
 
 /// The first field whose numbers are times and differ; else why the first that is refused is so; else the first.
-void readTimes(const std::vector<Field>& fields, const std::vector<std::vector<double>>& numbers, Sweep& sweep) {
+void readTimes(const std::vector<CloudField>& fields, const std::vector<std::vector<double>>& numbers, Sweep& sweep) {
   std::optional<std::size_t> refused;
   const auto read = [&](std::size_t i) {
     return readPointTimes(numbers[i], numberOf(fields[i]), fields[i].name, sweep);
@@ -301,7 +250,7 @@ CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, Correc
   sweep.rings.clear();
   const Layout layout(cloud);
   if (!layout.result().ok()) return layout.result();
-  const Field time = layout.times.empty() ? Field() : layout.times.front();
+  const CloudField time = layout.times.empty() ? CloudField() : layout.times.front();
   sweep.points_lidar.reserve(layout.count());
   if (layout.ring) sweep.rings.reserve(layout.count());
   if (time) sweep.times_s.reserve(layout.count());
