@@ -6,6 +6,8 @@
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
 
+#include <map>
+#include <memory>
 #include <string>
 
 #include "../support/graph_recorder.hpp"
@@ -17,9 +19,17 @@ using fail_aware_lidar_odometry::TimeToFailure;
 
 class PlannerExample : public testing::TestWithParam<const char*> {
  protected:
+  static void SetUpTestSuite() {
+    senders_ = std::make_unique<Senders>();
+    for (const std::string name : {"planner_cpp", "planner_python"}) {
+      senders_->standing[name] = senders_->node.advertise<std_msgs::Bool>('/' + name + "/standing", 1, true);
+    }
+  }
+  static void TearDownTestSuite() { senders_.reset(); }
+
   void SetUp() override {
-    publisher_ = node_.advertise<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure", 1);
-    standing_ = node_.advertise<std_msgs::Bool>(std::string("/") + GetParam() + "/standing", 1, true);
+    publisher_ = senders_->times;
+    standing_ = senders_->standing.at(GetParam());
     subscriber_ =
         node_.subscribe<std_msgs::String>(std::string("/") + GetParam() + "/action", 1,
                                           [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
@@ -63,17 +73,28 @@ class PlannerExample : public testing::TestWithParam<const char*> {
     return action_;
   }
 
-  ros::NodeHandle node_;
   void setStanding(bool standing) {
     std_msgs::Bool message;
     message.data = standing;
     standing_.publish(message);
   }
 
+  ros::NodeHandle node_;
   ros::Publisher publisher_, standing_;
   ros::Subscriber subscriber_;
   std::string action_;
+
+ private:
+  /// For all cases: rospy 1.15.9 (Debian 11) does not hear for seconds a publisher that goes and comes back in one node.
+  struct Senders {
+    ros::NodeHandle node;
+    ros::Publisher times = node.advertise<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure", 1);
+    std::map<std::string, ros::Publisher> standing;
+  };
+  static std::unique_ptr<Senders> senders_;
 };
+
+std::unique_ptr<PlannerExample::Senders> PlannerExample::senders_;
 
 TEST_P(PlannerExample, doesWhatTheContractSays) {
   EXPECT_EQ(await("stop blind"), "stop blind") << "before any message";
