@@ -52,9 +52,8 @@ struct SweepResult {
   SweepStatus status = SweepStatus::kFirst;
   FilterState state;
   Pose T_odom_base = Pose::Identity();
-  Matrix6d odometry_covariance =
-      Matrix6d::Zero();  ///< accumulated, of T_odom_base, geometry/pose.hpp's convention
-  PoseSet pose_set;      ///< what became of a pose that was set
+  Matrix6d odometry_covariance = Matrix6d::Zero();  ///< accumulated, of T_odom_base, geometry/pose.hpp's convention
+  PoseSet pose_set;                                 ///< what became of a pose that was set
   Measurement point;
   Measurement plane;
   Measurement corners;

@@ -12,7 +12,7 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kPointsLookedAt = 256;  // points
-constexpr double kFollows = 0.98;       // mean resultant length; 1: each point lies where its time says
+constexpr double kFollows = 0.98;             // mean resultant length; 1: each point lies where its time says
 constexpr int kMostCloudsARevolution = 4;
 
 }  // namespace
