@@ -193,7 +193,7 @@ class FusionUkfNodelet : public nodelet::Nodelet {
       task.lidar_frame = sweep->frame;
       prediction_ = task.prediction;
       // the first sweep has nothing to search a motion with
-      scheduler_.setSearches(!task.prediction.motion_known && !task.first());
+      scheduler_.setSearches(!task.prediction.motionKnown() && !task.first());
       sources_->open(stamp, scheduler_.longest_s());
       prediction_publisher_.publish(messages::SweepPredictionConstPtr(
           boost::make_shared<messages::SweepPrediction>(toMessage(task, odomHeader(stamp), last_stamp_))));
