@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -12,10 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "drive_results.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
 #include "fail_aware_lidar_odometry/core/io/kitti_sweep_source.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
@@ -23,7 +22,6 @@
 #include "parameter_overrides.hpp"
 #include "poses_from_outside.hpp"
 #include "run_folder.hpp"
-#include "sweep_log.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
 #include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
@@ -32,8 +30,6 @@
 namespace {
 
 using namespace fail_aware;
-namespace fs = std::filesystem;
-
 constexpr const char* kName = "offline_odometry";
 const std::vector<std::string> kFiles = {"trajectory_kitti.txt", "trajectory_tum.txt", "per_sweep.csv",
                                          "monitor_log.csv",      "measurements.csv",   "parameters.yaml"};
@@ -131,27 +127,6 @@ Json clockSummary(const SweepClock& clock) {
           {"stamps_left_out", clock.outliers()}};
 }
 
-struct BadScan {
-  std::string file, reason;
-};
-
-/// What a reader of per_sweep.csv needs to know of the run. `t1_stamp_s`: none if the run ended before t1.
-Json describeRun(const PipelineParameters& params, long first, const SweepLog& log, std::optional<double> t1_stamp_s) {
-  const MonitorParameters& monitor = params.profile.monitor;
-  Json json;
-  json["first"] = first;
-  json["scans"] = log.sweeps();
-  json["without_pose"] = log.withoutPose();
-  json["t1_stamp_s"] = t1_stamp_s ? Json(*t1_stamp_s) : Json(nullptr);
-  json["eta_threshold_rad"] = monitor.indicator.threshold;
-  json["horizon_s"] = monitor.predictor.horizon_s;
-  json["alert_limit_m"] = monitor.predictor.alert_limit_m;
-  json["failing_s"] = monitor.thresholds.failing_s;
-  json["degraded_s"] = monitor.thresholds.degraded_s;
-  json["lidar_in_base"] = params.sensor.lidar_in_base;
-  return json;
-}
-
 /// Whether the command line says where the lidar sits. The sensor's file has no say in it over a bag: it always holds some
 /// place.
 bool saysWhereLidarSits(const Options& options) {
@@ -191,6 +166,30 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
   return std::make_unique<KittiSweepSource>(options.kitti);
 }
 
+void warn(const std::string& text) { std::cerr << kName << ": warning: " << text << std::endl; }
+
+void runOver(SweepSource& drive, std::size_t scans, const Options& options, OdometryPipeline& pipeline,
+             DriveResults& results) {
+  PosesFromOutside poses(options.poses, pipeline);
+  bool side_file_told = false;
+  Sweep sweep;
+  ProgressBar progress(scans);
+  for (std::size_t i = 0; i < scans; ++i) {
+    const ReadResult read = drive.next(sweep);
+    if (i == 0) pipeline.startRedundant(sweep.stamp_s + options.redundant_at_s - kStartTolerance_s);
+    if (read.status == ReadStatus::kSideFileUnusable && !std::exchange(side_file_told, true)) {
+      warn(read.message + " (said once)");
+    }
+    const double stamp_s = sweep.stamp_s;
+    const std::size_t points_dropped = sweep.points_dropped;
+    poses.offer(stamp_s);
+    const SweepResult result = pipeline.step(sweep);
+    if (!result.pose_set.refused.empty()) warn("--set-pose: refused: " + result.pose_set.refused);
+    results.add(read, drive.name(), stamp_s, points_dropped, result);
+    progress.update(i + 1);
+  }
+}
+
 int run(const Options& options) {
   if (!options.lidar_in_base.empty()) requireMounting("--lidar-in-base", options.lidar_in_base);
   PipelineParameters params = loadPipelineParameters(options.files);
@@ -205,100 +204,27 @@ int run(const Options& options) {
   overrideParameters(params, options.parameters, options.set);
   if (!options.lidar_in_base.empty()) params.sensor.lidar_in_base = options.lidar_in_base;
   RunFolder folder(options.output, kFiles);
-  const fs::path& output = folder.unfinished();
-
   OdometryPipeline pipeline(params, options.threads);
-  PosesFromOutside poses(options.poses, pipeline);
-  const Pose T_base_lidar = params.sensor.T_base_lidar();
-  std::vector<Pose> lidar_trajectory;
-  std::vector<StampedPose> base_trajectory;
-  SweepLog log(output);
-  std::vector<BadScan> bad_scans;
-  std::size_t side_file_problems = 0, points_dropped = 0, set_back = 0;
-  Pose T_odom_lidar_first = Pose::Identity();
-  std::optional<double> t1_stamp_s;
-  bool was_asked_for = false;
-  Sweep sweep;
+  DriveResults results(folder.unfinished(), params);
   drive->skip(static_cast<std::size_t>(options.first));
-  {
-    ProgressBar progress(static_cast<std::size_t>(last - options.first));
-    for (long i = options.first; i < last; ++i) {
-      const ReadResult read = drive->next(sweep);
-      if (i == options.first) pipeline.startRedundant(sweep.stamp_s + options.redundant_at_s - kStartTolerance_s);
-      if (!read.hasPoints()) bad_scans.push_back({drive->name(), read.message});
-      if (read.status == ReadStatus::kSideFileUnusable && side_file_problems++ == 0) {
-        std::cerr << kName << ": warning: " << read.message << " (said once)" << std::endl;
-      }
-      points_dropped += sweep.points_dropped;
-      const double stamp_s = sweep.stamp_s;
-      poses.offer(stamp_s);
-      const SweepResult result = pipeline.step(sweep);
-      if (!result.pose_set.refused.empty()) {
-        std::cerr << kName << ": warning: --set-pose: refused: " << result.pose_set.refused << std::endl;
-      }
-      was_asked_for = was_asked_for || (result.monitor.reasons & kReasonMotionUnknown) != 0;
-      if (!t1_stamp_s && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s = result.monitor.t1_stamp_s;
-      log.add(stamp_s, result);
-      if (SweepLog::hasPose(result.status)) {
-        const Pose T_odom_lidar = result.T_odom_base * T_base_lidar;
-        if (lidar_trajectory.empty()) T_odom_lidar_first = T_odom_lidar;
-        lidar_trajectory.push_back(orthonormalized(T_odom_lidar_first.inverse() * T_odom_lidar));
-        if (!base_trajectory.empty() && stamp_s <= base_trajectory.back().stamp_s) ++set_back;
-        base_trajectory.push_back({stamp_s, result.T_odom_base});
-      }
-      progress.update(static_cast<std::size_t>(i - options.first + 1));
-    }
-  }
-  for (const BadScan& bad : bad_scans) {
-    std::cerr << kName << ": warning: " << bad.reason << "; carried on as over a dropped sweep" << std::endl;
-  }
-  if (const std::size_t unusable = log.count(SweepStatus::kNotStarted)) {
-    std::cerr << kName << ": warning: the odometry begins at the first sweep with usable points; " << unusable
-              << " sweeps without (" << toString(SweepStatus::kNotStarted)
-              << " in per_sweep.csv) have no row in the trajectories" << std::endl;
-  }
-  if (const std::size_t refused = log.count(SweepStatus::kStampNotAdvancing)) {
-    std::cerr << kName << ": warning: the stamps of " << refused << " of " << log.sweeps()
-              << " sweeps were refused (duplicate, out of order, far ahead): "
-              << toString(SweepStatus::kStampNotAdvancing) << " in per_sweep.csv, no row in the trajectories"
-              << std::endl;
-  }
-  if (set_back > 0) {
-    std::cerr
-        << kName << ": warning: the clock was set back " << set_back
-        << " times; the trajectories keep the order of the recording, the stamps of trajectory_tum.txt go back there"
-        << std::endl;
-  }
-  if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) {
-    std::cerr << kName << ": warning: " << contradiction << std::endl;
-  }
-  for (const std::string& warning : log.warnings()) std::cerr << kName << ": warning: " << warning << std::endl;
-  if (!t1_stamp_s) {
-    std::cerr << kName
-              << ": warning: " << (was_asked_for ? "no motion was observed" : "the drive ended before --redundant-at")
-              << ": there is no t1, every state is UNKNOWN" << std::endl;
-  }
-  writeKittiTrajectory((output / "trajectory_kitti.txt").string(), lidar_trajectory);
-  writeTumTrajectory((output / "trajectory_tum.txt").string(), base_trajectory);
-  saveYaml((output / "parameters.yaml").string(), params);
+  runOver(*drive, static_cast<std::size_t>(last - options.first), options, pipeline, results);
+  for (const std::string& warning : results.warnings()) warn(warning);
+  if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) warn(contradiction);
 
-  Json summary = log.summary();
-  summary["dropped"] = bad_scans.size();
-  summary["bad_scans"] = Json::array();
-  for (const BadScan& bad : bad_scans) summary["bad_scans"].push_back({{"file", bad.file}, {"reason", bad.reason}});
-  summary["points_not_finite_or_zero"] = points_dropped;
+  results.write();
+  Json summary = results.summary(options.first);
   summary["max_rss_mb"] = maxRssMb();
   summary["level_keeping"] = levelSummary(pipeline.levelKeeping().report());
   summary["sweep_clock"] = clockSummary(pipeline.sweepClock());
   summary["threads"] = options.threads;
   summary["profile"] = options.files.profile;
-  summary["run"] = describeRun(params, options.first, log, t1_stamp_s);
-  log.close();
   summary = folder.finish(std::move(summary));
   std::cout << summary.dump(2, ' ', false, Json::error_handler_t::replace) << std::endl;
-  if (bad_scans.size() == log.sweeps()) {
+  if (results.allUnusable()) {
     return reportError(kName, "no scan of " + drive_name + " could be used", kExitFailed);
   }
+  std::cerr << kName << ": " << results.verdict() << "\n"
+            << kName << ": next: rosrun fail_aware_lidar_odometry report " << options.output << std::endl;
   return kExitDone;
 }
 

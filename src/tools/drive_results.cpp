@@ -1,0 +1,105 @@
+#include "drive_results.hpp"
+
+#include <cstdio>
+
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+
+namespace fail_aware {
+
+void DriveResults::add(const ReadResult& read, const std::string& name, double stamp_s, std::size_t points_dropped,
+                       const SweepResult& result) {
+  if (!read.hasPoints()) bad_scans_.push_back({name, read.message});
+  points_dropped_ += points_dropped;
+  motion_unknown_at_t1_ = motion_unknown_at_t1_ || (result.monitor.reasons & kReasonMotionUnknown) != 0;
+  if (!t1_stamp_s_ && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s_ = result.monitor.t1_stamp_s;
+  log_.add(stamp_s, result);
+  last_ = result;
+  if (!SweepLog::hasPose(result.status)) return;
+  const Pose T_odom_lidar = result.T_odom_base * params_.sensor.T_base_lidar();
+  if (lidar_trajectory_.empty()) T_odom_lidar_first_ = T_odom_lidar;
+  lidar_trajectory_.push_back(orthonormalized(T_odom_lidar_first_.inverse() * T_odom_lidar));
+  if (!base_trajectory_.empty()) {
+    const StampedPose& before = base_trajectory_.back();
+    if (stamp_s <= before.stamp_s) ++set_back_;
+    distance_m_ += (result.T_odom_base.translation() - before.T.translation()).norm();
+  }
+  base_trajectory_.push_back({stamp_s, result.T_odom_base});
+}
+
+std::vector<std::string> DriveResults::warnings() const {
+  std::vector<std::string> lines;
+  for (const BadScan& bad : bad_scans_) lines.push_back(bad.reason + "; carried on as over a dropped sweep");
+  if (const std::size_t unusable = log_.count(SweepStatus::kNotStarted)) {
+    lines.push_back("the odometry begins at the first sweep with usable points; " + std::to_string(unusable) +
+                    " sweeps without (" + toString(SweepStatus::kNotStarted) +
+                    " in per_sweep.csv) have no row in the trajectories");
+  }
+  if (const std::size_t refused = log_.count(SweepStatus::kStampNotAdvancing)) {
+    lines.push_back("the stamps of " + std::to_string(refused) + " of " + std::to_string(log_.sweeps()) +
+                    " sweeps were refused (duplicate, out of order, far ahead): " +
+                    toString(SweepStatus::kStampNotAdvancing) + " in per_sweep.csv, no row in the trajectories");
+  }
+  if (set_back_ > 0) {
+    lines.push_back("the clock was set back " + std::to_string(set_back_) +
+                    " times; the trajectories keep the order of the recording, the stamps of trajectory_tum.txt go "
+                    "back there");
+  }
+  const std::vector<std::string> of_log = log_.warnings();
+  lines.insert(lines.end(), of_log.begin(), of_log.end());
+  if (!t1_stamp_s_) {
+    lines.push_back(
+        std::string(motion_unknown_at_t1_ ? "no motion was observed" : "the drive ended before --redundant-at") +
+        ": there is no t1, every state is UNKNOWN");
+  }
+  return lines;
+}
+
+void DriveResults::write() {
+  writeKittiTrajectory((folder_ / "trajectory_kitti.txt").string(), lidar_trajectory_);
+  writeTumTrajectory((folder_ / "trajectory_tum.txt").string(), base_trajectory_);
+  saveYaml((folder_ / "parameters.yaml").string(), params_);
+  log_.close();
+}
+
+/// What a reader of per_sweep.csv needs to know of the run.
+Json DriveResults::describeRun(long first) const {
+  const MonitorParameters& monitor = params_.profile.monitor;
+  Json json;
+  json["first"] = first;
+  json["scans"] = log_.sweeps();
+  json["without_pose"] = log_.withoutPose();
+  json["t1_stamp_s"] = t1_stamp_s_ ? Json(*t1_stamp_s_) : Json(nullptr);
+  json["eta_threshold_rad"] = monitor.indicator.threshold;
+  json["horizon_s"] = monitor.predictor.horizon_s;
+  json["alert_limit_m"] = monitor.predictor.alert_limit_m;
+  json["failing_s"] = monitor.thresholds.failing_s;
+  json["degraded_s"] = monitor.thresholds.degraded_s;
+  json["lidar_in_base"] = params_.sensor.lidar_in_base;
+  return json;
+}
+
+Json DriveResults::summary(long first) const {
+  Json summary = log_.summary();
+  summary["distance_m"] = distance_m_;
+  summary["final_state"] = toString(last_.monitor.state);
+  summary["dropped"] = bad_scans_.size();
+  summary["bad_scans"] = Json::array();
+  for (const BadScan& bad : bad_scans_) summary["bad_scans"].push_back({{"file", bad.file}, {"reason", bad.reason}});
+  summary["points_not_finite_or_zero"] = points_dropped_;
+  summary["run"] = describeRun(first);
+  return summary;
+}
+
+std::string DriveResults::verdict() const {
+  const double duration_s =
+      base_trajectory_.empty() ? 0.0 : base_trajectory_.back().stamp_s - base_trajectory_.front().stamp_s;
+  std::string reasons = reasonText(last_.monitor.reasons);
+  if (!reasons.empty()) reasons = " (" + reasons + ")";
+  char text[200];
+  std::snprintf(text, sizeof text, "%.1f m in %.1f s, %zu sweeps, %zu without points, %zu refused; final state ",
+                distance_m_, duration_s, log_.sweeps(), bad_scans_.size(), log_.count(SweepStatus::kStampNotAdvancing));
+  return text + std::string(toString(last_.monitor.state)) + reasons;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,64 @@
+// What a run of offline_odometry keeps of its sweeps, and says of them: trajectories, logs, summary, warnings, verdict.
+//
+// Trajectories hold the sweeps that have a pose of their own (SweepLog::hasPose), in the order of the recording.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fail_aware_lidar_odometry/core/io/sweep_source.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "json.hpp"
+#include "sweep_log.hpp"
+
+namespace fail_aware {
+
+class DriveResults {
+ public:
+  /// Writes its logs into `folder` as the sweeps come. Throws InputError if a file cannot be opened.
+  DriveResults(const std::filesystem::path& folder, const PipelineParameters& params)
+      : folder_(folder), params_(params), log_(folder) {}
+
+  /// A scan as it was read, and what the odometry made of it. `name`: the scan's, for texts.
+  void add(const ReadResult& read, const std::string& name, double stamp_s, std::size_t points_dropped,
+           const SweepResult& result);
+
+  std::size_t sweeps() const { return log_.sweeps(); }
+  bool allUnusable() const { return bad_scans_.size() == log_.sweeps(); }
+
+  /// One line each, for the user.
+  std::vector<std::string> warnings() const;
+
+  /// Writes trajectories and parameters, and closes the logs. Throws std::runtime_error.
+  void write();
+
+  /// `first`: scan of the drive that the run began with.
+  Json summary(long first) const;
+
+  /// One line: distance, time, sweeps, what was dropped, the last state.
+  std::string verdict() const;
+
+ private:
+  struct BadScan {
+    std::string file, reason;
+  };
+  Json describeRun(long first) const;
+
+  std::filesystem::path folder_;
+  PipelineParameters params_;
+  SweepLog log_;
+  std::vector<Pose> lidar_trajectory_;  ///< the first one is the identity
+  std::vector<StampedPose> base_trajectory_;
+  Pose T_odom_lidar_first_ = Pose::Identity();
+  double distance_m_ = 0.0;
+  std::vector<BadScan> bad_scans_;
+  std::size_t points_dropped_ = 0, set_back_ = 0;
+  std::optional<double> t1_stamp_s_;
+  bool motion_unknown_at_t1_ = false;
+  SweepResult last_;
+};
+
+}  // namespace fail_aware
