@@ -1,4 +1,4 @@
-"""The run against the truth, as core/evaluation/time_to_failure.hpp defines it: each in its own frame at t1."""
+"""The run against the truth, as evaluation/time_to_failure.hpp defines it: each in its own frame at t1."""
 from dataclasses import dataclass
 from typing import Optional
 

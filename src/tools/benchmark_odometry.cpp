@@ -17,7 +17,7 @@
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
 
-#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
+#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/evaluation/azimuth_calibration.hpp"
+#include "fail_aware_lidar_odometry/evaluation/azimuth_calibration.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"

@@ -17,8 +17,8 @@
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/sweep_stamping.hpp"
+#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
+#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
 #include "simulation_options.hpp"
 
 namespace {

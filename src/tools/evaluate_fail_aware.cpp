@@ -10,7 +10,6 @@
 #include "fail_aware_report.hpp"
 #include "fail_aware_run.hpp"
 #include "json.hpp"
-#include "plot_script.hpp"
 #include "result_files.hpp"
 #include "tool_support.hpp"
 
@@ -31,7 +30,7 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   addRunOptions(app, options.runs);
-  app.add_option("--output", options.output, "folder for fail_aware.json, predictions.csv and the plots");
+  app.add_option("--output", options.output, "folder for fail_aware.json and predictions.csv; plot_fail_aware draws them");
   addAlertLimitOption(app, options.alert_limit_m);
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
       ->check(positiveNumber())
@@ -79,7 +78,6 @@ int run(Options options) {
     std::ofstream csv = createFile(folder / "predictions.csv");
     writePredictions(csv, runs, all);
     finishFile(csv, folder / "predictions.csv");
-    runPlotScript(kName, "plot_fail_aware", folder);
   }
   return kExitDone;
 }

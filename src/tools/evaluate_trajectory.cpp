@@ -1,4 +1,4 @@
-// Compares an estimated trajectory with the true one: JSON on stdout; with --output also files and plots.
+// Compares an estimated trajectory with the true one: JSON on stdout; with --output also files.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,16 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/evaluation/absolute_trajectory_error.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/kitti_metric.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/relative_step_error.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/trajectory_pair.hpp"
+#include "fail_aware_lidar_odometry/evaluation/absolute_trajectory_error.hpp"
+#include "fail_aware_lidar_odometry/evaluation/kitti_metric.hpp"
+#include "fail_aware_lidar_odometry/evaluation/relative_step_error.hpp"
+#include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
+#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "json.hpp"
-#include "plot_script.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
@@ -51,7 +50,7 @@ void declareOptions(CLI::App& app, Options& options) {
       ->required();
   app.add_option("--calib", options.calib,
                  "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' brings it to the lidar's");
-  app.add_option("--output", options.output, "folder for evaluation.json, trajectory.csv and the plots");
+  app.add_option("--output", options.output, "folder for evaluation.json and trajectory.csv; plot_trajectory draws them");
   app.add_option("--lengths", options.lengths_m,
                  "segment lengths of the KITTI metric in m, comma-separated (default 100,200,...,800; "
                  "5,10,20,40,80 and step 1 if no segment of 100 m fits)")
@@ -245,7 +244,6 @@ int run(int argc, char** argv) {
     file << json.dump(2) << '\n';
     finishFile(file, folder / "evaluation.json");
     writeCsv(folder / "trajectory.csv", in, ate, ate_aligned);
-    runPlotScript(kName, "plot_trajectory", folder);
   }
   return kExitDone;
 }

@@ -11,13 +11,13 @@
 #include <sstream>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/evaluation/alarm_statistics.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/concordance.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/consistency.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/kaplan_meier.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/prediction_statistics.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/stanford_diagram.hpp"
+#include "fail_aware_lidar_odometry/evaluation/alarm_statistics.hpp"
+#include "fail_aware_lidar_odometry/evaluation/concordance.hpp"
+#include "fail_aware_lidar_odometry/evaluation/consistency.hpp"
+#include "fail_aware_lidar_odometry/evaluation/kaplan_meier.hpp"
+#include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
+#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "fail_aware_lidar_odometry/evaluation/stanford_diagram.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
 #include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 #include "json.hpp"

@@ -20,7 +20,7 @@
 
 #include "cloud_answers.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
+#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "json.hpp"
 #include "process_monitor.hpp"

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/sweep_stamping.hpp"
+#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
+#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
 #include "json.hpp"
 #include "simulation_options.hpp"
 #include "tool_support.hpp"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/drive_simulation.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/fault.hpp"
+#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
+#include "fail_aware_lidar_odometry/simulation/fault.hpp"
 
 namespace fail_aware {
 

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "fail_aware_lidar_odometry/core/evaluation/quantile.hpp"
+#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"

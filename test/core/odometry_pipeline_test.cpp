@@ -13,7 +13,7 @@
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/random.hpp"
+#include "fail_aware_lidar_odometry/simulation/random.hpp"
 
 namespace fail_aware {
 namespace {

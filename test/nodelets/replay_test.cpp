@@ -137,7 +137,7 @@ TEST_F(Replay, measureLatencyWatchesTheGraph) {
   std::atomic<bool> ended{false};
   int status = -1;
   std::thread watcher([&] {
-    status = std::system(("'" FAIL_AWARE_MEASURE_LATENCY "' --cloud /kitti/velo/pointcloud --idle 2 --json '" + json +
+    status = std::system(("'" MEASURE_LATENCY "' --cloud /kitti/velo/pointcloud --idle 2 --json '" + json +
                           "' --trajectory '" + tum + "' >/dev/null")
                              .c_str());
     ended = true;

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "fail_aware_lidar_odometry/version.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {
@@ -60,6 +61,12 @@ TEST(Dependencies, versionsAgree) {
   ASSERT_TRUE(std::regex_search(xml, manifest, std::regex("<version>([0-9.]+)</version>")));
   ASSERT_TRUE(std::regex_search(lists, project, std::regex("project\\([^)]*VERSION ([0-9.]+)")));
   EXPECT_EQ(manifest[1], project[1]);
+  EXPECT_EQ(manifest[1], FAIL_AWARE_LIDAR_ODOMETRY_VERSION);
+  std::ostringstream parts;
+  parts << FAIL_AWARE_LIDAR_ODOMETRY_VERSION_MAJOR << '.' << FAIL_AWARE_LIDAR_ODOMETRY_VERSION_MINOR << '.'
+        << FAIL_AWARE_LIDAR_ODOMETRY_VERSION_PATCH;
+  EXPECT_EQ(parts.str(), FAIL_AWARE_LIDAR_ODOMETRY_VERSION);
+  EXPECT_NE(readText(sourcePath("CHANGELOG.rst")).find("\n" + parts.str() + " "), std::string::npos);
 }
 
 }  // namespace

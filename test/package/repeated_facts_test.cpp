@@ -100,8 +100,8 @@ TEST(RepeatedFacts, verticalAngleOfKitti) {
       {"cfg/sensors/hdl64e.yaml", "KITTI's scans need " + number},
       {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", number + " deg too low"},
       {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", "KITTI: " + number},
-      {"scripts/kitti_benchmark", "sensor\\.vertical_angle\\.angle_deg=" + number},
-      {"scripts/kitti_benchmark", "beams " + number + " deg too low"},
+      {"scripts/benchmark", "sensor\\.vertical_angle\\.angle_deg=" + number},
+      {"scripts/benchmark", "beams " + number + " deg too low"},
       {"scripts/replay_benchmark", "\"--vertical-angle\", type=float, default=" + number},
       {"scripts/replay_benchmark", "made-up drives \\(default " + number},
       {"scripts/soak", "\"--vertical-angle\", type=float, default=" + number},
@@ -122,7 +122,7 @@ TEST(RepeatedFacts, alertLimit) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
   const std::multimap<std::string, std::string> places = {
-      {"include/fail_aware_lidar_odometry/core/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
+      {"include/fail_aware_lidar_odometry/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
       {"include/fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
       {"scripts/fault_matrix", "ALERT_LIMIT_M = " + number},
       {"scripts/run_report/run.py", "alert_limit_m: float = " + number},

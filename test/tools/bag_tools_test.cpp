@@ -1,4 +1,4 @@
-// kitti_to_bag, and offline_odometry over the bag it makes; FAIL_AWARE_KITTI_TO_BAG and FAIL_AWARE_OFFLINE_ODOMETRY are
+// kitti_to_bag, and offline_odometry over the bag it makes; KITTI_TO_BAG and OFFLINE_ODOMETRY are
 // the tools' paths.
 #include <gtest/gtest.h>
 
@@ -72,9 +72,9 @@ class BagTools : public ::testing::Test {
   }
 
   std::string bag() const { return (folder_ / "drive.bag").string(); }
-  ToolRun toBag(const std::string& arguments) const { return runProgram(FAIL_AWARE_KITTI_TO_BAG, arguments, folder_); }
+  ToolRun toBag(const std::string& arguments) const { return runProgram(KITTI_TO_BAG, arguments, folder_); }
   ToolRun offline(const std::string& arguments, const std::string& output) const {
-    return runProgram(FAIL_AWARE_OFFLINE_ODOMETRY,
+    return runProgram(OFFLINE_ODOMETRY,
                       arguments + " --output '" + (folder_ / output).string() +
                           "' --set registration.initialization.max_speed_mps=25"
                           " --set registration.initialization.max_yaw_rate_rps=0.2",

@@ -17,7 +17,9 @@ class FailAwareBenchmark : public ::testing::Test {
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
 
-  ToolRun run(const std::string& arguments) const { return runProgram(FAIL_AWARE_BENCHMARK, arguments, folder_); }
+  ToolRun run(const std::string& arguments) const {
+    return runProgram(SCRIPTS "/fail_aware_benchmark", arguments, folder_);
+  }
   std::string quoted(const char* name) const { return "'" + (folder_ / name).string() + "'"; }
 
   fs::path folder_ = fs::path(::testing::TempDir()) / ("fail_aware_benchmark_" + std::to_string(getpid()));

@@ -1,4 +1,4 @@
-// Runs scripts/live_demo: the live graph on a made-up drive, on a ROS master of its own. LIVE_DEMO is its path,
+// Runs scripts/live_demo: the live graph on a made-up drive, on a ROS master of its own. SCRIPTS is its folder,
 // DRIVE_SIMULATOR that of its node (compile definitions); the workspace's setup.bash must be sourced, as it is under
 // ctest in a catkin workspace.
 #include <fcntl.h>
@@ -51,7 +51,7 @@ class LiveDemo : public ::testing::Test {
 
   /// Arguments without blanks.
   void start(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), LIVE_DEMO);
+    arguments.insert(arguments.begin(), SCRIPTS "/live_demo");
     pid_ = fork();
     ASSERT_GE(pid_, 0);
     if (pid_ != 0) return;

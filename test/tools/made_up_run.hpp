@@ -14,7 +14,7 @@
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/random.hpp"
+#include "fail_aware_lidar_odometry/simulation/random.hpp"
 
 namespace fail_aware {
 

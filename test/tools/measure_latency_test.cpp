@@ -26,16 +26,16 @@ class LiveTools : public ::testing::Test {
 
 TEST_F(LiveTools, measureLatencySaysWhatItNeeds) {
   setenv("ROS_MASTER_URI", "http://localhost:1", 1);
-  EXPECT_EQ(runProgram(FAIL_AWARE_MEASURE_LATENCY, "--help", folder_).exit_code, 0);
-  expectRefused(FAIL_AWARE_MEASURE_LATENCY, "", "no ROS master at http://localhost:1");
-  expectRefused(FAIL_AWARE_MEASURE_LATENCY, "--duration -1", "--duration");
-  expectRefused(FAIL_AWARE_MEASURE_LATENCY, "--nonsense", "--nonsense");
+  EXPECT_EQ(runProgram(MEASURE_LATENCY, "--help", folder_).exit_code, 0);
+  expectRefused(MEASURE_LATENCY, "", "no ROS master at http://localhost:1");
+  expectRefused(MEASURE_LATENCY, "--duration -1", "--duration");
+  expectRefused(MEASURE_LATENCY, "--nonsense", "--nonsense");
 }
 
 TEST_F(LiveTools, replayBenchmarkSaysWhatItNeeds) {
-  EXPECT_EQ(runProgram(REPLAY_BENCHMARK, "--help", folder_).exit_code, 0);
-  expectRefused(REPLAY_BENCHMARK, "/no/such/drive", "/no/such/drive: no such file or folder");
-  expectRefused(REPLAY_BENCHMARK, "'" + folder_.string() + "' --rate 0", "--rate");
+  EXPECT_EQ(runProgram(SCRIPTS "/replay_benchmark", "--help", folder_).exit_code, 0);
+  expectRefused(SCRIPTS "/replay_benchmark", "/no/such/drive", "/no/such/drive: no such file or folder");
+  expectRefused(SCRIPTS "/replay_benchmark", "'" + folder_.string() + "' --rate 0", "--rate");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Runs the built tool on a made-up drive; FAIL_AWARE_OFFLINE_ODOMETRY is its path (compile definition).
+// Runs the built tool on a made-up drive; OFFLINE_ODOMETRY is its path (compile definition).
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -123,7 +123,7 @@ class OfflineOdometry : public ::testing::Test {
     return folder_ / "drive";
   }
 
-  void runPlain(const std::string& arguments) { result_ = runProgram(FAIL_AWARE_OFFLINE_ODOMETRY, arguments, folder_); }
+  void runPlain(const std::string& arguments) { result_ = runProgram(OFFLINE_ODOMETRY, arguments, folder_); }
 
   /// With a smaller search for the first speed than usual: a quicker test.
   void run(const fs::path& drive, const std::string& more = "") {
@@ -373,9 +373,9 @@ TEST_F(OfflineOdometry, ARunThatIsCutOffLeavesTheResultsBeforeItAndSaysSo) {
   EXPECT_NO_THROW(readRunSummary(folder_ / "out"));
 
   // Cut off by a limit on the size of files, in the middle of the sweeps.
-  const std::string command = "bash -c 'ulimit -f 16; trap \"\" XFSZ; exec \"" +
-                              std::string(FAIL_AWARE_OFFLINE_ODOMETRY) + "\" --kitti " + (base() / "drive").string() +
-                              " --output " + (folder_ / "out").string() + "'";
+  const std::string command = "bash -c 'ulimit -f 16; trap \"\" XFSZ; exec \"" + std::string(OFFLINE_ODOMETRY) +
+                              "\" --kitti " + (base() / "drive").string() + " --output " + (folder_ / "out").string() +
+                              "'";
   const ToolRun cut = runProgram("env", command, folder_);
   EXPECT_EQ(cut.exit_code, 1) << cut.out << cut.err;
   for (const auto& [name, text] : before) EXPECT_EQ(contentOf(out(name)), text) << name;

@@ -1,4 +1,4 @@
-// Runs scripts/report on made-up runs; REPORT_SCRIPT is its path (compile definition).
+// Runs scripts/report on made-up runs.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -84,7 +84,7 @@ class Report : public ::testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  void run(const std::string& arguments) { result_ = runProgram(REPORT_SCRIPT, arguments, folder_); }
+  void run(const std::string& arguments) { result_ = runProgram(SCRIPTS "/report", arguments, folder_); }
 
   std::string runForPage(const std::string& more) {
     run(path("run") + " --output " + path("page.html") + " " + more);

@@ -1,5 +1,5 @@
-// simulate_drive, offline_odometry over what it makes, and scripts/simulation_benchmark. SIMULATE_DRIVE,
-// FAIL_AWARE_OFFLINE_ODOMETRY and SIMULATION_BENCHMARK are their paths.
+// simulate_drive, offline_odometry over what it makes, and scripts/benchmark. SIMULATE_DRIVE,
+// OFFLINE_ODOMETRY are their paths, SCRIPTS is the folder of the scripts.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "../support/tool_run.hpp"
 #include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/simulation/fault.hpp"
+#include "fail_aware_lidar_odometry/simulation/fault.hpp"
 
 namespace fail_aware {
 namespace {
@@ -32,8 +32,7 @@ class SimulateDrive : public ::testing::Test {
     return runProgram(SIMULATE_DRIVE, "--output '" + path(name) + "' " + arguments, folder_);
   }
   ToolRun odometry(const std::string& name) const {
-    return runProgram(FAIL_AWARE_OFFLINE_ODOMETRY,
-                      "--kitti '" + path(name) + "' --output '" + path(name + "_out") + "'", folder_);
+    return runProgram(OFFLINE_ODOMETRY, "--kitti '" + path(name) + "' --output '" + path(name + "_out") + "'", folder_);
   }
   std::vector<std::string> lines(const std::string& file) const {
     std::vector<std::string> lines;
@@ -126,22 +125,24 @@ TEST_F(SimulateDrive, everyFaultLeavesARowForEachScanAndNoNan) {
 TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
   setenv("PATH", (fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH")).c_str(), 1);
   const auto benchmark = [this](const std::string& arguments) {
-    return runProgram(SIMULATION_BENCHMARK, "--duration 3 --output '" + path("benchmark") + "' " + arguments, folder_);
+    return runProgram(SCRIPTS "/benchmark", "simulation --duration 3 --output '" + path("benchmark") + "' " + arguments,
+                      folder_);
   };
   const ToolRun run = benchmark("--scenes country --seeds 2");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 4) << run.out;
+  EXPECT_EQ(countOf(run.out, "\n| "), 4u) << run.out;
   EXPECT_NE(run.out.find("| country, seed 2 | "), std::string::npos) << run.out;
   EXPECT_EQ(run.out.find("failed"), std::string::npos) << run.out;
-  EXPECT_FALSE(fs::exists(folder_ / "benchmark/country_2")) << "drives are kept only with --keep";
+  EXPECT_FALSE(fs::exists(folder_ / "benchmark/drives/country_2")) << "drives are not kept";
   EXPECT_EQ(benchmark("--scenes moon").exit_code, 1);
   EXPECT_EQ(benchmark("--seeds x").exit_code, 2);
 }
 
 TEST_F(SimulateDrive, faultMatrixsTableIsInTheReliabilityPageAndHasEveryFault) {
-  const ToolRun run = runProgram(FAULT_MATRIX, "--table", folder_);
+  const ToolRun run = runProgram(SCRIPTS "/fault_matrix", "--table", folder_);
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const std::string page = contentOf(fs::path(FAULT_MATRIX).parent_path().parent_path() / "doc/reliability.md");
+  const std::string page =
+      contentOf(fs::path(SCRIPTS "/fault_matrix").parent_path().parent_path() / "doc/reliability.md");
   EXPECT_NE(page.find("\n" + run.out), std::string::npos) << "doc/reliability.md: put there\n" << run.out;
   for (const FaultTraits& traits : faultTraits()) {
     EXPECT_EQ(countOf(run.out, std::string("| `") + traits.name + "` |"), 1u) << traits.name;
@@ -164,10 +165,10 @@ $copy "$kept" "$output" && cd "$output" || exit
     fs::permissions(script, fs::perms::owner_all);
   };
   inPlaceOf(SIMULATE_DRIVE, "cp -rl");  // half a gigabyte each
-  inPlaceOf(FAIL_AWARE_OFFLINE_ODOMETRY, "cp -r");
+  inPlaceOf(OFFLINE_ODOMETRY, "cp -r");
   setenv("PATH", (bin.string() + ":" + getenv("PATH")).c_str(), 1);
   const auto matrix = [this](const std::string& arguments) {
-    return runProgram(FAULT_MATRIX, "-j 3 --output '" + path("matrix") + "' " + arguments, folder_);
+    return runProgram(SCRIPTS "/fault_matrix", "-j 3 --output '" + path("matrix") + "' " + arguments, folder_);
   };
   const ToolRun run = matrix("--scenes town --faults empty_cloud");
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
@@ -175,7 +176,7 @@ $copy "$kept" "$output" && cd "$output" || exit
   EXPECT_NE(contentOf(folder_ / "matrix/matrix.csv").find("SWEEP_EMPTY"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder_ / "matrix/town_empty_cloud_8_1")) << "drives are removed";
 
-  inPlaceOf(FAIL_AWARE_OFFLINE_ODOMETRY, "cp -r", R"(case "$output" in
+  inPlaceOf(OFFLINE_ODOMETRY, "cp -r", R"(case "$output" in
   *_0.2_run) echo 1,0,nan >> measurements.csv ;;
   *_1_run) sed -i 's/,FAIL[A-Z]*,/,OK,/' per_sweep.csv
     awk 'NR > 150 { $4 += 2 } { print }' trajectory_kitti.txt > moved && mv moved trajectory_kitti.txt ;;

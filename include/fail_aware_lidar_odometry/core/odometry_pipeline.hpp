@@ -25,18 +25,9 @@
 #include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/types/sweep_condition.hpp"
 #include "fail_aware_lidar_odometry/core/types/timing_result.hpp"
+#include "fail_aware_lidar_odometry/result.hpp"
 
 namespace fail_aware {
-
-enum class SweepStatus {
-  kNotStarted,         ///< no sweep had usable points yet: the odometry has not begun
-  kFirst,              ///< defines odom, or, where stamps jumped, goes on from the last pose; not registered
-  kCorrected,          ///< measured and fused
-  kPredicted,          ///< no usable measurement: the pose is the prediction
-  kStampNotAdvancing,  ///< duplicate, out of order, far ahead (stamp_order.hpp): refused, the pose is the last one
-};
-
-const char* toString(SweepStatus status);
 
 struct StageTimes {
   double correction_ms = 0.0;  ///< prediction, timing, sweep correction, thinning

@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -44,14 +46,18 @@ bool isCfg(const fs::path& folder) {
 }  // namespace
 
 std::string findCfg() {
+  // Installed: PREFIX/lib/libNAME.so (or a program with the code in it, PREFIX/lib/PACKAGE/NAME) with
+  // PREFIX/share/PACKAGE/cfg.
+  Dl_info here{};
+  dladdr(reinterpret_cast<const void*>(&findCfg), &here);
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  // installed: PREFIX/lib/PACKAGE/tool with PREFIX/share/PACKAGE/cfg
-  const fs::path installed =
-      program.parent_path().parent_path().parent_path() / "share" / "fail_aware_lidar_odometry" / "cfg";
-  for (const fs::path& candidate : {installed, fs::path(FAIL_AWARE_SOURCE_CFG)}) {
-    if (isCfg(candidate)) return candidate.string();
+  fs::path folder = fs::canonical(here.dli_fname == nullptr ? "" : here.dli_fname, error).parent_path();
+  for (int levels = 0; levels < 2; ++levels) {
+    folder = folder.parent_path();
+    const fs::path installed = folder / "share" / "fail_aware_lidar_odometry" / "cfg";
+    if (isCfg(installed)) return installed.string();
   }
+  if (isCfg(FAIL_AWARE_SOURCE_CFG)) return FAIL_AWARE_SOURCE_CFG;
   throw InputError("the package's cfg folder was not found; give it with --cfg");
 }
 

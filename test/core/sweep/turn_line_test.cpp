@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/simulation/random.hpp"
+#include "fail_aware_lidar_odometry/simulation/random.hpp"
 
 namespace fail_aware {
 namespace {

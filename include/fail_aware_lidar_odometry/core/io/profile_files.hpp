@@ -18,7 +18,7 @@ struct ProfileFiles {
   std::string sensor = "hdl64e";
 };
 
-/// The cfg folder that belongs to the running program: beside the source tree it was built from, or installed with it.
+/// The cfg folder that belongs to this library: installed with it, or in the source tree that it was built from.
 /// Throws InputError if there is none.
 std::string findCfg();
 

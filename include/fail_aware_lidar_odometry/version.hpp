@@ -1,0 +1,7 @@
+// Version of the library: that of package.xml.
+#pragma once
+
+#define FAIL_AWARE_LIDAR_ODOMETRY_VERSION_MAJOR 1
+#define FAIL_AWARE_LIDAR_ODOMETRY_VERSION_MINOR 0
+#define FAIL_AWARE_LIDAR_ODOMETRY_VERSION_PATCH 0
+#define FAIL_AWARE_LIDAR_ODOMETRY_VERSION "1.0.0"

@@ -1,0 +1,96 @@
+#include "fail_aware_lidar_odometry/odometry.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+PipelineParameters load(const Parameters& parameters) {
+  PipelineParameters loaded =
+      loadPipelineParameters({parameters.cfg, parameters.profile, parameters.vehicle, parameters.sensor});
+  for (const std::string& file : parameters.files) loadYaml(file, loaded, MissingKeys::kKeep);
+  for (const auto& [key, value] : parameters.overrides) setParameter(loaded, key + "=" + value);
+  loaded.validate();
+  return loaded;
+}
+
+template <class T>
+void requireOnePerPoint(const char* name, const std::vector<T>& values, std::size_t points) {
+  if (values.empty() || values.size() == points) return;
+  throw std::invalid_argument(std::string(name) + ": " + std::to_string(values.size()) + " values for " +
+                              std::to_string(points) + " points");
+}
+
+/// The values at the kept points; an empty array stays empty.
+template <class T>
+void keep(std::vector<T>& values, const std::vector<std::size_t>& kept) {
+  if (values.empty()) return;
+  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
+  values.resize(kept.size());
+}
+
+void leaveOutUnusablePoints(Sweep& sweep) {
+  std::vector<std::size_t> kept;
+  kept.reserve(sweep.size());
+  for (std::size_t i = 0; i < sweep.size(); ++i) {
+    if (isUsablePoint(sweep.points_lidar[i])) kept.push_back(i);
+  }
+  if (kept.size() == sweep.size()) return;
+  sweep.points_dropped += sweep.size() - kept.size();
+  keep(sweep.points_lidar, kept);
+  keep(sweep.intensities, kept);
+  keep(sweep.times_s, kept);
+  keep(sweep.rings, kept);
+}
+
+}  // namespace
+
+struct Odometry::Implementation {
+  OdometryPipeline pipeline;
+};
+
+Odometry::Odometry(const Parameters& parameters, int threads)
+    : implementation_(new Implementation{OdometryPipeline(load(parameters), threads)}) {}
+Odometry::~Odometry() = default;
+Odometry::Odometry(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+
+Result Odometry::step(Sweep sweep) {
+  if (!std::isfinite(sweep.stamp_s)) throw std::invalid_argument("stamp: not finite");
+  requireOnePerPoint("intensities", sweep.intensities, sweep.size());
+  requireOnePerPoint("times", sweep.times_s, sweep.size());
+  requireOnePerPoint("rings", sweep.rings, sweep.size());
+  leaveOutUnusablePoints(sweep);
+  Result result;
+  result.stamp_s = sweep.stamp_s;
+  SweepResult swept = implementation_->pipeline.step(sweep);
+  result.status = swept.status;
+  result.T_odom_base = swept.T_odom_base;
+  result.covariance = swept.odometry_covariance;
+  result.monitor = swept.monitor;
+  result.pose_set_refused = std::move(swept.pose_set.refused);
+  return result;
+}
+
+void Odometry::startRedundant(double from_stamp_s) { implementation_->pipeline.startRedundant(from_stamp_s); }
+
+void Odometry::reset() { implementation_->pipeline.reset(); }
+
+std::string Odometry::setPose(const ExternalPose& pose) { return implementation_->pipeline.setPose(pose); }
+
+void Odometry::addSource(const std::string& name, double tolerance_s) {
+  implementation_->pipeline.addSource(name, tolerance_s);
+}
+
+std::string Odometry::offer(const std::string& source, const ExternalPose& pose) {
+  return implementation_->pipeline.offer(source, pose);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,98 @@
+#include "fail_aware_lidar_odometry/evaluation/fail_aware_calibration.hpp"
+
+#include <cmath>
+
+#include "fail_aware_lidar_odometry/evaluation/alarm_statistics.hpp"
+#include "fail_aware_lidar_odometry/evaluation/kaplan_meier.hpp"
+#include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
+#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kLogOddsStep = 0.02;
+
+double logOdds(double confidence) { return std::log(confidence / (1.0 - confidence)); }
+
+/// Halfway between two confidences; nothing if they are near enough.
+std::optional<double> between(double smaller, double larger) {
+  const double a = logOdds(smaller), b = logOdds(larger);
+  if (!(b - a > kLogOddsStep)) return std::nullopt;
+  return 1.0 / (1.0 + std::exp(-0.5 * (a + b)));
+}
+
+/// Of the predictions of episodes that fail; nothing if none does.
+std::optional<double> lateShare(const std::vector<FailAwareEpisode>& episodes) {
+  std::vector<JudgedPrediction> judged;
+  for (const FailAwareEpisode& episode : episodes) {
+    for (const std::size_t i : judgedSweeps(episode)) {
+      const FailAwareSweep& sweep = episode.sweeps[i];
+      judged.push_back(
+          {sweep.since_start_s, sweep.remaining_s, episode.failed, sweep.output.time_to_failure_covariance});
+    }
+  }
+  const LateStatistics statistics = lateStatistics(judged);
+  if (statistics.failing_decided == 0) return std::nullopt;
+  return statistics.lateShareOfFailing();
+}
+
+}  // namespace
+
+std::optional<double> etaThreshold(const std::vector<FailAwareEpisode>& episodes, double failed_by) {
+  std::vector<CensoredValue> values;
+  for (const FailAwareEpisode& episode : episodes) {
+    if (episode.sweeps.empty()) continue;
+    const std::size_t end = episode.failed ? episode.sweepsBeforeFailure() : episode.sweeps.size() - 1;
+    values.push_back({episode.sweeps[end].output.eta, episode.failed});
+  }
+  return kaplanMeierQuantile(values, failed_by);
+}
+
+std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& episodes, double passed_by) {
+  std::vector<double> values;
+  for (const FailAwareEpisode& episode : episodes) {
+    if (!episode.failed && !episode.sweeps.empty()) values.push_back(episode.sweeps.back().output.eta);
+  }
+  if (values.empty()) return std::nullopt;
+  const double threshold = quantile(values, 1.0 - passed_by);
+  if (!(threshold > 0.0)) return std::nullopt;
+  return threshold;
+}
+
+std::optional<double> confidenceForLateShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                             double late_share, double smallest, double largest) {
+  const std::optional<double> at_smallest = lateShare(episodes_with(smallest));
+  if (!at_smallest) return std::nullopt;
+  if (*at_smallest <= late_share) return smallest;
+  if (lateShare(episodes_with(largest)) > late_share) return std::nullopt;
+  while (const std::optional<double> middle = between(smallest, largest)) {
+    (lateShare(episodes_with(*middle)) <= late_share ? largest : smallest) = *middle;
+  }
+  return largest;
+}
+
+std::optional<double> confidenceForAlarmShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                              double alarm_share, double smallest, double largest) {
+  const auto soundWith = [&](double confidence) {
+    std::vector<FailAwareEpisode> sound;
+    for (const FailAwareEpisode& episode : episodes_with(confidence)) {
+      if (!episode.failed) sound.push_back(episode);
+    }
+    return sound;
+  };
+  const auto isQuiet = [&](const std::vector<FailAwareEpisode>& sound) {
+    return alarmStatistics(sound).alarmShare() <= alarm_share;
+  };
+  const auto quiet = [&](double confidence) { return isQuiet(soundWith(confidence)); };
+  const std::vector<FailAwareEpisode> at_largest = soundWith(largest);
+  if (at_largest.empty()) return std::nullopt;
+  if (isQuiet(at_largest)) return largest;
+  if (!quiet(smallest)) return std::nullopt;
+  while (const std::optional<double> middle = between(smallest, largest)) {
+    (quiet(*middle) ? smallest : largest) = *middle;
+  }
+  return smallest;
+}
+
+}  // namespace fail_aware

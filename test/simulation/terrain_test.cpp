@@ -1,0 +1,40 @@
+#include "fail_aware_lidar_odometry/simulation/terrain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace fail_aware {
+namespace {
+
+TEST(Terrain, gradientIsTheHeightsDerivative) {
+  const Terrain terrain(3, 0.03);
+  const double h = 1e-4;
+  for (const Eigen::Vector2d& p : {Eigen::Vector2d(0, 0), Eigen::Vector2d(123, -45), Eigen::Vector2d(-900, 777)}) {
+    const Eigen::Vector2d gradient = terrain.gradient(p);
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d step = h * Eigen::Vector2d::Unit(axis);
+      EXPECT_NEAR(gradient[axis], (terrain.height(p + step) - terrain.height(p - step)) / (2 * h), 1e-7);
+    }
+  }
+}
+
+TEST(Terrain, slopeAndBumpsAreAsAskedFor) {
+  const double grade = 0.03;
+  double slope2 = 0.0, bumps2 = 0.0, roughness2 = 0.0;
+  int count = 0;
+  const Terrain terrain(4, grade);
+  for (double x = -4000; x < 4000; x += 53.0) {
+    for (double y = -4000; y < 4000; y += 47.0, ++count) {
+      slope2 += terrain.gradient({x, y}).squaredNorm();
+      bumps2 += std::pow(terrain.bumps({x, y}), 2);
+      roughness2 += std::pow(terrain.roadRoughness({x, y}), 2);
+    }
+  }
+  EXPECT_NEAR(std::sqrt(slope2 / count), grade, 0.2 * grade);
+  EXPECT_NEAR(std::sqrt(bumps2 / count), 1.0, 0.2);
+  EXPECT_LT(std::sqrt(roughness2 / count), 0.01);
+}
+
+}  // namespace
+}  // namespace fail_aware
