@@ -17,6 +17,12 @@ constexpr double kFarthest_m = 1e3 * kFarthestPose_m;  // no drive from a pose t
 /// What somebody else's message says and this package's pass on.
 double finiteOr0(double value) { return std::isfinite(value) ? value : 0.0; }
 
+/// A number that the enumeration does not have leaves the value as it is: unknown, or skipped.
+template <class Enumeration>
+void take(std::uint8_t number, Enumeration& value) {
+  if (number <= static_cast<std::uint8_t>(lastOf(value))) value = static_cast<Enumeration>(number);
+}
+
 template <class Message>  // SweepPrediction, FilterState
 double setBack_s(const Message& message) {
   return std::clamp(finiteOr0(message.set_back), 0.0, kFarAhead_s);
@@ -45,7 +51,7 @@ messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Heade
   message.pose = toPoseMessage(task.prediction.T_odom_cog);
   message.covariance = toCovarianceMessage(task.prediction.covariance);
   message.sigma_yaw = task.prediction.sigma_yaw_rad;
-  message.motion_known = task.prediction.motion_known;
+  message.motion_status = static_cast<std::uint8_t>(task.prediction.motion_status);
   message.lidar_in_cog = toPoseMessage(task.T_cog_lidar);
   message.odom_epoch = task.prediction.odom_epoch;
   message.set_back = task.prediction.set_back_s;
@@ -68,7 +74,7 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   task.prediction.T_odom_cog = *pose;
   task.prediction.covariance = fromMessage(message.covariance);
   task.prediction.sigma_yaw_rad = message.sigma_yaw;
-  task.prediction.motion_known = message.motion_known != 0;
+  take(message.motion_status, task.prediction.motion_status);
   task.T_cog_lidar = *lidar;
   task.prediction.odom_epoch = message.odom_epoch;
   task.prediction.set_back_s = setBack_s(message);
@@ -158,7 +164,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.sigma_yaw = state.sigma_yaw_rad;
   message.corrected = state.corrected;
   message.started = state.started;
-  message.motion_observed = state.motion_observed;
+  message.motion_status = static_cast<std::uint8_t>(state.motion_status);
   message.increment = toPoseMessage(state.T_previous_now);
   message.increment_covariance = toCovarianceMessage(state.increment_covariance);
   message.unobserved_covariance = toCovarianceMessage(state.unobserved_covariance);
@@ -167,8 +173,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.interval_wrong = state.interval_wrong;
   message.set_back = state.set_back_s;
   message.odom_epoch = state.odom_epoch;
-  message.placed = state.placed;
-  message.reference_epoch = state.reference_epoch;
+  message.map_update = static_cast<std::uint8_t>(state.map_update);
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
     message.measurement_status.push_back(source.measurement ? static_cast<std::uint8_t>(source.measurement->status)
@@ -216,7 +221,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.sigma_yaw_rad = message.sigma_yaw;
   state.corrected = message.corrected != 0;
   state.started = message.started != 0;
-  state.motion_observed = message.motion_observed != 0;
+  take(message.motion_status, state.motion_status);
   state.T_previous_now = *increment;
   state.increment_covariance = fromMessage(message.increment_covariance);
   state.unobserved_covariance = fromMessage(message.unobserved_covariance);
@@ -225,8 +230,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.interval_wrong = message.interval_wrong != 0;
   state.set_back_s = setBack_s(message);
   state.odom_epoch = message.odom_epoch;
-  state.placed = message.placed;
-  state.reference_epoch = message.reference_epoch;
+  take(message.map_update, state.map_update);
   state.filter_nis = message.fused_nis;
   state.fusion.has_measurement = message.has_measurement != 0;
   state.fusion.z = Eigen::Map<const Vector6d>(message.fused_state.data());

@@ -55,7 +55,7 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
   clock_.observeRevolution(revolution_s);
   covariance_is_whole_ =
       !(state.dt_s > 0.0) || odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state));
-  takeSetPose(prediction_.motion_known);
+  takeSetPose(prediction_.motionKnown());
   return state;
 }
 

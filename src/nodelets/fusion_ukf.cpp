@@ -129,7 +129,7 @@ class FusionUkfNodelet : public GraphNodelet {
       task.T_cog_lidar = T_base_cog_.inverse() * clouds_.lidar().T_base_lidar();
       task.lidar_frame = sweep->frame;
       // the first sweep has nothing to search a motion with
-      scheduler_.setSearches(!task.prediction.motion_known && !task.first());
+      scheduler_.setSearches(!task.prediction.motionKnown() && !task.first());
       sources_->open(stamp, scheduler_.longest_s());
       output_->publishPrediction(task, stamp);
       if (sources_->allAnswered()) close();

@@ -39,7 +39,7 @@ struct Scene {
       prediction.dt_s = kPeriod_s;
       prediction.T_odom_cog_previous = drive.T_odom_base(stamp_s - kPeriod_s);
       prediction.T_odom_cog = drive.T_odom_base(stamp_s);
-      prediction.motion_known = true;
+      prediction.motion_status = MotionStatus::kObserved;
       corrector.correct(sweep, prediction, T_cog_lidar, corrected);
       builder.build(corrected, T_cog_lidar, cloud);
       if (i + 1 < kSweepsInMap) map.insert(cloud.map_points_cog, prediction.T_odom_cog);

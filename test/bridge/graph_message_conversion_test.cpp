@@ -60,7 +60,7 @@ TEST(GraphMessages, predictionThereAndBack) {
   task.prediction.T_odom_cog = somePose(2.0);
   task.prediction.covariance = someCovariance();
   task.prediction.sigma_yaw_rad = 0.01;
-  task.prediction.motion_known = true;
+  task.prediction.motion_status = MotionStatus::kObserved;
   task.prediction.set_back_s = 0.3;
   task.prediction.stamp_error_s = -0.004;
   task.prediction.period_s = 0.1033;
@@ -77,7 +77,7 @@ TEST(GraphMessages, predictionThereAndBack) {
   EXPECT_TRUE(back->prediction.T_odom_cog.isApprox(somePose(2.0), 1e-14));
   EXPECT_TRUE(back->T_cog_lidar.isApprox(somePose(-0.5), 1e-14));
   EXPECT_EQ(back->prediction.covariance, someCovariance());
-  EXPECT_TRUE(back->prediction.motion_known);
+  EXPECT_TRUE(back->prediction.motionKnown());
   EXPECT_EQ(back->prediction.set_back_s, 0.3);
   EXPECT_EQ(back->prediction.stamp_error_s, -0.004);
   EXPECT_EQ(back->prediction.period_s, 0.1033);
@@ -148,8 +148,7 @@ FilterState someState() {
   state.covariance = someCovariance();
   state.sigma_yaw_rad = 0.003;
   state.corrected = true;
-  state.placed = true;
-  state.reference_epoch = 3;
+  state.map_update = MapUpdate::kRestart;
   state.T_previous_now = somePose(1.2);
   state.increment_covariance = 0.1 * someCovariance();
   state.unobserved_covariance = 0.01 * someCovariance();
@@ -158,7 +157,7 @@ FilterState someState() {
   state.set_back_s = 0.3;
   state.stamp_error_s = 0.007;
   state.started = false;
-  state.motion_observed = true;
+  state.motion_status = MotionStatus::kObserved;
   state.filter_nis = 5.5;
   state.fusion.has_measurement = true;
   state.fusion.z = vectorFromPose(somePose(4.1));
@@ -182,8 +181,7 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_EQ(back->covariance, state.covariance);
   EXPECT_EQ(back->sigma_yaw_rad, state.sigma_yaw_rad);
   EXPECT_TRUE(back->corrected);
-  EXPECT_TRUE(back->placed);
-  EXPECT_EQ(back->reference_epoch, 3);
+  EXPECT_EQ(back->map_update, MapUpdate::kRestart);
   EXPECT_TRUE(back->T_previous_now.isApprox(state.T_previous_now, 1e-14));
   EXPECT_EQ(back->increment_covariance, state.increment_covariance);
   EXPECT_EQ(back->unobserved_covariance, state.unobserved_covariance);
@@ -193,7 +191,7 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_EQ(back->set_back_s, 0.3);
   EXPECT_EQ(back->stamp_error_s, 0.007);
   EXPECT_FALSE(back->started);
-  EXPECT_TRUE(back->motion_observed);
+  EXPECT_EQ(back->motion_status, MotionStatus::kObserved);
   EXPECT_EQ(back->filter_nis, state.filter_nis);
   EXPECT_EQ(back->fusion.z, state.fusion.z);
   EXPECT_EQ(back->fusion.R, state.fusion.R);

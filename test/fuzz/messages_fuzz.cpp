@@ -246,7 +246,7 @@ SweepAccount account(FieldSource& source, const SweepPrediction& prediction, con
     account.sources.push_back(answer);
   }
   SweepAccount::Source external{"gps", std::nullopt, false, true};
-  if (prediction.motion_known && source.input().flag()) {
+  if (prediction.motionKnown() && source.input().flag()) {
     auto message = source.message<geometry_msgs::PoseWithCovarianceStamped>();
     message.pose.pose = nearOrAny(source, message.pose.pose, prediction.T_odom_cog * T_base_cog.inverse());
     const std::optional<ExternalPose> pose =

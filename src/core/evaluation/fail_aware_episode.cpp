@@ -66,7 +66,7 @@ std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, 
   std::size_t last_begin = log.size();
   for (const FailureEpisode& asked_for : failureEpisodes(truth, estimate, stamps_s, params)) {
     std::size_t begin = asked_for.begin;  // t1 waits for an observed motion
-    while (begin < log.size() && !log[begin].state.motion_observed) ++begin;
+    while (begin < log.size() && !log[begin].state.motionObserved()) ++begin;
     if (begin + 1 >= log.size() || begin == last_begin) continue;
     last_begin = begin;
     const FailureEpisode found = failureEpisode(truth, estimate, stamps_s, begin, params.alert_limit_m);

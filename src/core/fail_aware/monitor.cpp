@@ -148,7 +148,7 @@ void FailAwareMonitor::begin(const FilterState& state) {
 
 // As if marked now: what a mark takes over of the state before it is the bias of the head.
 void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& output) const {
-  if (!state.motion_observed || !rate_.rate()) return;
+  if (!state.motionObserved() || !rate_.rate()) return;
   OdometryCovariance marked = covariance_;
   marked.mark(state.T_odom_cog);
   const CovariancePrediction prediction = predictor_.predict(growth(state, marked.driftSinceMark(), state.T_odom_cog));
@@ -167,7 +167,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     speed_wander_ = std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s;
     const double distance_m = state.T_previous_now.translation().norm();
     // What a drive begins with is unknown, and says nothing of what follows.
-    if (state.motion_observed || rate_.rate())
+    if (state.motionObserved() || rate_.rate())
       rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance, distance_m,
                                   drift_.pace(distance_m, state.dt_s)),
                    state.dt_s);
@@ -175,7 +175,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   if (state.odom_epoch != odom_epoch_ && indicator_.started()) start_pending_ = true;
   odom_epoch_ = state.odom_epoch;
   has_previous_ = true;
-  if (start_pending_ && state.motion_observed) begin(state);
+  if (start_pending_ && state.motionObserved()) begin(state);
   if (state.corrected || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
     indicator_.update(state.time_s(), state.sigma_yaw_rad,
                       state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);

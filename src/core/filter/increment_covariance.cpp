@@ -20,9 +20,13 @@ bool isAsPredicted(const FilterState& state) {
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
-  OdometryIncrement increment{state.increment_covariance, state.unobserved_covariance, state.dt_s,
-                              state.speed_error,          isAsPredicted(state),        {},
-                              state.reference_epoch};
+  OdometryIncrement increment{state.increment_covariance,
+                              state.unobserved_covariance,
+                              state.dt_s,
+                              state.speed_error,
+                              isAsPredicted(state),
+                              {},
+                              state.map_update == MapUpdate::kRestart};
   if (isConfirmed(state)) increment.confirmed = poseCovarianceFromState(state.fusion.R, state.fusion.z);
   return increment;
 }

@@ -59,9 +59,9 @@ void MotionTracker::remember(const Sweep& sweep) {
   newest_middle_s_ = 0.0;
   Pose T_odom_cog = state.T_odom_cog;
   // the first motion, found over more than one interval, is not that of the last one
-  const bool knows_motion = prediction.motion_known || previous_measured_;
+  const bool knows_motion = prediction.motionKnown() || previous_measured_;
   if (state.corrected && knows_motion && state.dt_s > 0.0 && std::isfinite(middle_s)) {
-    const Pose T_previous_now = prediction.motion_known
+    const Pose T_previous_now = prediction.motionKnown()
                                     ? prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog
                                     : state.T_previous_now;  // the motion that was searched for
     T_odom_cog = T_odom_cog * expSe3(logSe3(T_previous_now) * (middle_s / state.dt_s));

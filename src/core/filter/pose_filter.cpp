@@ -96,13 +96,12 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   motion_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
   started_ = false;
   plausibility_.clear();
-  placement_.clear();
+  map_update_policy_.clear();
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
-  const int odom_epoch = state_.odom_epoch, reference_epoch = state_.reference_epoch;
+  const int odom_epoch = state_.odom_epoch;
   state_ = FilterState();
   state_.odom_epoch = odom_epoch;
-  state_.reference_epoch = reference_epoch;
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
 }
@@ -122,7 +121,7 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   state_.covariance = ukf_.covariance();
   state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
   ++state_.odom_epoch;
-  placement_.setPose();
+  map_update_policy_.setPose();
   plausibility_.clear();
   return true;
 }
@@ -140,14 +139,14 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
   prediction_.odom_epoch = state_.odom_epoch;
   if (started_) {
     prediction_.dt_s = dt;
-    prediction_.motion_known = corrected_sweeps_ >= 2;
+    prediction_.motion_status = state_.motion_status;
     Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
     const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
     const auto inOdom = [&](const Eigen::Matrix4d& increment) -> Eigen::Matrix3d {  // of its position
       return R_odom_body * increment.topLeftCorner<3, 3>() * R_odom_body.transpose();
     };
     double uncertain_yaw = 0.0;
-    if (!prediction_.motion_known) {
+    if (!prediction_.motionKnown()) {
       // only the speed along the road is that uncertain
       const double sigma = params_.initial_speed_sigma_mps * dt;
       const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
@@ -157,7 +156,7 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
       Q.topLeftCorner<3, 3>() += inOdom(uncertain);
       uncertain_yaw = uncertain(3, 3);
     }
-    if (prediction_.motion_known && interval_sigma_s_ > 0.0) {  // how far it went is known no better than for how long
+    if (prediction_.motionKnown() && interval_sigma_s_ > 0.0) {  // how far it went is known no better than for how long
       const Eigen::Vector3d way = R_odom_body * motion_.motion().velocity_body_mps * interval_sigma_s_;
       const double turn_rad = motion_.motion().rpy_rates_rad_s.z() * interval_sigma_s_;
       Q.topLeftCorner<3, 3>() += way * way.transpose();
@@ -166,7 +165,7 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
     process_noise_ = Q;
     // not for the filter: a heading that it thinks uncertain would shorten the unscented mean of every step
     process_noise_(5, 5) += uncertain_yaw;
-    if (prediction_.motion_known && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
+    if (prediction_.motionKnown() && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
       const Eigen::Matrix4d driven =
           motion_.coasting().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
       Q.topLeftCorner<3, 3>() += inOdom(driven);
@@ -195,7 +194,6 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.dt_s = prediction_.dt_s;
   next.set_back_s = prediction_.set_back_s;
   next.odom_epoch = state_.odom_epoch;
-  next.reference_epoch = state_.reference_epoch;
   next.started = started_ || isUsableStart(measurements);
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
@@ -216,7 +214,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     const double factor = motion_.coasting().active() ? params_.coasting_increment_factor : 1.0;
     setIncrementCovariance({params_.increment_floor_m, params_.increment_per_metre_m, params_.increment_floor_deg},
                            process_noise_, params_.increment_scale * factor, prediction_, next);
-    const bool is_compared = next.corrected && !doubted && prediction_.motion_known && next.dt_s <= kLongInterval_s &&
+    const bool is_compared = next.corrected && !doubted && prediction_.motionKnown() && next.dt_s <= kLongInterval_s &&
                              (motion_.lastMeasured() || motion_.previousMeasured());
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
     motion_.setTellsNoMotion(addDoubt(inputs, innovation, next), next.corrected);
@@ -225,29 +223,34 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     state_ = next;
     return state_;
   }
-  if (next.corrected || !started_) ++corrected_sweeps_;  // the first sweep defines the start pose
-  ReferencePlacement::Sweep sweep;
-  sweep.motion_known = prediction_.motion_known;
+  if (next.corrected || !started_) ++corrected_sweeps_;
+  MapUpdatePolicy::Sweep sweep;
+  sweep.motion_known = prediction_.motionKnown();
   sweep.follows = motion_.lastMeasured() && next.dt_s <= kLongInterval_s;
   sweep.observed = next.corrected && observesTilt(next.fusion, predicted_P);
   sweep.tells_no_motion = motion_.tellsNoMotion();
-  const ReferencePlacement::Placement placement = placement_.add(measurements, sweep);
-  next.placed = placement.placed;
-  if (placement.anew) ++next.reference_epoch;
-  if (placement.out_of_sight) plausibility_.clear();
-  const bool measured = next.corrected || placement.begins;
+  const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
+  next.map_update = map.update;
+  if (map.out_of_sight) plausibility_.clear();
+  const bool measured = next.corrected || map.begins;
   started_ = true;
   state_ = next;
-  const bool forget_history = placement.begins || next.interval_wrong || motion_.tellsAgain();
+  const bool forget_history = map.begins || next.interval_wrong || motion_.tellsAgain();
   motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
   if (state_.dt_s > 0.0) state_.speed_error = motion_.coasting().speedError();
-  state_.motion_observed = state_.corrected && prediction_.motion_known && !motion_.coasting().active();
+  state_.motion_status = motionStatus();
   return state_;
+}
+
+MotionStatus PoseFilter::motionStatus() const {
+  if (corrected_sweeps_ < 2) return MotionStatus::kUnknown;  // the first one defines the start pose
+  const bool observed = state_.corrected && prediction_.motionKnown() && !motion_.coasting().active();
+  return observed ? MotionStatus::kObserved : MotionStatus::kDeadReckoning;
 }
 
 FilterState PoseFilter::stateAsDriven() const {
   FilterState state = state_;
-  if (!prediction_.motion_known && !state.corrected) state.dt_s = 0.0;
+  if (!prediction_.motionKnown() && !state.corrected) state.dt_s = 0.0;
   if (!state.interval_wrong) return state;
   state.dt_s = std::min(state.dt_s, kLongInterval_s);  // in which it turns by less than half a turn
   Vector6d twist_cog;

@@ -85,7 +85,7 @@ std::string ExternalPoseSource::offer(const ExternalPose& pose) {
 }
 
 std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
-  if (!prediction.motion_known) return std::nullopt;
+  if (!prediction.motionKnown()) return std::nullopt;
   const std::optional<ExternalPose> pose = poses_.takeNearest(prediction.stamp_s, tolerance_s_);
   const std::optional<Vector6d> twist =
       twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);

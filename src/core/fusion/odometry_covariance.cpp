@@ -106,7 +106,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
     const Pose T_gap_previous = gap->T_odom_base.inverse() * T_odom_base_previous;
     advance(T_gap_previous, T_previous_now, sane, gap->since);
     const double sigma_m = std::sqrt(gap->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
-    if (sane.reference_epoch != reference_epoch_ || ++gap->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
+    if (sane.map_restarted || ++gap->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
       gap.reset();
       lost = true;
     } else if (!sane.predicted && sane.confirmed && sane.confirmed->allFinite()) {
@@ -119,7 +119,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
     }
   }
   const Eigen::Vector3d& previous_odom = T_odom_base_previous.translation();
-  const bool is_new_map = !map_way_ || sane.reference_epoch != reference_epoch_;
+  const bool is_new_map = !map_way_ || sane.map_restarted;
   const MapWay before = is_new_map ? MapWay{previous_odom, 0.0} : *map_way_;
   MapWay way = before;
   way.farthest_m = std::max(before.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
@@ -130,7 +130,6 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   lost_ = lost;
   gap_ = gap;
   map_way_ = way;
-  reference_epoch_ = sane.reference_epoch;
   since_start_ = since_start;
   since_mark_ = since_mark;
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();

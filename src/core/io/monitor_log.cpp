@@ -23,15 +23,14 @@ struct MonitorLogTable {
     v("sigma_yaw", s.sigma_yaw_rad);
     v("corrected", s.corrected);
     v("started", s.started);
-    v("motion_observed", s.motion_observed);
+    v("motion_status", s.motion_status);
     number_table::visitMatrix("T_previous_now", s.T_previous_now.affine(), v);
     number_table::visitMatrix("increment_covariance", s.increment_covariance, v);
     number_table::visitMatrix("unobserved_covariance", s.unobserved_covariance, v);
     v("speed_variance", s.speed_error.variance_m2_s2);
     v("speed_kept", s.speed_error.kept);
     v("odom_epoch", s.odom_epoch);
-    v("placed", s.placed);
-    v("reference_epoch", s.reference_epoch);
+    v("map_update", s.map_update);
     v("filter_nis", s.filter_nis);
     auto& f = s.fusion;
     v("has_measurement", f.has_measurement);

@@ -14,27 +14,21 @@ Measurement CornerMeasurement::measure(const CorrectedSweep& sweep, const SweepP
   for (const Corner& corner : extractor_.extract(sweep.points_lidar, R_odom_lidar)) {
     corners_cog_.push_back(movedCorner(T_cog_lidar, corner));
   }
-  motion_known_ = prediction.motion_known;
+  motion_known_ = prediction.motionKnown();
   if (!motion_known_) return Measurement();
   return alignment_.align(corners_cog_, reference_.corners(), prediction.T_odom_cog, prediction.covariance);
 }
 
 void CornerMeasurement::place(const FilterState& state) {
   enterOdom(state.odom_epoch);
-  enterReference(state.reference_epoch);
+  if (state.map_update == MapUpdate::kRestart) reference_.clear();
   // corners say nothing of roll and pitch, so that what they alone have measured may join them
-  if (motion_known_ && (state.corrected || state.placed)) reference_.update(corners_cog_, state.T_odom_cog);
+  if (motion_known_ && (state.corrected || state.inMap())) reference_.update(corners_cog_, state.T_odom_cog);
 }
 
 void CornerMeasurement::enterOdom(int epoch) {
   if (epoch == odom_epoch_) return;
   odom_epoch_ = epoch;
-  reference_.clear();
-}
-
-void CornerMeasurement::enterReference(int epoch) {
-  if (epoch == reference_epoch_) return;
-  reference_epoch_ = epoch;
   reference_.clear();
 }
 

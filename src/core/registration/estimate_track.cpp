@@ -8,8 +8,8 @@ namespace fail_aware {
 
 EstimateTrack::Increment EstimateTrack::add(const FilterState& state) {
   const bool was_measured = measured_;
-  measured_ = state.placed && state.corrected;
-  if (state.placed) {
+  measured_ = state.inMap() && state.corrected;
+  if (state.inMap()) {
     setPlaced(state.T_odom_cog);
   } else if (!tooManyUnplaced()) {
     unplaced_.push_back({state.dt_s, state.set_back_s});
@@ -25,14 +25,14 @@ EstimateTrack::Increment EstimateTrack::add(const FilterState& state) {
   if (increment.between_measured && !interval_doubted && state.dt_s > 0.0) {
     increment.twist_cog = logSe3(state.T_previous_now) / state.dt_s;
   }
-  if (increment.twist_cog || (state.placed && !interval_doubted)) placed_twist_cog_ = increment.twist_cog;
+  if (increment.twist_cog || (state.inMap() && !interval_doubted)) placed_twist_cog_ = increment.twist_cog;
   return increment;
 }
 
 void EstimateTrack::beginAt(const FilterState& state) {
   measured_ = true;  // the first motion is measured from here
   setPlaced(state.T_odom_cog);
-  if (!state.placed) placed_twist_cog_.reset();
+  if (!state.inMap()) placed_twist_cog_.reset();
 }
 
 void EstimateTrack::setPlaced(const Pose& T_odom_cog) {

@@ -30,7 +30,7 @@ InitialGuess InitialGuessResolver::resolve(const CorrectedSweep& sweep, const Re
                                            const SweepPrediction& prediction) {
   InitialGuess guess = predictedGuess(scan, prediction);
   const auto take = [&guess](const Better& better) { guess = better.value_or(guess); };
-  if (!prediction.motion_known) {
+  if (!prediction.motionKnown()) {
     take(findFirstMotion(sweep, scan, map, prediction.time_s(), guess));
     return guess;
   }

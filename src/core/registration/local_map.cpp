@@ -20,12 +20,6 @@ bool LocalMap::enterOdom(int epoch) {
   return true;
 }
 
-void LocalMap::enterReference(int epoch) {
-  if (epoch == reference_epoch_) return;
-  reference_epoch_ = epoch;
-  clear();
-}
-
 void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_standing) {
   only_first_ = empty();
   if (only_first_) {

@@ -48,7 +48,7 @@ void RegistrationFront::resolveGuess(const CorrectedSweep& sweep, const SweepPre
   if (!scan_.usable) return;
   // a search for the first motion that failed would fail for good: this sweep is the first one now
   const double since_first_s = secondsBetween(map_.first().time_s, prediction.time_s());
-  if (!prediction.motion_known && since_first_s > kMaxSearchTime_s) map_.restart();
+  if (!prediction.motionKnown() && since_first_s > kMaxSearchTime_s) map_.restart();
   guess_ = resolver_.resolve(sweep, scan_, map_, track_, prediction);
 }
 
@@ -67,7 +67,7 @@ void RegistrationFront::applyGuess() {
 
 void RegistrationFront::findOpenCountry(const SweepPrediction& prediction) {
   open_country_ = {};
-  if (!scan_.usable || !prediction.motion_known || guess_.lost) return;
+  if (!scan_.usable || !prediction.motionKnown() || guess_.lost) return;
   open_country_ = open_country_aid_.find(scan_, map_, guess_, prediction.sigma_yaw_rad);
 }
 
@@ -104,14 +104,14 @@ void RegistrationFront::addFirstMotion(Measurement& measurement) const {
 void RegistrationFront::place(const FilterState& state) {
   const EstimateTrack::Increment increment = track_.add(state);
   enterOdom(state.odom_epoch);
-  map_.enterReference(state.reference_epoch);
+  if (state.map_update == MapUpdate::kRestart) map_.clear();
   if (!prepared_) return;
   prepared_ = false;
   road_speed_aid_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
   if (params_.refine_correction) refine(increment);
   if (increment.between_measured) builder_.observeBeams(scan_, map(), state.T_odom_cog);
   // a prediction's error would be in the map for good, and the sweeps after it register to it
-  if (!state.placed && !map_.empty()) return;
+  if (!state.inMap() && !map_.empty()) return;
   if (map_.empty()) track_.beginAt(state);
   map_.insert(scan_.cloud, state.T_odom_cog, state.time_s(), open_country_aid_.nearlyOpen());
 }

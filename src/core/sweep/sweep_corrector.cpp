@@ -71,7 +71,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
     // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was
     report.middle_s = wholeMicroseconds(0.5 * (static_cast<double>(*first) + static_cast<double>(*last)));
   }
-  if (prediction.motion_known) {
+  if (prediction.motionKnown()) {
     level_keeping_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar, prediction.odom_epoch);
   }
   return report;

@@ -23,7 +23,8 @@ struct Drive {
       input.state.dt_s = i == 0 ? 0.0 : 0.1;
       input.state.T_odom_cog.translation() << i, drift_m * i, 0.0;
       if (i > 0) input.state.T_previous_now.translation() << 1.0, drift_m, 0.0;
-      input.state.corrected = input.state.motion_observed = true;
+      input.state.corrected = true;
+      input.state.motion_status = MotionStatus::kObserved;
       input.state.fusion.valid_inputs = 3;
       input.state.fusion.confirmed = true;
       input.state.increment_covariance = 1e-4 * Matrix6d::Identity();
@@ -61,8 +62,8 @@ TEST(FailAwareEpisode, HoldsTheErrorAndWhatTheMonitorSaid) {
 
 TEST(FailAwareEpisode, BeginsWhereTheMotionIsObserved) {
   Drive drive(120, 0.0);
-  for (std::size_t i = 0; i < 3; ++i) drive.log[i].state.motion_observed = false;
-  for (std::size_t i = 48; i < 102; ++i) drive.log[i].state.motion_observed = false;
+  for (std::size_t i = 0; i < 3; ++i) drive.log[i].state.motion_status = MotionStatus::kDeadReckoning;
+  for (std::size_t i = 48; i < 102; ++i) drive.log[i].state.motion_status = MotionStatus::kDeadReckoning;
   const std::vector<FailAwareEpisode> episodes = failAwareEpisodes(drive.truth, drive.log, MonitorParameters());
   ASSERT_EQ(episodes.size(), 2u) << "asked for at 0, 5, 10 s; the last two wait for the same sweep";
   EXPECT_NEAR(episodes[0].begin_s, 7.3, 1e-6);

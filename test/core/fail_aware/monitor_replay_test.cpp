@@ -25,7 +25,7 @@ std::vector<MonitorInput> drive(int sweeps) {
     T = T * s.T_previous_now;
     s.T_odom_cog = T;
     s.corrected = i % 7 != 3;
-    s.motion_observed = true;
+    s.motion_status = MotionStatus::kObserved;
     s.fusion.valid_inputs = s.corrected ? 3 : 0;
     s.fusion.confirmed = s.corrected;
     s.sigma_yaw_rad = 1e-3 * (1.0 + 0.2 * std::sin(0.9 * i));

@@ -38,7 +38,7 @@ class Road {
     T_odom_cog_ = T_odom_cog_ * state.T_previous_now;
     state.T_odom_cog = T_odom_cog_;
     state.sigma_yaw_rad = 1e-3;
-    state.motion_observed = true;
+    state.motion_status = MotionStatus::kObserved;
     return state;
   }
 
@@ -126,7 +126,7 @@ TEST(FailAwareMonitor, T1WaitsUntilTheMotionIsObserved) {
   monitor.start();
   for (int i = 0; i < 5; ++i) {
     FilterState state = road.next();
-    state.motion_observed = false;
+    state.motion_status = MotionStatus::kDeadReckoning;
     state.increment_covariance *= 1e4;  // the speed is not known
     const MonitorOutput output = monitor.update(state, {});
     EXPECT_TRUE(monitor.startPending());
@@ -162,7 +162,7 @@ TEST(FailAwareMonitor, StandbySaysWhatServingFromNowOnWouldGive) {
   EXPECT_FALSE(served.standby_time_to_failure.isKnown());
 
   state = road.next();
-  state.motion_observed = false;
+  state.motion_status = MotionStatus::kDeadReckoning;
   const MonitorOutput blind = standby.update(state, {});
   EXPECT_EQ(blind.standby_state, FailAwareState::kUnknown);
   EXPECT_FALSE(blind.standby_time_to_failure.isKnown());

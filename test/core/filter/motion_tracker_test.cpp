@@ -27,7 +27,7 @@ class MotionTrackerTest : public testing::Test {
     state.fusion.R.diagonal().tail<3>().setConstant(1e-8);
     SweepPrediction prediction;
     prediction.dt_s = 0.1;
-    prediction.motion_known = true;
+    prediction.motion_status = MotionStatus::kObserved;
     prediction.T_odom_cog_previous = previous;
     prediction.T_odom_cog = state.T_odom_cog;
     tracker.update({prediction, state, x, 0.0, measured, false});

@@ -372,27 +372,23 @@ TEST_F(Gap, IsNotForgivenTooLateOrTooFarOff) {
 }
 
 TEST_F(Gap, IsNotForgivenInAReferenceThatBeganInIt) {
-  const auto inSecond = [](OdometryIncrement increment) {
-    increment.reference_epoch = 1;
-    return increment;
-  };
+  OdometryIncrement restart = predicted();
+  restart.map_restarted = true;
   drive(9, predicted());
-  drive(1, inSecond(predicted()));
+  drive(1, restart);
   const double lost = x();
   EXPECT_GT(lost, 0.09);
-  drive(1, inSecond(confirmed(Vector6d::Constant(1e-3))));
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
   EXPECT_GT(x(), 0.99 * lost);
-  drive(5, inSecond(predicted()));
-  drive(1, inSecond(confirmed(Vector6d::Constant(1e-3))));
+  drive(5, predicted());
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
   EXPECT_LT(x(), lost + 0.02) << "the next gap is one of its own";
   const double then = x();
-  drive(9, inSecond(predicted()));
+  drive(9, predicted());
   OdometryIncrement by_corners = measured();  // a third reference begins at what one measurement alone says
-  by_corners.reference_epoch = 2;
+  by_corners.map_restarted = true;
   drive(1, by_corners);
-  OdometryIncrement agreed = confirmed(Vector6d::Constant(1e-3));
-  agreed.reference_epoch = 2;
-  drive(1, agreed);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
   EXPECT_GT(x(), then + 0.08);
 }
 
@@ -461,24 +457,24 @@ TEST(OdometryCovariance, NewMapCostsWithinItsFirstDecimetre) {
   DriftModel::Params params = DriftModel::Params::independent();
   params.new_map_m = 0.02;
   OdometryCovariance odometry(params);
-  const auto drive = [&](double from_m, double to_m, int reference_epoch) {
+  const auto drive = [&](double from_m, double to_m, bool map_restarted = false) {
     OdometryIncrement increment;
-    increment.reference_epoch = reference_epoch;
+    increment.map_restarted = map_restarted;
     ASSERT_TRUE(odometry.propagate(planarPose(from_m, 0, 0), planarPose(to_m, 0, 0), increment));
   };
   odometry.mark(planarPose(5, 0, 0));
-  drive(5.0, 5.0, 0);
+  drive(5.0, 5.0);
   EXPECT_EQ(odometry.sinceMark()(0, 0), 0.0) << "it stands";
-  drive(5.0, 5.05, 0);
+  drive(5.0, 5.05);
   EXPECT_NEAR(odometry.sinceMark()(1, 1), 0.5 * 0.0004, 1e-9);
-  drive(5.05, 5.0, 0);
-  drive(5.0, 8.0, 0);
-  drive(8.0, 5.0, 0);
+  drive(5.05, 5.0);
+  drive(5.0, 8.0);
+  drive(8.0, 5.0);
   EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0004, 1e-9);
   EXPECT_NEAR(odometry.covariance()(0, 0), 0.0004, 1e-9);
   EXPECT_NEAR(std::sqrt(odometry.covariance()(4, 4)) / kDegree, 0.1, 0.01);
   EXPECT_EQ(odometry.covariance()(5, 5), 0.0) << "not the heading";
-  drive(5.0, 6.0, 1);
+  drive(5.0, 6.0, true);
   EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0008, 1e-9) << "another map";
 }
 

@@ -28,8 +28,7 @@ MonitorInput oddNumbers() {
   s.increment_covariance = Matrix6d::Random() * 1e-9;
   s.sigma_yaw_rad = std::sqrt(2e-7);
   s.corrected = true;
-  s.placed = true;
-  s.reference_epoch = 4;
+  s.map_update = MapUpdate::kRestart;
   s.filter_nis = 1.0 / 9.0;
   s.fusion.has_measurement = true;
   s.fusion.z = pose / 3.0;
@@ -90,8 +89,7 @@ TEST_F(MonitorLog, EveryNumberReadsBackAsItself) {
   EXPECT_EQ(read.state.fusion.R, input.state.fusion.R);
   EXPECT_EQ(read.state.fusion.weights, input.state.fusion.weights);
   EXPECT_EQ(read.state.fusion.nis, input.state.fusion.nis);
-  EXPECT_TRUE(read.state.placed);
-  EXPECT_EQ(read.state.reference_epoch, 4);
+  EXPECT_EQ(read.state.map_update, MapUpdate::kRestart);
   EXPECT_TRUE(read.state.corrected && read.state.fusion.prediction_overruled && read.state.fusion.has_measurement);
   EXPECT_FALSE(read.state.fusion.all_gated_out || read.state.fusion.prediction_invalid);
   EXPECT_TRUE(read.state.fusion.confirmed);

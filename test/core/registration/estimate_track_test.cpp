@@ -11,7 +11,8 @@ FilterState drivenTo(double x_m, bool measured) {
   state.dt_s = 0.1;
   state.T_odom_cog.translation().x() = x_m;
   state.T_previous_now.translation().x() = 1.0;
-  state.corrected = state.placed = measured;
+  state.corrected = measured;
+  state.map_update = measured ? MapUpdate::kInsert : MapUpdate::kSkip;
   return state;
 }
 

@@ -34,7 +34,7 @@ class InitialGuessTest : public ::testing::Test {
     prediction.T_odom_cog_previous = drive_.pose(stamp_s - dt_s);
     prediction.T_odom_cog = T_odom_cog;
     prediction.covariance = sigma_m * sigma_m * Matrix6d::Identity();
-    prediction.motion_known = motion_known;
+    prediction.motion_status = motion_known ? MotionStatus::kObserved : MotionStatus::kUnknown;
     const CorrectedSweep sweep = drive_.sweep(stamp_s, static_cast<unsigned>(2.0 + 10.0 * stamp_s));
     builder_.build(sweep, prediction, drive_.T_cog_lidar, scan_);
     return resolver_.resolve(sweep, scan_, map_, track_, prediction);
@@ -44,7 +44,8 @@ class InitialGuessTest : public ::testing::Test {
     const InitialGuess guess = resolve(0.0, 0.0, Pose::Identity(), false);
     EXPECT_EQ(guess.twist_found, Found::kNothing);
     FilterState state;
-    state.placed = state.corrected = true;
+    state.corrected = true;
+    state.map_update = MapUpdate::kInsert;
     track_.add(state);
     map_.insert(scan_.cloud, Pose::Identity(), 0.0, true);
   }

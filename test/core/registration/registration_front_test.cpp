@@ -49,7 +49,7 @@ SweepPrediction predictionOf(double stamp_s, double dt_s, const Pose& T_previous
   prediction.dt_s = dt_s;
   prediction.T_odom_cog_previous = T_previous;
   prediction.T_odom_cog = T_previous * increment;
-  prediction.motion_known = motion_known;
+  prediction.motion_status = motion_known ? MotionStatus::kObserved : MotionStatus::kUnknown;
   return prediction;
 }
 
@@ -60,7 +60,7 @@ FilterState stateOf(const SweepPrediction& prediction, const Pose& T_odom_cog, b
   state.T_odom_cog = T_odom_cog;
   state.T_previous_now = prediction.T_odom_cog_previous.inverse() * T_odom_cog;
   state.corrected = corrected;
-  state.placed = corrected || prediction.dt_s <= 0.0;
+  state.map_update = corrected || prediction.dt_s <= 0.0 ? MapUpdate::kInsert : MapUpdate::kSkip;
   return state;
 }
 
@@ -509,8 +509,7 @@ TEST(RegistrationFront, whatTheFilterDoesNotPlaceStaysOutOfTheMapWhichBeginsAnew
     state = stateOf(prediction, prediction.T_odom_cog, false);
     state.corrected = sweep == 11;  // by corners alone
     if (sweep == 12) {
-      state.placed = true;
-      state.reference_epoch = 1;
+      state.map_update = MapUpdate::kRestart;
     }
     front.place(state);
     if (sweep < 12) {

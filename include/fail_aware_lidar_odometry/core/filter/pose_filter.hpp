@@ -2,7 +2,7 @@
 // -> UKF prediction -> fusion of a sweep's measurements -> UKF correction. What the FusionUkf nodelet holds.
 //
 // predict(stamp) and correct(...) are called once a sweep, in this order. All poses are of the centre of gravity in
-// odom. Until a motion is known (`SweepPrediction::motion_known`), P along the road is as wide as the speed is unknown.
+// odom. Until a motion is known (`SweepPrediction::motionKnown`), P along the road is as wide as the speed is unknown.
 // Where a sweep is not measured, roll and pitch gain no more than one step's process noise.
 // After lost sweeps (an interval above kLongInterval_s) P grows by what the driver may have done meanwhile, so that search
 // and gate reach as far (Coasting::drivenCovariance).
@@ -16,9 +16,9 @@
 
 #include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
 #include "fail_aware_lidar_odometry/core/filter/increment_covariance.hpp"
+#include "fail_aware_lidar_odometry/core/filter/map_update_policy.hpp"
 #include "fail_aware_lidar_odometry/core/filter/motion_plausibility.hpp"
 #include "fail_aware_lidar_odometry/core/filter/motion_tracker.hpp"
-#include "fail_aware_lidar_odometry/core/filter/reference_placement.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
@@ -95,6 +95,7 @@ class PoseFilter {
 
  private:
   bool doubtPrediction(std::vector<FusionInput>& inputs);
+  MotionStatus motionStatus() const;
   bool addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
 
   Params params_;
@@ -103,7 +104,7 @@ class PoseFilter {
   MeasurementFusion fusion_;
   MotionTracker motion_;
   MotionPlausibility plausibility_;
-  ReferencePlacement placement_;
+  MapUpdatePolicy map_update_policy_;
   SweepPrediction prediction_;
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction

@@ -43,7 +43,7 @@ class OdometryCovariance {
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
     return propagate(T_odom_base_previous, T_odom_base_now,
-                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}, reference_epoch_});
+                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}, false});
   }
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
@@ -89,7 +89,6 @@ class OdometryCovariance {
   double speed_variance_ = 0.0;                       ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
   std::optional<Gap> gap_;
-  int reference_epoch_ = 0;  ///< of the last increment
   std::optional<MapWay> map_way_;
   bool lost_ = false;  ///< a gap was too long or too far: what comes next measures the way from nowhere before it
 };

@@ -42,6 +42,19 @@ std::enable_if_t<std::is_integral_v<Integer>> parse(const std::string& cell, Int
   value = static_cast<Integer>(number);
 }
 
+/// Enumerations that count from 0 to lastOf(value).
+template <class Enumeration>
+std::enable_if_t<std::is_enum_v<Enumeration>> append(std::string& text, Enumeration value) {
+  append(text, static_cast<int>(value));
+}
+template <class Enumeration>
+std::enable_if_t<std::is_enum_v<Enumeration>> parse(const std::string& cell, Enumeration& value) {
+  unsigned number = 0;
+  parse(cell, number);
+  if (number > static_cast<unsigned>(lastOf(value))) throw InputError("'" + cell + "' is out of range");
+  value = static_cast<Enumeration>(number);
+}
+
 class Cells {
  public:
   explicit Cells(const std::string& line) : line_(line) {}

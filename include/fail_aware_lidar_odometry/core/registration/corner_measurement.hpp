@@ -33,15 +33,13 @@ class CornerMeasurement {
 
  private:
   void enterOdom(int epoch);
-  void enterReference(int epoch);
 
   CornerExtractor extractor_;
   CornerReference reference_;
   CornerAlignment alignment_;
   std::vector<Corner> corners_cog_;
   bool motion_known_ = false;
-  int odom_epoch_ = 0;       ///< of the reference, as in local_map.hpp
-  int reference_epoch_ = 0;  ///< likewise
+  int odom_epoch_ = 0;  ///< of the reference, as in local_map.hpp
 };
 
 }  // namespace fail_aware

@@ -1,10 +1,9 @@
 // The references of the two ICPs: the local map and what is kept for the above-ground match. The only place that clears
 // them, inserts a sweep and knows which one came first and last.
 //
-// The map belongs to one odom (FilterState::odom_epoch: odom was moved under the vehicle) and to one reference
-// (FilterState::reference_epoch: nothing fitted for a while); under another number it begins anew, with the next sweep
-// that is inserted. As long as it holds one sweep alone that one can be deskewed once more, when the first motion is
-// found (motion_initialization.hpp).
+// The map belongs to one odom (FilterState::odom_epoch: odom was moved under the vehicle); in another one it begins anew.
+// Sweeps join as FilterState::map_update says; an empty map takes any sweep. As long as it holds one sweep alone that one
+// can be deskewed once more, when the first motion is found (motion_initialization.hpp).
 // Frames: points of the centre of gravity; poses odom. Cost: reference_map.hpp's; of the first sweep a copy.
 #pragma once
 
@@ -20,9 +19,10 @@ class LocalMap {
 
   /// True: it is another odom, the map began anew.
   bool enterOdom(int epoch);
-  void enterReference(int epoch);
 
-  /// Empties the map; it begins anew with the next sweep. What stands stays.
+  /// Empties the map for a restart; it begins anew with the next sweep.
+  void clear();
+  /// Empties the map without what stands.
   void restart() { reference_.clear(); }
 
   /// A sweep at its estimate. keep_standing: if it is time for it.
@@ -32,7 +32,7 @@ class LocalMap {
   /// deskewed for. middle_s: of the second sweep's times.
   void redeskewFirst(const Vector6d& twist_cog, double middle_s);
 
-  /// Another drive; the numbers of odom and reference go on.
+  /// Another drive; the number of odom goes on.
   void reset();
 
   bool empty() const { return map().empty(); }
@@ -49,8 +49,6 @@ class LocalMap {
   const Sweep& newest() const { return newest_; }
 
  private:
-  void clear();
-
   ReferenceMap reference_;
   StandingReference standing_;
   RegistrationCloud first_cloud_;
@@ -58,7 +56,6 @@ class LocalMap {
   bool only_first_ = false;
   Sweep newest_;
   int odom_epoch_ = 0;
-  int reference_epoch_ = 0;
 };
 
 }  // namespace fail_aware

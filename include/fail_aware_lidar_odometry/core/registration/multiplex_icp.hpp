@@ -6,10 +6,7 @@
 // points, the same cut-off, a minimum inlier share; the smallest mean squared error wins. R comes from the winner's
 // information matrix and residual, and grows with the spread of the refined seeds' results.
 //
-// Information (`surface_information`, not in the article): the nearest of a plane's points slides along it, so a pair
-// informs only across its target's plane, of a post only horizontally; pairs with anything else are taken to inform on
-// all directions as these do together. Directions that no surface stands across (along a tunnel) are left at the
-// prediction, and R says so.
+// Directions that no surface stands across (along a tunnel) stay at the prediction, and R says so (point_pairs.hpp).
 //
 // Cost: (seeds alive) * points * iterations nearest-point queries, on the threads of the TBB arena of the caller; the
 // same bits for any number of them.
@@ -21,8 +18,8 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
 #include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+#include "fail_aware_lidar_odometry/core/registration/point_pairs.hpp"
 #include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 
 namespace fail_aware {
@@ -88,6 +85,14 @@ class MultiplexIcp {
     void validate() const;
   };
 
+  /// Seeds that have come together.
+  struct Descent {
+    Pose T;
+    std::vector<std::size_t> seeds;
+    bool settled = false;
+    PointPairs::Neighborhoods neighborhoods;  ///< of the few points that are used as long as there are many seeds
+  };
+
   explicit MultiplexIcp(const Params& params);
 
   /// The seed poses for a prediction whose state (x, y, z, roll, pitch, yaw) has covariance P.
@@ -100,19 +105,28 @@ class MultiplexIcp {
                     std::vector<SeedTrack>* tracks = nullptr) const;
 
  private:
-  using Neighborhoods = std::vector<VoxelMap::Neighborhood>;  ///< of the points that are used, each stride-th
-  NormalEquations linearize(const std::vector<Eigen::Vector3f>& points_cog, std::size_t stride, const VoxelMap& map,
-                            const Pose& T_odom_cog, double kernel_m, Neighborhoods& neighborhoods) const;
-  std::size_t thinningStride(const std::vector<Eigen::Vector3f>& points_cog) const;
+  using Weak = std::optional<PointPairs::WeakHorizontal>;
 
-  struct WeakHorizontal {
-    Eigen::Vector2d direction;
-    double counted_share = 1.0;
+  /// A descent on all points, where it ended.
+  struct Refined {
+    Pose T_odom_cog = Pose::Identity();
+    NormalEquations equations;
+    Solution step;
+    int iterations = 0;
+    bool converged = false;
+    bool usable = false;  ///< enough points have a partner
+    double inlier_share = 0.0;
+    double error = 0.0;  ///< PointPairs::meanSquaredError
   };
-  /// Nothing where every horizontal direction is well observed.
-  std::optional<WeakHorizontal> weakHorizontal(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                               const Pose& T_odom_cog, Neighborhoods& neighborhoods) const;
-  Solution solve(NormalEquations& equations, const std::optional<WeakHorizontal>& weak) const;
+
+  void descendTogether(const PointPairs& pairs, const Weak& weak, std::size_t stride,
+                       std::vector<Descent>& descents) const;
+  /// The max_refined_seeds with the smallest error.
+  void keepBest(const PointPairs& pairs, std::size_t stride, std::vector<Descent>& descents) const;
+  Refined refine(const PointPairs& pairs, const Weak& weak, PointPairs::Neighborhoods& neighborhoods,
+                 Descent& descent) const;
+  Measurement measurement(const Refined& best, double spread2_m2) const;
+  Solution solve(NormalEquations& equations, const Weak& weak) const;
   bool stepWithin(const Vector6d& dx, double factor) const;
 
   Params params_;

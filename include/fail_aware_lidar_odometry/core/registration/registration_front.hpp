@@ -8,7 +8,7 @@
 // function of the corrected sweeps and the filter's states alone, both hold the same.
 // A sweep is prepare()d, measured, then place()d at the filter's estimate. It keeps the turn that it was measured with;
 // of sweeps that come compensated (sensor.timing.source none) that turn is all that is taken out. What could not be
-// registered does not join the map (FilterState::placed).
+// registered does not join the map (FilterState::map_update).
 // While no motion is known sweep 0 is deskewed once more when the search between sweeps 0 and 1 finds it; a second later,
 // another sweep is sweep 0.
 #pragma once

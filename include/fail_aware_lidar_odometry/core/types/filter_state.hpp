@@ -4,6 +4,8 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/types/fusion_result.hpp"
+#include "fail_aware_lidar_odometry/core/types/map_update.hpp"
+#include "fail_aware_lidar_odometry/core/types/motion_status.hpp"
 #include "fail_aware_lidar_odometry/core/types/speed_error.hpp"
 
 namespace fail_aware {
@@ -17,7 +19,7 @@ struct FilterState {
   double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
   bool corrected = false;                      ///< false: the estimate is the prediction
   bool started = true;                         ///< false: no sweep had usable points yet, the drive has not begun
-  bool motion_observed = false;                ///< measured in this sweep, in all directions on the road
+  MotionStatus motion_status = MotionStatus::kUnknown;
   FusionResult fusion;
   double filter_nis = 0.0;                           ///< of the fused measurement, 6 degrees of freedom
   Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
@@ -32,8 +34,10 @@ struct FilterState {
   bool interval_wrong = false;
   double set_back_s = 0.0;  ///< SweepPrediction's
   int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
-  bool placed = false;      ///< the references take the sweep in, at this pose (filter/reference_placement.hpp)
-  int reference_epoch = 0;  ///< counts references that began anew: likewise
+  MapUpdate map_update = MapUpdate::kSkip;
+
+  bool motionObserved() const { return motion_status == MotionStatus::kObserved; }
+  bool inMap() const { return map_update != MapUpdate::kSkip; }
 
   double time_s() const { return stamp_s - stamp_error_s; }
 };

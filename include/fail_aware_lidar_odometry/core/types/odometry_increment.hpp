@@ -18,7 +18,7 @@ struct OdometryIncrement {
   bool predicted = false;  ///< the pose is no measurement
   /// Of a measured pose in the map, about odom's axes, where at least two measurements agree on it.
   std::optional<Matrix6d> confirmed{};
-  int reference_epoch = 0;  ///< FilterState's: another number means that measurements no longer refer to the old map
+  bool map_restarted = false;  ///< with this sweep: measurements refer to the old map no longer
 };
 
 }  // namespace fail_aware

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/motion_status.hpp"
 
 namespace fail_aware {
 
@@ -15,10 +16,11 @@ struct SweepPrediction {
   Pose T_odom_cog = Pose::Identity();           ///< prediction at the stamp
   Matrix6d covariance = Matrix6d::Identity();   ///< of the prediction, geometry/pose.hpp's convention
   double sigma_yaw_rad = 0.0;
-  bool motion_known = false;  ///< false: the vehicle's speed is not known yet
-  int odom_epoch = 0;         ///< as FilterState's
-  double set_back_s = 0.0;    ///< SweepTime's
+  MotionStatus motion_status = MotionStatus::kUnknown;  ///< of the last estimate
+  int odom_epoch = 0;                                   ///< as FilterState's
+  double set_back_s = 0.0;                              ///< SweepTime's
 
+  bool motionKnown() const { return motion_status != MotionStatus::kUnknown; }
   double time_s() const { return stamp_s - stamp_error_s; }
 };
 

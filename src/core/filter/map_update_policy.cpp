@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/filter/reference_placement.hpp"
+#include "fail_aware_lidar_odometry/core/filter/map_update_policy.hpp"
 
 #include <algorithm>
 
@@ -6,8 +6,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr int kMaxUnplacedSweeps = 10;  // in a row: one more, and the reference is out of sight
-constexpr int kMaxHeldSweeps = 10;      // in a row, at the last of which it begins anew
+constexpr int kMaxSkippedSweeps = 10;  // in a row: with one more the reference is out of sight
+constexpr int kMaxHeldSweeps = 10;     // in a row, at the last of which it begins anew
 
 bool isThere(const FusionInput& input) { return input.measurement != nullptr; }
 
@@ -46,28 +46,26 @@ bool showsOtherThings(const std::vector<FusionInput>& inputs) {
 
 }  // namespace
 
-ReferencePlacement::Placement ReferencePlacement::add(const std::vector<FusionInput>& measurements,
-                                                      const Sweep& sweep) {
-  Placement placement;
-  placement.begins = !started_ || (!sweep.motion_known && haveNoReference(measurements, isThere));
+MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& measurements, const Sweep& sweep) {
+  Decision decision;
+  decision.begins = !started_ || (!sweep.motion_known && haveNoReference(measurements, isThere));
   const bool joins = sweep.motion_known && sweep.follows && showsOtherThings(measurements);
-  placement.placed = placement.begins || sweep.observed || joins;
-  if (placement.placed) {
-    unplaced_sweeps_ = 0;
+  if (decision.begins || sweep.observed || joins) {
+    decision.update = MapUpdate::kInsert;
+    skipped_sweeps_ = 0;
   } else if (std::any_of(measurements.begin(), measurements.end(), wasSought) &&
-             ++unplaced_sweeps_ > kMaxUnplacedSweeps) {
-    unplaced_sweeps_ = 0;
-    placement.out_of_sight = true;
+             ++skipped_sweeps_ > kMaxSkippedSweeps) {
+    skipped_sweeps_ = 0;
+    decision.out_of_sight = true;
   }
   held_sweeps_ = sweep.tells_no_motion ? held_sweeps_ + 1 : 0;
   const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isOfAnIcp);
   const bool spoilt = held_sweeps_ >= kMaxHeldSweeps;
   if (spoilt || icps_began) held_sweeps_ = 0;
-  placement.anew = placement.out_of_sight || spoilt || icps_began;
-  placement.placed = placement.placed || placement.anew;
+  if (decision.out_of_sight || spoilt || icps_began) decision.update = MapUpdate::kRestart;
   started_ = true;
   pose_set_ = false;
-  return placement;
+  return decision;
 }
 
 }  // namespace fail_aware
