@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
 
 namespace fail_aware {
 

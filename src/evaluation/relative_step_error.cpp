@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
 
 namespace fail_aware {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
 #include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
 
 namespace fail_aware {
 

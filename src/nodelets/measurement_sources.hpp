@@ -24,9 +24,9 @@
 #include <string>
 #include <vector>
 
-#include "source_health.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "source_health.hpp"
 
 namespace fail_aware {
 

@@ -30,7 +30,8 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   addRunOptions(app, options.runs);
-  app.add_option("--output", options.output, "folder for fail_aware.json and predictions.csv; plot_fail_aware draws them");
+  app.add_option("--output", options.output,
+                 "folder for fail_aware.json and predictions.csv; plot_fail_aware draws them");
   addAlertLimitOption(app, options.alert_limit_m);
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
       ->check(positiveNumber())

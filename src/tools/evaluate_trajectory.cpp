@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/evaluation/absolute_trajectory_error.hpp"
 #include "fail_aware_lidar_odometry/evaluation/kitti_metric.hpp"
 #include "fail_aware_lidar_odometry/evaluation/relative_step_error.hpp"
 #include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
 #include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "json.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"
@@ -50,7 +50,8 @@ void declareOptions(CLI::App& app, Options& options) {
       ->required();
   app.add_option("--calib", options.calib,
                  "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' brings it to the lidar's");
-  app.add_option("--output", options.output, "folder for evaluation.json and trajectory.csv; plot_trajectory draws them");
+  app.add_option("--output", options.output,
+                 "folder for evaluation.json and trajectory.csv; plot_trajectory draws them");
   app.add_option("--lengths", options.lengths_m,
                  "segment lengths of the KITTI metric in m, comma-separated (default 100,200,...,800; "
                  "5,10,20,40,80 and step 1 if no segment of 100 m fits)")

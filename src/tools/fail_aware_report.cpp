@@ -11,6 +11,8 @@
 #include <sstream>
 #include <utility>
 
+#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 #include "fail_aware_lidar_odometry/evaluation/alarm_statistics.hpp"
 #include "fail_aware_lidar_odometry/evaluation/concordance.hpp"
 #include "fail_aware_lidar_odometry/evaluation/consistency.hpp"
@@ -18,8 +20,6 @@
 #include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
 #include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/evaluation/stanford_diagram.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
 #include "json.hpp"
 
 namespace fail_aware {

@@ -20,8 +20,8 @@
 
 #include "cloud_answers.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
 #include "json.hpp"
 #include "process_monitor.hpp"
 #include "tool_support.hpp"

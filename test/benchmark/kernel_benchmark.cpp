@@ -10,8 +10,8 @@
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_extraction.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
 #include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 

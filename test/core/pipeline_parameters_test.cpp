@@ -37,14 +37,14 @@ TEST(PipelineParameters, TheDefaultsAreValid) {
   EXPECT_NO_THROW(RegistrationParameters().validate());
 }
 
-TEST(PipelineParameters, KeysAreUniqueAndTheProfilesStandWithoutAPrefix) {
+TEST(PipelineParameters, KeysAreUnique) {
   std::set<std::string> keys;
   for (const auto& [key, value] : toList(PipelineParameters())) EXPECT_TRUE(keys.insert(key).second) << key;
   for (const char* key :
        {"sensor.timing.source", "sensor.vertical_angle.angle_deg", "sensor.azimuth.angle_deg", "sensor.lidar_in_base",
         "vehicle.dynamics.mass_kg", "vehicle.cog_in_base", "sweep_correction.enabled", "model.six_dof",
-        "history.window_sweeps", "registration.reference.voxels.voxel_size_m", "registration.icp_point_to_plane.kernel_m",
-        "monitor.indicator.threshold"}) {
+        "history.window_sweeps", "registration.reference.voxels.voxel_size_m",
+        "registration.icp_point_to_plane.kernel_m", "monitor.indicator.threshold"}) {
     EXPECT_EQ(keys.count(key), 1u) << key;
   }
   for (const auto& [key, value] : toList(ProfileParameters())) EXPECT_EQ(keys.count(key), 1u) << key;

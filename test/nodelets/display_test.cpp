@@ -49,7 +49,7 @@ std::map<std::string, std::string> wantedTopics() {
   return wanted;
 }
 
-TEST(RvizConfiguration, everyClassExists) {
+TEST(RvizConfiguration, EveryClassExists) {
   std::ifstream file(ros::package::getPath("rviz") + "/plugin_description.xml");
   std::stringstream description;
   description << file.rdbuf();
@@ -64,7 +64,7 @@ TEST(RvizConfiguration, everyClassExists) {
   }
 }
 
-TEST(RvizConfiguration, everyTopicIsAdvertisedWithItsType) {
+TEST(RvizConfiguration, EveryTopicIsAdvertisedWithItsType) {
   const std::map<std::string, std::string> wanted = wantedTopics();
   EXPECT_EQ(wanted.size(), 5u);
   std::map<std::string, std::string> advertised;
@@ -108,7 +108,7 @@ struct MarkerLog {
   }
 };
 
-TEST(Display, aDriveBringsAllThatTheConfigurationShows) {
+TEST(Display, ADriveBringsAllThatTheConfigurationShows) {
   ros::NodeHandle node;
   MarkerLog log;
   std::vector<sensor_msgs::PointCloud2ConstPtr> maps;

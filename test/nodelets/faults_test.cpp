@@ -162,7 +162,7 @@ TEST_F(Faults, WithoutTheMonitorTheOdometryGoesOnAndNoTimeIsTold) {
   EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
 }
 
-TEST_F(Faults, WithoutTheFilterTheMonitorSaysFailedAndStaleUntilItIsBack) {
+TEST_F(Faults, WithoutFilterTheStateIsFailedAndStale) {
   loadAllBut("");
   ASSERT_TRUE(graph_.waitUntilLinked());
   start();
@@ -186,7 +186,7 @@ TEST_F(Faults, WithoutTheFilterTheMonitorSaysFailedAndStaleUntilItIsBack) {
   EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
 }
 
-TEST_F(Faults, AResetEndsTheServiceThatWasAskedForUntilItIsAskedForAgain) {
+TEST_F(Faults, ResetEndsTheServiceUntilAskedAgain) {
   graph_.node().setParam("fail_aware_monitor/start_redundant", false);
   loadAllBut("");
   graph_.node().deleteParam("fail_aware_monitor/start_redundant");
@@ -281,7 +281,7 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
   load("fusion_ukf");
 }
 
-TEST_F(Faults, ANodeletTakesRossOwnParametersAndSaysWhichOfItsValuesDoNotCount) {
+TEST_F(Faults, NodeletNamesParametersWithoutEffect) {
   std::string log;
   ros::Subscriber listener = graph_.node().subscribe<rosgraph_msgs::Log>(
       "/rosout", 100, [&](const rosgraph_msgs::LogConstPtr& line) { log += line->msg + '\n'; });
@@ -308,7 +308,7 @@ messages::PoseMeasurement noCorners(const ros::Time& stamp) {
   return message;
 }
 
-TEST_F(Faults, AStageThatIsConnectedButSilentIsWaitedForToTheDeadlineAndThenNoLonger) {
+TEST_F(Faults, SilentStageIsGivenUpAtTheDeadline) {
   setDeadline(1.0);
   loadAllBut("corner_svd");
   setDeadline(600.0);

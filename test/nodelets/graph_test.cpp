@@ -51,7 +51,7 @@ void expectPositiveDefinite(const nav_msgs::Odometry& message) {
   }
 }
 
-TEST(Graph, everyCloudHasItsEstimateAndItIsOfflines) {
+TEST(Graph, EveryCloudHasItsEstimateAndItIsOfflines) {
   GraphDriver graph;
   Recorder<messages::PoseMeasurement> point(graph.node(), "measurement/icp_point_to_point");
   Recorder<messages::PoseMeasurement> plane(graph.node(), "measurement/icp_point_to_plane");

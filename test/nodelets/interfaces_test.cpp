@@ -380,7 +380,7 @@ TEST_F(Interfaces, AGpsJoinsTheFusionAndCarriesItAlone) {
             messages::FilterState::NOT_ARRIVED);
 }
 
-TEST_F(Interfaces, APoseMeasurementOfOnesOwnIsWaitedForByItsExactStamp) {
+TEST_F(Interfaces, OwnPoseMeasurementIsMatchedByStamp) {
   visual_pose_ = [](const messages::SweepPrediction& prediction) {
     const Pose T_base_cog = synthetic::Lidar().T_base_lidar * fromMessage(prediction.lidar_in_cog)->inverse();
     const double since_start_s = (prediction.header.stamp - stampOfSweep(0)).toSec();
@@ -436,7 +436,7 @@ bool reconfigure(const std::string& node, const dynamic_reconfigure::Config& req
   return true;
 }
 
-TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
+TEST_F(Interfaces, ReconfigurationRefusesAnInvalidSet) {
   dynamic_reconfigure::Config request, reply;
   ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
   EXPECT_EQ(valueOf(reply.doubles, "gate_sigma")->value, 2.5) << "the profile's, not the .cfg's nor an earlier run's";
@@ -461,7 +461,9 @@ TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
     request.bools.push_back(off);
   }
   ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
-  EXPECT_TRUE(valueOf(reply.bools, "use_icp_point_to_point")->value && valueOf(reply.bools, "use_icp_point_to_plane")->value) << "refused";
+  EXPECT_TRUE(valueOf(reply.bools, "use_icp_point_to_point")->value &&
+              valueOf(reply.bools, "use_icp_point_to_plane")->value)
+      << "refused";
   drive(4, 4);
   EXPECT_TRUE(stateAt(4).corrected);
 

@@ -86,7 +86,7 @@ class PlannerExample : public testing::TestWithParam<const char*> {
   std::string action_;
 };
 
-TEST_P(PlannerExample, doesWhatTheContractSays) {
+TEST_P(PlannerExample, DoesWhatTheContractSays) {
   EXPECT_EQ(await("stop blind"), "stop blind") << "before any message";
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
   EXPECT_EQ(await("stop blind"), "stop blind") << "in silence";

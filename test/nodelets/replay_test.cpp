@@ -105,7 +105,7 @@ class Replay : public ::testing::Test {
 
 std::string Replay::bag_;
 
-TEST_F(Replay, everySweepIsAnsweredAsOfflineAtAnyRate) {
+TEST_F(Replay, EverySweepIsAnsweredAsOfflineAtAnyRate) {
   ASSERT_TRUE(waitFor([&] { return odometry_.getNumPublishers() > 0; }));
   const std::vector<Pose> expected = offlinePoses(bag_, readPipelineParameters(node_));
   ASSERT_EQ(expected.size(), static_cast<std::size_t>(kSweeps));
@@ -132,7 +132,7 @@ TEST_F(Replay, everySweepIsAnsweredAsOfflineAtAnyRate) {
   }
 }
 
-TEST_F(Replay, measureLatencyWatchesTheGraph) {
+TEST_F(Replay, MeasureLatencyWatchesTheGraph) {
   const std::string json = bag_ + ".json", tum = bag_ + ".tum";
   std::atomic<bool> ended{false};
   int status = -1;

@@ -17,10 +17,10 @@
 #include "../support/graph_driver.hpp"
 #include "../support/message_numbers.hpp"
 #include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
 #include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
 #include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 
 namespace fail_aware {
 namespace {

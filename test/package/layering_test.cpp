@@ -96,7 +96,7 @@ bool coreFolderMayInclude(const std::string& folder, const std::string& other) {
   return entry != nullptr && (kHelpers.count(other) == 1 || entry->may_include.count(other) == 1);
 }
 
-TEST(Layering, rulesTellRosFromTheRest) {
+TEST(Layering, RulesTellRosFromTheRest) {
   for (const char* header :
        {"vector", "Eigen/Core", "tbb/task_arena.h", "fail_aware_lidar_odometry/core/types/sweep.hpp"}) {
     EXPECT_TRUE(coreMayInclude(header)) << header;
@@ -111,7 +111,7 @@ TEST(Layering, rulesTellRosFromTheRest) {
             (std::vector<std::string>{"a", "b.h"}));
 }
 
-TEST(Layering, coreIncludesNothingOfRos) {
+TEST(Layering, CoreIncludesNothingOfRos) {
   const std::vector<std::string> sources = sourcesBelow({kInclude + "core", "src/core"});
   ASSERT_FALSE(sources.empty());
   for (const std::string& file : sources) {
@@ -121,7 +121,7 @@ TEST(Layering, coreIncludesNothingOfRos) {
   }
 }
 
-TEST(Layering, aFolderOfTheCoreMayIncludeEarlierOnesOnly) {
+TEST(Layering, AFolderOfTheCoreMayIncludeEarlierOnesOnly) {
   std::set<std::string> earlier;
   for (const CoreFolder& folder : kCoreFolders) {
     for (const std::string& other : folder.may_include) {
@@ -132,7 +132,7 @@ TEST(Layering, aFolderOfTheCoreMayIncludeEarlierOnesOnly) {
   }
 }
 
-TEST(Layering, rulesTellForwardsFromBackwards) {
+TEST(Layering, RulesTellForwardsFromBackwards) {
   EXPECT_EQ(coreFolderOf("sweep/timing.hpp"), "sweep");
   EXPECT_EQ(coreFolderOf("odometry_pipeline.cpp"), "odometry_pipeline");
   EXPECT_TRUE(coreFolderMayInclude("sweep", "sweep"));
@@ -147,7 +147,7 @@ TEST(Layering, rulesTellForwardsFromBackwards) {
   EXPECT_FALSE(coreFolderMayInclude("no_such_folder", "types"));
 }
 
-TEST(Layering, foldersOfTheCoreIncludeInOneDirection) {
+TEST(Layering, FoldersOfTheCoreIncludeInOneDirection) {
   for (const std::string& root : {kInclude + "core", std::string("src/core")}) {
     for (const std::string& file : sourcesBelow({root})) {
       const std::string folder = coreFolderOf(file.substr(root.size() + 1));
@@ -162,7 +162,7 @@ TEST(Layering, foldersOfTheCoreIncludeInOneDirection) {
   }
 }
 
-TEST(Layering, everyListedFolderOfTheCoreExists) {
+TEST(Layering, EveryListedFolderOfTheCoreExists) {
   const auto exists = [](const std::string& path) { return std::filesystem::exists(sourcePath(path)); };
   for (const CoreFolder& folder : kCoreFolders) {
     const std::string path = kInclude + "core/" + folder.name;
@@ -172,7 +172,7 @@ TEST(Layering, everyListedFolderOfTheCoreExists) {
 }
 
 /// They are libraries over the core; the core's own headers are checked by coreMayInclude().
-TEST(Layering, nothingOnTheVehicleIncludesEvaluationOrSimulation) {
+TEST(Layering, NothingOnTheVehicleIncludesEvaluationOrSimulation) {
   for (const std::string& file : sourcesBelow({kInclude + "bridge", "src/bridge", "src/nodelets"})) {
     for (const std::string& header : includesOf(readText(sourcePath(file)))) {
       EXPECT_EQ(header.find("fail_aware_lidar_odometry/evaluation/"), std::string::npos) << file << ": " << header;
@@ -181,7 +181,7 @@ TEST(Layering, nothingOnTheVehicleIncludesEvaluationOrSimulation) {
   }
 }
 
-TEST(Layering, evaluationAndSimulationIncludeTheCoreAndThemselves) {
+TEST(Layering, EvaluationAndSimulationIncludeTheCoreAndThemselves) {
   for (const std::string library : {"evaluation", "simulation"}) {
     const std::regex allowed(
         "(?:nlopt|embree3/.+|[a-z_]+|Eigen/.+|tbb/.+)(?:\\.h)?|[a-z_]+\\.hpp|fail_aware_lidar_odometry/(?:core|" +
@@ -194,7 +194,7 @@ TEST(Layering, evaluationAndSimulationIncludeTheCoreAndThemselves) {
   }
 }
 
-TEST(Layering, coreHasNoClockNoLogAndNoUnseededRandomness) {
+TEST(Layering, CoreHasNoClockNoLogAndNoUnseededRandomness) {
   const std::regex forbidden(
       R"(std::c(out|err|log)\b|\bprintf\(|\bsystem_clock\b|\bsteady_clock\b|\brandom_device\b|\brand\(|\btime\()"
       R"(|\bdefault_random_engine\b|\bROS_[A-Z]+)");
@@ -209,7 +209,7 @@ TEST(Layering, coreHasNoClockNoLogAndNoUnseededRandomness) {
   }
 }
 
-TEST(Layering, toolsAndBridgeKnowNoNodelets) {
+TEST(Layering, ToolsAndBridgeKnowNoNodelets) {
   for (const std::string& file : sourcesBelow({kInclude + "bridge", "src/bridge", "src/tools"})) {
     for (const std::string& header : includesOf(readText(sourcePath(file)))) {
       EXPECT_NE(header.rfind("nodelet/", 0), 0u) << file << " includes " << header;
@@ -217,7 +217,7 @@ TEST(Layering, toolsAndBridgeKnowNoNodelets) {
   }
 }
 
-TEST(Layering, onlyTheBridgeReadsTheParameterServer) {
+TEST(Layering, OnlyTheBridgeReadsTheParameterServer) {
   const std::regex reads(R"((\.|->|::)(getParam(Cached)?|param)\s*[(<])");
   for (const std::string& file : sourcesBelow({"src/nodelets", "src/tools"})) {
     EXPECT_FALSE(std::regex_search(readText(sourcePath(file)), reads)) << file;
@@ -228,7 +228,7 @@ const std::set<std::string> kPublicHeaders = {"monitor.hpp", "odometry.hpp", "pa
                                               "result.hpp",  "sweep.hpp",    "version.hpp"};
 
 /// What a C++ user of the library includes: no TBB, no robin_map, no yaml, nothing of the core's inside.
-TEST(Layering, publicHeadersIncludeEachOtherAndEigen) {
+TEST(Layering, PublicHeadersIncludeEachOtherAndEigen) {
   std::set<std::string> found;
   for (const auto& entry : std::filesystem::directory_iterator(sourcePath(kInclude))) {
     if (!entry.is_regular_file()) continue;
@@ -246,7 +246,7 @@ bool hasHeader(const std::string& path) {
   return std::filesystem::exists(sourcePath(kInclude + path)) || kPublicHeaders.count(name) == 1;
 }
 
-TEST(Layering, everySourceAndTestHasItsHeader) {
+TEST(Layering, EverySourceAndTestHasItsHeader) {
   for (const std::string layer : {"core", "bridge", "evaluation", "simulation"}) {
     for (const std::string& file : filesBelow("src/" + layer)) {
       if (!hasEnding(file, ".cpp")) continue;
@@ -261,7 +261,7 @@ TEST(Layering, everySourceAndTestHasItsHeader) {
   }
 }
 
-TEST(Layering, everyFolderOfTheCoreHasTests) {
+TEST(Layering, EveryFolderOfTheCoreHasTests) {
   for (const auto& folder : std::filesystem::directory_iterator(sourcePath("src/core"))) {
     if (!folder.is_directory()) continue;
     const std::string tests = "test/core/" + folder.path().filename().string();
@@ -269,7 +269,7 @@ TEST(Layering, everyFolderOfTheCoreHasTests) {
   }
 }
 
-TEST(Layering, everyHeaderHasAGuardAndSaysWhatItIs) {
+TEST(Layering, EveryHeaderHasAGuardAndSaysWhatItIs) {
   for (const std::string& file : sourcesBelow({kInclude.substr(0, kInclude.size() - 1)})) {
     const std::string text = readText(sourcePath(file));
     EXPECT_TRUE(text.rfind("// ", 0) == 0) << file << " does not begin with a comment";
@@ -288,7 +288,7 @@ bool isInTheBuild(const std::filesystem::path& file) {
   return false;
 }
 
-TEST(Layering, everySourceIsInTheBuild) {
+TEST(Layering, EverySourceIsInTheBuild) {
   for (const std::string& file : sourcesBelow({"src", "test"})) {
     EXPECT_TRUE(!hasEnding(file, ".cpp") || isInTheBuild(file)) << file << " is in no CMakeLists.txt";
   }

@@ -60,7 +60,7 @@ FailAwareState stateCalled(const std::string& name) {
   return FailAwareState::kUnknown;
 }
 
-TEST(RepeatedFacts, statesOfMessageCoreAndScripts) {
+TEST(RepeatedFacts, StatesOfMessageCoreAndScripts) {
   const std::vector<std::string> names = statesOfTheMessage();
   ASSERT_EQ(names.size(), 5u);
   for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(names[i], toString(static_cast<FailAwareState>(i)));
@@ -71,7 +71,7 @@ TEST(RepeatedFacts, statesOfMessageCoreAndScripts) {
 }
 
 /// Worse is taken at once, better not; but UNKNOWN is left at once.
-TEST(RepeatedFacts, severityOfTheScriptsIsTheHysteresiss) {
+TEST(RepeatedFacts, SeverityOfTheScriptsIsTheHysteresiss) {
   const std::vector<std::string> names = listOfTheScripts("BY_SEVERITY");
   const std::vector<std::string> states = statesOfTheMessage();
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()), std::set<std::string>(states.begin(), states.end()));
@@ -89,7 +89,7 @@ TEST(RepeatedFacts, severityOfTheScriptsIsTheHysteresiss) {
 
 // ---- KITTI's vertical angle -----------------------------------------------------------------------------------------
 
-TEST(RepeatedFacts, verticalAngleOfKitti) {
+TEST(RepeatedFacts, VerticalAngleOfKitti) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string angle = theOnly("launch/kitti_replay.launch", "name=\"vertical_angle_deg\" default=\"" + number);
   const std::multimap<std::string, std::string> places = {
@@ -118,7 +118,7 @@ TEST(RepeatedFacts, verticalAngleOfKitti) {
 
 // ---- alert limit ----------------------------------------------------------------------------------------------------
 
-TEST(RepeatedFacts, alertLimit) {
+TEST(RepeatedFacts, AlertLimit) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
   const std::multimap<std::string, std::string> places = {
@@ -156,7 +156,7 @@ void expectNoOther(const std::string& pattern, const std::set<std::string>& know
   for (const std::string& file : places) EXPECT_EQ(named_in.count(file), 1u) << file << " names none";
 }
 
-TEST(RepeatedFacts, topicsOfKittisBags) {
+TEST(RepeatedFacts, TopicsOfKittisBags) {
   const std::string writer = "include/fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp";
   const std::string cloud = theOnly(writer, "kCloudTopic = \"([^\"]+)\"");
   const std::string ground_truth = theOnly(writer, "kGroundTruthTopic = \"([^\"]+)\"");
@@ -167,7 +167,7 @@ TEST(RepeatedFacts, topicsOfKittisBags) {
                 {"doc/recorded_data.md", "src/tools/kitti_to_bag.cpp", "scripts/live_graph/__init__.py"});
 }
 
-TEST(RepeatedFacts, topicOfTheVelodynesDriver) {
+TEST(RepeatedFacts, TopicOfTheVelodynesDriver) {
   const std::string cloud =
       "/" + theOnly("include/fail_aware_lidar_odometry/bridge/velodyne_messages.hpp", "cloud_topic = \"([^\"]+)\"");
   for (const char* file : {"launch/odometry.launch", "launch/velodyne_hdl64e.launch"}) {

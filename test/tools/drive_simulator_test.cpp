@@ -27,7 +27,7 @@ struct Arrivals {
   ros::Subscriber subscriber;
 };
 
-TEST(DriveSimulator, publishesItsDrive) {
+TEST(DriveSimulator, PublishesItsDrive) {
   ros::NodeHandle node;
   Arrivals<tf2_msgs::TFMessage> places(node, "/tf_static");
   Arrivals<nav_msgs::Odometry> truths(node, "/ground_truth/odometry");

@@ -15,8 +15,8 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
 #include "fail_aware_lidar_odometry/core/types/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
 #include "fail_aware_lidar_odometry/core/types/measurement.hpp"

@@ -9,11 +9,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
 #include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
 #include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
 #include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
+#include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
 
 namespace fail_aware {
 

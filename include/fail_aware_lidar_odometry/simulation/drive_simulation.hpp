@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 #include "fail_aware_lidar_odometry/simulation/lidar_model.hpp"
 #include "fail_aware_lidar_odometry/simulation/vehicle_drive.hpp"
-#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 
 namespace fail_aware {
 

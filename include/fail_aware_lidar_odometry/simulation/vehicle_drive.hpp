@@ -13,10 +13,10 @@
 #include <cstdint>
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/core/vehicle/vehicle_parameters.hpp"
 #include "fail_aware_lidar_odometry/simulation/road.hpp"
 #include "fail_aware_lidar_odometry/simulation/speed_profile.hpp"
 #include "fail_aware_lidar_odometry/simulation/terrain.hpp"
-#include "fail_aware_lidar_odometry/core/vehicle/vehicle_parameters.hpp"
 
 namespace fail_aware {
 

@@ -169,7 +169,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     // What a drive begins with is unknown, and says nothing of what follows.
     if (state.motionObserved() || rate_.rate())
       rate_.update(drift_.accumulated(state.increment_covariance, state.unobserved_covariance, distance_m,
-                                  drift_.pace(distance_m, state.dt_s)),
+                                      drift_.pace(distance_m, state.dt_s)),
                    state.dt_s);
   }
   if (state.odom_reset_count != odom_reset_count_ && indicator_.started()) start_pending_ = true;

@@ -55,7 +55,8 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   inflation.unbelievable = persistent_m > 0.0 || turned;
   const bool fits_not = sweep.fitting_ratio && *sweep.fitting_ratio < params_.fitting_ratio;
   const bool fitted_not = fitting_ratio_.isFull() && fitting_ratio_.median() < params_.fitting_ratio;
-  inflation.velocity_unobservable = fitted_ && (fitted_not || fits_not);  // at once: a speed taken from one such sweep stays
+  inflation.velocity_unobservable =
+      fitted_ && (fitted_not || fits_not);  // at once: a speed taken from one such sweep stays
   if (fitting_ratio_.isFull() && !fitted_not) fitted_ = true;
   return inflation;
 }

@@ -124,7 +124,8 @@ DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
 void MotionTracker::updateMotion(const Sweep& sweep) {
   const FilterState& state = sweep.state;
   const MotionDerivatives last = motion_;
-  const bool told = state.measurement_applied && !state.clock_jump && !velocity_unobservable_ && !velocity_was_unobservable_;
+  const bool told =
+      state.measurement_applied && !state.clock_jump && !velocity_unobservable_ && !velocity_was_unobservable_;
   if (told) {
     motion_ = historyDerivatives();
   } else {

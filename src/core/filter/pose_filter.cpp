@@ -214,8 +214,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     const double factor = motion_.dead_reckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
     setIncrementCovariance({params_.increment_floor_m, params_.increment_per_metre_m, params_.increment_floor_deg},
                            process_noise_, params_.increment_scale * factor, prediction_, next);
-    const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() && next.dt_s <= kLongInterval_s &&
-                             (motion_.lastMeasured() || motion_.previousMeasured());
+    const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() &&
+                             next.dt_s <= kLongInterval_s && (motion_.lastMeasured() || motion_.previousMeasured());
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
     motion_.setVelocityUnobservable(addInflation(inputs, innovation, next), next.measurement_applied);
   }

@@ -75,7 +75,7 @@ double DriftModel::pace(double distance_m, double dt_s) const {
 }
 
 Matrix6d DriftModel::accumulated(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
-                             double pace) const {
+                                 double pace) const {
   const double u = unobservedAlong(increment, unobserved);
   Matrix6d accumulated = accumulatedRatioOfOpen(u) * unobserved + accumulatedRatio(u) * (increment - unobserved);
   const double walk_m = pace * pace * distance_m;

@@ -145,7 +145,8 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   const Eigen::Vector2d biases = drift_.biasVariances();
   since_start_ = DriftState();
-  if (start_covariance.allFinite()) since_start_.accumulated.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
+  if (start_covariance.allFinite())
+    since_start_.accumulated.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
   since_start_.accumulated.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
   covariance_ = since_start_.pose();
   transient_base_.setZero();

@@ -122,7 +122,7 @@ AboveGroundMatcher::AboveGroundMatcher(const Params& params, const IcpPointToPla
 }
 
 double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                    const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
+                                         const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   const std::size_t stride = 1 + points_cog.size() / kLookedAt;
   PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad, stride);
   NormalEquations equations;
@@ -138,8 +138,9 @@ AboveGroundPoints AboveGroundMatcher::select(const std::vector<Eigen::Vector3f>&
   return findStandingPoints(pointsWithin(points_cog, range_m), params_.points(), kMatched);
 }
 
-std::optional<StandingPose> AboveGroundMatcher::find(const AboveGroundPoints& above_ground_cog, const AboveGroundReference& reference,
-                                                const Pose& T_odom_cog_predicted) const {
+std::optional<StandingPose> AboveGroundMatcher::find(const AboveGroundPoints& above_ground_cog,
+                                                     const AboveGroundReference& reference,
+                                                     const Pose& T_odom_cog_predicted) const {
   if (reference.map().empty()) return std::nullopt;
   std::vector<bool> has_vote;
   std::optional<Pose> T = searchAlong(params_, above_ground_cog, reference, T_odom_cog_predicted, has_vote);

@@ -9,7 +9,7 @@
 namespace fail_aware {
 
 AboveGroundPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
-                                  std::size_t enough) {
+                                     std::size_t enough) {
   const auto cellOf = [](const Eigen::Vector3f& p, double size_m) {
     return packVoxel(fastFloor(static_cast<double>(p.x()) / size_m), fastFloor(static_cast<double>(p.y()) / size_m), 0);
   };
@@ -48,7 +48,8 @@ std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& po
   return within;
 }
 
-std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T, double kernel_m) {
+std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T,
+                                  double kernel_m) {
   std::vector<double> votes(standing.places, 0.0);
   VoxelMap::PointMatch match;
   for (const StandingPoint& point : standing.points) {

@@ -21,7 +21,8 @@ VoxelMap::Params denseReference() {
 
 AboveGroundReference::AboveGroundReference(const Params& params) : params_(params), map_(denseReference()) {}
 
-void AboveGroundReference::keep(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog, double stamp_s) {
+void AboveGroundReference::keep(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog,
+                                double stamp_s) {
   if (!params_.enabled) return;
   map_.clear();
   T_odom_cog_ = T_odom_cog;

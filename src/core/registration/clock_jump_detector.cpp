@@ -89,7 +89,7 @@ ClockJumpDetector::Place ClockJumpDetector::placeFrom(const Pose& T_odom_cog, co
 }
 
 bool ClockJumpDetector::isRight(const Place& place, double reach_m, double clearly_m,
-                            const std::optional<Place>& by_the_stamps, const Pose& T_odom_cog_predicted) const {
+                                const std::optional<Place>& by_the_stamps, const Pose& T_odom_cog_predicted) const {
   if (!usual_.observed || !place.observed || place.moved_m > reach_m) return false;
   const double share = place.share / usual_.share, information = place.information / usual_.information;
   if (!by_the_stamps || by_the_stamps->share <= 0.0) {

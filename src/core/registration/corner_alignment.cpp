@@ -214,7 +214,8 @@ double CornerAlignment::directionVariance(const Corner& corner) const {
   const double samples =
       std::max(1.0, static_cast<double>(corner.plane_points[0]) / params_.points_per_independent_sample);
   const double sigma = params_.min_direction_sigma_deg * kDegree;
-  return sigma * sigma + corner.icp_point_to_plane_rms_m[0] * corner.icp_point_to_plane_rms_m[0] / samples;  // over a wall of about 3 m
+  return sigma * sigma +
+         corner.icp_point_to_plane_rms_m[0] * corner.icp_point_to_plane_rms_m[0] / samples;  // over a wall of about 3 m
 }
 
 }  // namespace fail_aware

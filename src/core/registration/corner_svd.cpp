@@ -2,12 +2,12 @@
 
 namespace fail_aware {
 
-CornerSvd::CornerSvd(const CornerExtractor::Params& extraction,
-                                     const CornerReference::Params& reference, const CornerAlignment::Params& alignment)
+CornerSvd::CornerSvd(const CornerExtractor::Params& extraction, const CornerReference::Params& reference,
+                     const CornerAlignment::Params& alignment)
     : extractor_(extraction), reference_(reference), alignment_(alignment) {}
 
 Measurement CornerSvd::measure(const CorrectedSweep& sweep, const SweepPrediction& prediction,
-                                       const Pose& T_cog_lidar) {
+                               const Pose& T_cog_lidar) {
   enterOdom(prediction.odom_reset_count);
   corners_cog_.clear();
   const Eigen::Matrix3d R_odom_lidar = prediction.T_odom_cog.linear() * T_cog_lidar.linear();

@@ -162,7 +162,7 @@ void tryAround(const Candidate& centre, double step_m, double step_rad, int shif
 
 // Seen from above about odom's axes; none if they are too few for a picture.
 std::vector<Eigen::Vector2d> aboveGroundPoints(const std::vector<Eigen::Vector3f>& points_cog,
-                                            const Eigen::Matrix3d& R_odom_cog, double range_m) {
+                                               const Eigen::Matrix3d& R_odom_cog, double range_m) {
   std::vector<Eigen::Vector3f> level;
   level.reserve(points_cog.size());
   const Eigen::Matrix3f R = R_odom_cog.cast<float>();

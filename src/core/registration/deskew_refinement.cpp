@@ -40,8 +40,9 @@ DeskewRefinement::DeskewRefinement(const Params& params, const IcpPointToPlane::
 }
 
 std::optional<Eigen::Vector3d> DeskewRefinement::find(const std::vector<Eigen::Vector3f>& points_cog,
-                                                const std::vector<float>& times_s, double middle_s, const VoxelMap& map,
-                                                const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
+                                                      const std::vector<float>& times_s, double middle_s,
+                                                      const VoxelMap& map, const Pose& T_odom_cog_predicted,
+                                                      double sigma_yaw_rad) const {
   if (!params_.enabled || map.empty() || times_s.size() != points_cog.size()) return std::nullopt;
   PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad);
   const double sigma_rad_s = params_.sigma_deg_s * kDegree;

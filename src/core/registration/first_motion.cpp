@@ -15,7 +15,8 @@ void addSearchedMotion(const InitialGuess& guess, Measurement& measurement) {
   }
 }
 
-void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement) {
+void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params,
+                       Measurement& measurement) {
   if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
   const Eigen::Vector3d forward = guess.T_odom_cog_previous.linear().col(0);
   const double distance_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());

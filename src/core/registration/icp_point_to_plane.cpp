@@ -32,7 +32,7 @@ void IcpPointToPlane::Params::validate() const {
 IcpPointToPlane::IcpPointToPlane(const Params& params) : params_(params) { params_.validate(); }
 
 Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                     const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
+                                   const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
   if (map.empty()) return result;

@@ -109,7 +109,7 @@ Solution IcpPointToPoint::solve(NormalEquations& equations, const Weak& weak) co
 }
 
 void IcpPointToPoint::descendTogether(const PointPairs& pairs, const Weak& weak, std::size_t stride,
-                                   std::vector<Descent>& descents) const {
+                                      std::vector<Descent>& descents) const {
   double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
   for (int iteration = 0; iteration < params_.max_joint_iterations; ++iteration) {
     inParallelFor(descents.size(), [&](std::size_t i) {
@@ -146,7 +146,7 @@ void IcpPointToPoint::keepBest(const PointPairs& pairs, std::size_t stride, std:
 }
 
 IcpPointToPoint::Refined IcpPointToPoint::refine(const PointPairs& pairs, const Weak& weak,
-                                           PointPairs::Neighborhoods& neighborhoods, Descent& descent) const {
+                                                 PointPairs::Neighborhoods& neighborhoods, Descent& descent) const {
   Refined refined;
   for (; refined.iterations < params_.max_iterations && !refined.converged; ++refined.iterations) {
     refined.equations = pairs.linearize(1, descent.T, params_.kernel_m, neighborhoods);
@@ -187,8 +187,8 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
 }
 
 Measurement IcpPointToPoint::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
-                                std::vector<SeedTrack>* tracks) const {
+                                   const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
+                                   std::vector<SeedTrack>* tracks) const {
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
   if (tracks != nullptr) tracks->clear();

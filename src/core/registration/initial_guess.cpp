@@ -83,9 +83,9 @@ InitialGuessResolver::Better InitialGuessResolver::relocalize(const Registration
 }
 
 InitialGuessResolver::Better InitialGuessResolver::detectClockJump(const RegistrationScan& scan, const LocalMap& map,
-                                                                 const EstimateTrack& track,
-                                                                 const SweepPrediction& prediction,
-                                                                 const InitialGuess& guess) {
+                                                                   const EstimateTrack& track,
+                                                                   const SweepPrediction& prediction,
+                                                                   const InitialGuess& guess) {
   if (map.empty() || track.tooManyUnplaced()) return std::nullopt;
   ClockJumpDetector::Interval interval;
   interval.stamps = {prediction.dt_s, prediction.set_back_s};
@@ -105,11 +105,11 @@ InitialGuessResolver::Better InitialGuessResolver::detectClockJump(const Registr
 }
 
 InitialGuessResolver::Better InitialGuessResolver::refineDeskew(const RegistrationScan& scan, const LocalMap& map,
-                                                            double sigma_yaw_rad, const InitialGuess& guess) const {
+                                                                double sigma_yaw_rad, const InitialGuess& guess) const {
   if (guess.lost) return std::nullopt;
   const std::optional<Eigen::Vector3d> rate_rad_s =
       deskew_refinement_.find(scan.cloud.plane_points_cog, scan.cloud.plane_times_s, scan.cloud.middle_s, map.map(),
-                        guess.T_odom_cog, sigma_yaw_rad);
+                              guess.T_odom_cog, sigma_yaw_rad);
   if (!rate_rad_s) return std::nullopt;
   InitialGuess found = guess;
   found.twist_cog.tail<3>() += *rate_rad_s;

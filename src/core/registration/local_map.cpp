@@ -28,7 +28,8 @@ void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, do
   }
   reference_.add(cloud.map_points_cog, T_odom_cog);
   newest_ = {time_s, T_odom_cog};
-  if (keep_above_ground && above_ground_.isDue(T_odom_cog, time_s)) above_ground_.keep(cloud.map_points_cog, T_odom_cog, time_s);
+  if (keep_above_ground && above_ground_.isDue(T_odom_cog, time_s))
+    above_ground_.keep(cloud.map_points_cog, T_odom_cog, time_s);
 }
 
 void LocalMap::redeskewFirst(const Vector6d& twist_cog, double middle_s) {

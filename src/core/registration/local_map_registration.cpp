@@ -27,7 +27,7 @@ LocalMapRegistration::LocalMapRegistration(const RegistrationParameters& params,
       open_country_aid_(params.above_ground, params.icp_point_to_plane) {}
 
 bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
-                                const Pose& T_cog_lidar) {
+                                   const Pose& T_cog_lidar) {
   enterOdom(prediction.odom_reset_count);
   builder_.build(sweep, prediction, T_cog_lidar, scan_);
   findRoadSpeed(sweep, prediction);

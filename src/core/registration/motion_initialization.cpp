@@ -71,8 +71,8 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
                                                         double dt_s, double* places_met) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
   constexpr std::size_t kEnough = 2000;
-  const AboveGroundPoints standing = findStandingPoints(thinned(sweep, T_cog_lidar),
-                                                     {params_.cell_m, params_.column_m, params_.min_height_m}, kEnough);
+  const AboveGroundPoints standing = findStandingPoints(
+      thinned(sweep, T_cog_lidar), {params_.cell_m, params_.column_m, params_.min_height_m}, kEnough);
   Vector6d best = Vector6d::Zero();
   double best_votes = 0.0;
   const auto consider = [&](double speed_mps, double yaw_rate_rps, double kernel_m) {

@@ -43,8 +43,8 @@ void OpenCountryAid::reset() {
   nearly_open_ = true;
 }
 
-void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params, const InitialGuess& guess,
-                    Measurement& measurement) {
+void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params,
+                    const InitialGuess& guess, Measurement& measurement) {
   if (!found.open_country || !measurement.ok()) return;
   // what travels with the sensor is off by no more than the way
   const double distance_m = guess.twist_cog.head<3>().norm() * guess.dt_s;

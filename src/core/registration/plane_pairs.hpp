@@ -72,8 +72,8 @@ inline constexpr auto kAsCorrected = [](const Eigen::Vector3d& arm, std::size_t)
 /// Of one cloud and one map, which stay as they are as long as this is used.
 class PlanePairs {
  public:
-  PlanePairs(const IcpPointToPlane::Params& params, const std::vector<Eigen::Vector3f>& points_cog,
-             const VoxelMap& map, const Pose& T_odom_cog_predicted, double sigma_yaw_rad, std::size_t stride = 1)
+  PlanePairs(const IcpPointToPlane::Params& params, const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+             const Pose& T_odom_cog_predicted, double sigma_yaw_rad, std::size_t stride = 1)
       : params_(params),
         points_cog_(points_cog),
         map_(map),

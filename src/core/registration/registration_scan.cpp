@@ -21,7 +21,8 @@ void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s)
 }
 
 RegistrationScanBuilder::RegistrationScanBuilder(const RegistrationParameters& params, const SweepTimingParams& timing)
-    : builder_(params.cloud, compensatedHead(params, timing)), beam_range_bias_(params.beam_range_bias, params.icp_point_to_plane) {}
+    : builder_(params.cloud, compensatedHead(params, timing)),
+      beam_range_bias_(params.beam_range_bias, params.icp_point_to_plane) {}
 
 void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                     const Pose& T_cog_lidar, RegistrationScan& scan) {
@@ -36,7 +37,7 @@ void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPred
 
 void RegistrationScanBuilder::observeBeams(const RegistrationScan& scan, const VoxelMap& map, const Pose& T_odom_cog) {
   beam_range_bias_.observe(scan.cloud.plane_points_cog, scan.cloud.plane_rings, scan.T_cog_lidar.translation(), map,
-                       T_odom_cog);
+                           T_odom_cog);
 }
 
 }  // namespace fail_aware

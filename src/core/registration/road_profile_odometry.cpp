@@ -97,7 +97,8 @@ void RoadProfileOdometry::setYaw(double yaw_rad) {
   if (!sweeps_.empty()) sweeps_.back().yaw_rad = yaw_rad;
 }
 
-void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, double yaw_rad) {
+void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog,
+                              double yaw_rad) {
   const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog, params_.surface());
   if (!samples) return clear();
   Record record;
@@ -164,7 +165,7 @@ std::vector<RoadProfileOdometry::Layer> RoadProfileOdometry::layers() const {
 }
 
 RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& layers, double speed_mps,
-                                    double acceleration_mps2) const {
+                                                      double acceleration_mps2) const {
   // the newest sweep's frame; room for the path behind or ahead
   const auto place = [&](double age_s) { return -speed_mps * age_s + 0.5 * acceleration_mps2 * age_s * age_s; };
   double low = 0.0, high = 0.0, aside = 0.0;
@@ -232,7 +233,8 @@ std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Lay
   return params_.min_speed_mps + kStep_mps * static_cast<double>(k);
 }
 
-std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double expected_mps, double expected_sigma_mps) {
+std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double expected_mps,
+                                                                         double expected_sigma_mps) {
   if (!params_.enabled || static_cast<int>(sweeps_.size()) < params_.min_sweeps) return std::nullopt;
   const std::vector<Layer> all = layers();
   const double span_s = all.front().age_s;

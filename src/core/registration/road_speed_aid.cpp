@@ -49,8 +49,8 @@ RoadSpeedAid::Result RoadSpeedAid::find(const CorrectedSweep& sweep, const Regis
   return result;
 }
 
-void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess, const Pose& T_odom_cog_initial_guess,
-                  Measurement& measurement) {
+void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
+                  const Pose& T_odom_cog_initial_guess, Measurement& measurement) {
   if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
   const Eigen::Vector3d forward =
       (guess.T_odom_cog_previous.linear().col(0) + T_odom_cog_initial_guess.linear().col(0)).normalized();

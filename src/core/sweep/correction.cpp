@@ -125,8 +125,8 @@ CorrectionResult SweepCorrection::correct(const Sweep& sweep, const std::vector<
 }
 
 bool SweepCorrection::redeskew(std::vector<Eigen::Vector3f>& points_lidar,
-                                const std::vector<float>& times_relative_to_stamp_s,
-                                const Vector6d& delta_twist_lidar) const {
+                               const std::vector<float>& times_relative_to_stamp_s,
+                               const Vector6d& delta_twist_lidar) const {
   const std::vector<float>& times_s = times_relative_to_stamp_s;
   if (times_s.empty() || times_s.size() != points_lidar.size() || !asArray(times_s).allFinite()) return false;
   if (!isUsable(delta_twist_lidar)) return false;

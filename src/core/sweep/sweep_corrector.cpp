@@ -72,7 +72,8 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
     report.middle_s = wholeMicroseconds(0.5 * (static_cast<double>(*first) + static_cast<double>(*last)));
   }
   if (prediction.motionKnown()) {
-    vertical_reference_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar, prediction.odom_reset_count);
+    vertical_reference_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar,
+                                prediction.odom_reset_count);
   }
   return report;
 }

@@ -118,7 +118,8 @@ void VerticalReference::apply(std::vector<Eigen::Vector3f>& points_lidar) const 
   });
 }
 
-void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar, const Pose& T_odom_lidar, int odom_reset_count) {
+void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar, const Pose& T_odom_lidar,
+                                int odom_reset_count) {
   if (!params_.enabled || !isFinite(T_odom_lidar)) return;
   if (odom_reset_count != odom_reset_count_) forgetOdom();
   odom_reset_count_ = odom_reset_count;
@@ -152,7 +153,8 @@ void VerticalReference::advance(const Pose& T_odom_lidar) {
   P_.diagonal().tail<2>().array() += (1.0 - kept * kept) * std::pow(params_.sigma_place_deg * kDegree, 2);
 }
 
-void VerticalReference::fillColumns(const std::vector<Eigen::Vector3f>& points_lidar, const Eigen::Matrix3f& R_odom_lidar) {
+void VerticalReference::fillColumns(const std::vector<Eigen::Vector3f>& points_lidar,
+                                    const Eigen::Matrix3f& R_odom_lidar) {
   columns_.assign(static_cast<std::size_t>(cells_ * cells_), Column());
   const auto low = static_cast<float>(params_.min_height_m), high = static_cast<float>(params_.max_height_m);
   const auto near2 = static_cast<float>(params_.min_range_m * params_.min_range_m);

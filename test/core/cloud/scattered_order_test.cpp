@@ -8,7 +8,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(ScatteredOrder, everyIndexOnce) {
+TEST(ScatteredOrder, EveryIndexOnce) {
   for (const std::uint32_t n : {1u, 2u, 3u, 4u, 10u, 97u, 1024u, 30030u, 120000u}) {
     ScatteredOrder order(n);
     std::set<std::uint32_t> seen;
@@ -18,7 +18,7 @@ TEST(ScatteredOrder, everyIndexOnce) {
   }
 }
 
-TEST(ScatteredOrder, prefersNoDirection) {
+TEST(ScatteredOrder, PrefersNoDirection) {
   // of every ten neighbours the first met is as often any of them
   constexpr std::uint32_t kPoints = 120000, kCell = 10;
   ScatteredOrder order(kPoints);

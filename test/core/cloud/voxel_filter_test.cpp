@@ -34,7 +34,7 @@ Indices ascending(Indices indices) {
   return indices;
 }
 
-TEST(VoxelFilter, keepsOnePointOfEachVoxelTheFirstOfASubset) {
+TEST(VoxelFilter, KeepsOnePointOfEachVoxelTheFirstOfASubset) {
   VoxelFilter filter;
   const Points points = {
       {2.6f, 0.1f, 0.1f}, {0.9f, 0.9f, 0.9f}, {2.1f, 0.9f, 0.9f}, {0.1f, 0.1f, 0.1f}, {0.1f, 1.1f, 0.1f}};
@@ -43,7 +43,7 @@ TEST(VoxelFilter, keepsOnePointOfEachVoxelTheFirstOfASubset) {
   EXPECT_EQ(filter.select(points, {4, 3, 2, 1, 0}, 1.0), (Indices{4, 3, 2}));
 }
 
-TEST(VoxelFilter, keepsNoSideOfAVoxelMoreOften) {
+TEST(VoxelFilter, KeepsNoSideOfAVoxelMoreOften) {
   // a wall seen by a beam that always comes from the left
   Points points;
   for (int i = 0; i < 100000; ++i) points.emplace_back(0.001f * static_cast<float>(i), 20.0f, 0.0f);
@@ -54,7 +54,7 @@ TEST(VoxelFilter, keepsNoSideOfAVoxelMoreOften) {
   EXPECT_NEAR(sum / static_cast<double>(kept.size()), 0.5, 0.05);
 }
 
-TEST(VoxelFilter, voxelsDoNotMeetAtZero) {
+TEST(VoxelFilter, VoxelsDoNotMeetAtZero) {
   VoxelFilter filter;
   Points points;
   for (const float x : {-0.1f, 0.1f}) {
@@ -67,7 +67,7 @@ TEST(VoxelFilter, voxelsDoNotMeetAtZero) {
             2u);
 }
 
-TEST(VoxelFilter, agreesWithASetOfVoxels) {
+TEST(VoxelFilter, AgreesWithASetOfVoxels) {
   VoxelFilter filter;
   const Points points = randomPoints(20000, 20.0f, 1);
   for (const double size : {0.25, 1.0, 2.5}) {
@@ -87,7 +87,7 @@ TEST(VoxelFilter, agreesWithASetOfVoxels) {
   }
 }
 
-TEST(VoxelFilter, theSameWhateverItWasUsedForBefore) {
+TEST(VoxelFilter, TheSameWhateverItWasUsedForBefore) {
   VoxelFilter used;
   const Points points = randomPoints(5000, 10.0f, 2);
   const Indices fresh = VoxelFilter().select(points, 0.7, 2.0, 9.0);
@@ -97,7 +97,7 @@ TEST(VoxelFilter, theSameWhateverItWasUsedForBefore) {
   }
 }
 
-TEST(VoxelFilter, rangeLimitsAreInclusive) {
+TEST(VoxelFilter, RangeLimitsAreInclusive) {
   VoxelFilter filter;
   const Points points = {{0.0f, 0.0f, 0.0f},  {2.99f, 0.0f, 0.0f}, {0.0f, 3.0f, 0.0f},
                          {0.0f, 0.0f, -5.0f}, {6.0f, 8.0f, 0.0f},  {6.0f, 8.1f, 0.0f}};
@@ -105,7 +105,7 @@ TEST(VoxelFilter, rangeLimitsAreInclusive) {
   EXPECT_EQ(ascending(filter.select(points, 0.0, 3.0, 10.0)), (Indices{2, 3, 4}));
 }
 
-TEST(VoxelFilter, withoutAVoxelSizeEveryPointInRangeStays) {
+TEST(VoxelFilter, WithoutAVoxelSizeEveryPointInRangeStays) {
   VoxelFilter filter;
   const Points points(10, {1.0f, 2.0f, 3.0f});
   EXPECT_EQ(filter.select(points, 0.0, 0.0, kFar).size(), 10u);
@@ -113,7 +113,7 @@ TEST(VoxelFilter, withoutAVoxelSizeEveryPointInRangeStays) {
   EXPECT_EQ(filter.select(points, {3, 5}, 0.0), (Indices{3, 5}));
 }
 
-TEST(VoxelFilter, refusesWhatIsNotFinite) {
+TEST(VoxelFilter, RefusesWhatIsNotFinite) {
   VoxelFilter filter;
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   const Points points = {{nan, 1.0f, 1.0f},      {1.0f, nan, 1.0f},  {1.0f, 1.0f, nan},      {infinity, 1.0f, 1.0f},
@@ -124,7 +124,7 @@ TEST(VoxelFilter, refusesWhatIsNotFinite) {
   }
 }
 
-TEST(VoxelFilter, candidatesAreIndicesIntoAllPoints) {
+TEST(VoxelFilter, CandidatesAreIndicesIntoAllPoints) {
   VoxelFilter filter;
   const Points points = {
       {0.1f, 0.0f, 0.0f}, {5.1f, 0.0f, 0.0f}, {0.2f, 0.0f, 0.0f}, {5.2f, 0.0f, 0.0f}, {9.0f, 0.0f, 0.0f}};
@@ -133,7 +133,7 @@ TEST(VoxelFilter, candidatesAreIndicesIntoAllPoints) {
   EXPECT_TRUE(filter.select(points, Indices{}, 1.0).empty());
 }
 
-TEST(VoxelFilter, selectionsCanBeChained) {
+TEST(VoxelFilter, SelectionsCanBeChained) {
   VoxelFilter filter;
   const Points points = randomPoints(3000, 10.0f, 3);
   const Indices fine = VoxelFilter().select(points, 0.5, 0.0, kFar);
@@ -142,9 +142,9 @@ TEST(VoxelFilter, selectionsCanBeChained) {
   EXPECT_EQ(filter.select(points, filter.select(points, 0.5, 0.0, kFar), 0.0), fine);
 }
 
-TEST(VoxelFilter, nothingOfNothing) { EXPECT_TRUE(VoxelFilter().select({}, 1.0, 0.0, kFar).empty()); }
+TEST(VoxelFilter, NothingOfNothing) { EXPECT_TRUE(VoxelFilter().select({}, 1.0, 0.0, kFar).empty()); }
 
-TEST(VoxelFilter, manyVoxelsFillNoTable) {
+TEST(VoxelFilter, ManyVoxelsFillNoTable) {
   VoxelFilter filter;
   Points points;
   for (int x = 0; x < 50; ++x) {

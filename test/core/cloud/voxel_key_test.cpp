@@ -9,7 +9,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(VoxelKeyTest, fastFloorIsFloor) {
+TEST(VoxelKeyTest, FastFloorIsFloor) {
   for (double v = -50.0; v < 50.0; v += 0.125) EXPECT_EQ(fastFloor(v), static_cast<int>(std::floor(v))) << v;
   EXPECT_EQ(fastFloor(-1e-12), -1);
   EXPECT_EQ(fastFloor(-0.0), 0);
@@ -18,7 +18,7 @@ TEST(VoxelKeyTest, fastFloorIsFloor) {
   EXPECT_EQ(fastFloor(-2e9 - 0.5), -2000000001);
 }
 
-TEST(VoxelKeyTest, keysOfDifferentVoxelsDiffer) {
+TEST(VoxelKeyTest, KeysOfDifferentVoxelsDiffer) {
   std::set<VoxelKey> keys;
   int voxels = 0;
   for (const int x : {-1048575, -2, -1, 0, 1, 2, 1048575}) {
@@ -32,14 +32,14 @@ TEST(VoxelKeyTest, keysOfDifferentVoxelsDiffer) {
   EXPECT_EQ(static_cast<int>(keys.size()), voxels);
 }
 
-TEST(VoxelKeyTest, keysWrapBeyondTwentyOneBits) {
+TEST(VoxelKeyTest, KeysWrapBeyondTwentyOneBits) {
   EXPECT_EQ(packVoxel(1 << 21, 0, 0), packVoxel(0, 0, 0));
   EXPECT_EQ(packVoxel(5, -3 - (1 << 21), 7), packVoxel(5, -3, 7));
 }
 
-TEST(VoxelKeyTest, noKeyHasAllBitsSet) { EXPECT_NE(packVoxel(-1, -1, -1), ~VoxelKey{0}); }
+TEST(VoxelKeyTest, NoKeyHasAllBitsSet) { EXPECT_NE(packVoxel(-1, -1, -1), ~VoxelKey{0}); }
 
-TEST(VoxelKeyTest, hashSpreadsNeighboursOverTheLowBits) {
+TEST(VoxelKeyTest, HashSpreadsNeighboursOverTheLowBits) {
   std::unordered_set<std::size_t> slots;
   for (int x = -16; x < 16; ++x) {
     for (int y = -16; y < 16; ++y) {

@@ -58,7 +58,7 @@ Points randomPoints(std::size_t count, float half_width, unsigned seed) {
   return points;
 }
 
-TEST(VoxelMap, fitsAPlaneWithItsScatter) {
+TEST(VoxelMap, FitsAPlaneWithItsScatter) {
   const Eigen::Vector3f n = Eigen::Vector3f(0.2f, -0.1f, 1.0f).normalized(), centre(0.5f, 0.5f, 0.5f);
   constexpr float kSigma = 0.03f;
   VoxelMap map(testParams());
@@ -75,7 +75,7 @@ TEST(VoxelMap, fitsAPlaneWithItsScatter) {
   EXPECT_NEAR(moved.distance_m - match.distance_m, 0.2f, 1e-5f);
 }
 
-TEST(VoxelMap, theSameSweepTurnedGivesTurnedPlanes) {
+TEST(VoxelMap, TheSameSweepTurnedGivesTurnedPlanes) {
   const Points points = patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 100, 0.01f, 2);
   const Pose T = poseFromVector((Vector6d() << 3.0, -4.0, 1.0, M_PI / 2.0, 0.0, 0.7).finished());
   VoxelMap map(testParams());
@@ -85,7 +85,7 @@ TEST(VoxelMap, theSameSweepTurnedGivesTurnedPlanes) {
   EXPECT_GT(std::abs(match.normal.cast<double>().dot(T.linear().col(2))), 0.999);
 }
 
-TEST(VoxelMap, aLineIsNoPlane) {
+TEST(VoxelMap, ALineIsNoPlane) {
   Points line;
   for (int i = 0; i < 80; ++i) line.emplace_back(0.1f + 0.01f * static_cast<float>(i), 0.5f, 0.5f);
   VoxelMap map(testParams());
@@ -101,7 +101,7 @@ TEST(VoxelMap, aLineIsNoPlane) {
   EXPECT_FALSE(noisy.findPlane(Eigen::Vector3d(0.5, 0.5, 0.5), match));
 }
 
-TEST(VoxelMap, anUprightLineIsAPost) {
+TEST(VoxelMap, AnUprightLineIsAPost) {
   std::mt19937 generator(3);
   std::normal_distribution<float> noise(0.0f, 0.03f);
   for (const bool upright : {true, false}) {
@@ -126,7 +126,7 @@ TEST(VoxelMap, anUprightLineIsAPost) {
   EXPECT_FALSE(plane.surface(match.voxel).post);
 }
 
-TEST(VoxelMap, aThickPatchIsNoPlane) {
+TEST(VoxelMap, AThickPatchIsNoPlane) {
   VoxelMap::Params params = testParams();
   params.min_plane_flatness = 1.5;  // flat enough, but thick
   for (const float sigma : {0.10f, 0.14f}) {
@@ -137,7 +137,7 @@ TEST(VoxelMap, aThickPatchIsNoPlane) {
   }
 }
 
-TEST(VoxelMap, fewPointsAreNoPlane) {
+TEST(VoxelMap, FewPointsAreNoPlane) {
   VoxelMap::PlaneMatch match;
   VoxelMap map(testParams());
   const Points points = patch({0.5f, 0.5f, 0.5f}, {0.0f, 1.0f, 0.0f}, 8, 0.0f, 5);
@@ -148,7 +148,7 @@ TEST(VoxelMap, fewPointsAreNoPlane) {
   EXPECT_EQ(match.samples, 8.0f);
 }
 
-TEST(VoxelMap, planesSharpenAsPointsCome) {
+TEST(VoxelMap, PlanesSharpenAsPointsCome) {
   const Eigen::Vector3f n(0.0f, 0.0f, 1.0f);
   VoxelMap map(testParams());
   map.insert(patch({0.5f, 0.5f, 0.4f}, n, 20, 0.01f, 6), Pose::Identity());
@@ -159,7 +159,7 @@ TEST(VoxelMap, planesSharpenAsPointsCome) {
   EXPECT_NEAR(std::abs(match.distance_m), 0.025f, 0.005f);  // the mean of all 80
 }
 
-TEST(VoxelMap, isFrozenAfterMaxSamples) {
+TEST(VoxelMap, IsFrozenAfterMaxSamples) {
   VoxelMap::Params params = testParams();
   params.max_samples = 50;
   params.max_points = 20;
@@ -180,7 +180,7 @@ TEST(VoxelMap, isFrozenAfterMaxSamples) {
   EXPECT_EQ(map.points(), stored);
 }
 
-TEST(VoxelMap, isFrozenWithAllItsSamples) {
+TEST(VoxelMap, IsFrozenWithAllItsSamples) {
   VoxelMap::Params params = testParams();
   params.max_samples = 50;
   VoxelMap map(params);
@@ -192,7 +192,7 @@ TEST(VoxelMap, isFrozenWithAllItsSamples) {
   EXPECT_EQ(match.samples, 50.0f);
 }
 
-TEST(VoxelMap, storedPointsKeepTheirSpacingAndNumber) {
+TEST(VoxelMap, StoredPointsKeepTheirSpacingAndNumber) {
   VoxelMap map(testParams());
   const Points points = randomPoints(5000, 2.0f, 10);
   map.insert(points, Pose::Identity());
@@ -207,7 +207,7 @@ TEST(VoxelMap, storedPointsKeepTheirSpacingAndNumber) {
   }
 }
 
-TEST(VoxelMap, nearestIsExactWithinHalfAVoxel) {
+TEST(VoxelMap, NearestIsExactWithinHalfAVoxel) {
   for (const double size : {1.0, 0.4}) {
     VoxelMap::Params params = testParams();
     params.voxel_size_m = size;
@@ -237,7 +237,7 @@ TEST(VoxelMap, nearestIsExactWithinHalfAVoxel) {
   }
 }
 
-TEST(VoxelMap, answersTheSameWithANeighborhoodThatGoesAlong) {
+TEST(VoxelMap, AnswersTheSameWithANeighborhoodThatGoesAlong) {
   VoxelMap::Params params = testParams();
   params.min_plane_samples = 3;
   params.max_plane_sigma_m = 1.0;
@@ -284,7 +284,7 @@ TEST(VoxelMap, answersTheSameWithANeighborhoodThatGoesAlong) {
   }
 }
 
-TEST(VoxelMap, nearestKeepsToTheDistanceLimit) {
+TEST(VoxelMap, NearestKeepsToTheDistanceLimit) {
   VoxelMap map(testParams());
   map.insert({{0.5f, 0.5f, 0.5f}}, Pose::Identity());
   VoxelMap::PointMatch match;
@@ -293,7 +293,7 @@ TEST(VoxelMap, nearestKeepsToTheDistanceLimit) {
   EXPECT_FALSE(map.findNearest(Eigen::Vector3d(0.5, 0.5, 0.9), 0.39, match));
 }
 
-TEST(VoxelMap, findsPlanesAcrossTheNearFaceOnly) {
+TEST(VoxelMap, FindsPlanesAcrossTheNearFaceOnly) {
   VoxelMap map(testParams());
   map.insert(patch({1.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 100, 0.005f, 13), Pose::Identity());  // voxel (1, 0, 0)
   VoxelMap::PlaneMatch match;
@@ -307,7 +307,7 @@ TEST(VoxelMap, findsPlanesAcrossTheNearFaceOnly) {
   EXPECT_FALSE(map.findPlane(Eigen::Vector3d(-0.9, 0.5, 0.5), match));
 }
 
-TEST(VoxelMap, prefersItsOwnVoxelThenTheNearestFace) {
+TEST(VoxelMap, PrefersItsOwnVoxelThenTheNearestFace) {
   VoxelMap map(testParams());
   map.insert(patch({1.5f, 0.5f, 0.5f}, {1.0f, 0.0f, 0.0f}, 100, 0.005f, 14), Pose::Identity());
   map.insert(patch({0.5f, 1.5f, 0.5f}, {0.0f, 1.0f, 0.0f}, 100, 0.005f, 15), Pose::Identity());
@@ -328,7 +328,7 @@ TEST(VoxelMap, prefersItsOwnVoxelThenTheNearestFace) {
   EXPECT_EQ(axisFound(1.05, 0.5, 0.95), 0);
 }
 
-TEST(VoxelMap, negativeCoordinatesAreLikePositiveOnes) {
+TEST(VoxelMap, NegativeCoordinatesAreLikePositiveOnes) {
   Points points = patch({0.5f, 0.5f, 0.5f}, {0.3f, 0.2f, 1.0f}, 100, 0.01f, 17);
   VoxelMap positive(testParams()), negative(testParams());
   positive.insert(points, translationPose(5.0, 7.0, 3.0));
@@ -344,7 +344,7 @@ TEST(VoxelMap, negativeCoordinatesAreLikePositiveOnes) {
   }
 }
 
-TEST(VoxelMap, isAsPreciseFarFromTheOrigin) {
+TEST(VoxelMap, IsAsPreciseFarFromTheOrigin) {
   const Points points = patch({0.5f, 0.5f, 0.5f}, {0.3f, 0.2f, 1.0f}, 100, 0.005f, 18);
   const Eigen::Vector3d far(5000.0, -5000.0, 120.0), query(0.45, 0.52, 0.55);
   VoxelMap near_map(testParams()), far_map(testParams());
@@ -362,7 +362,7 @@ TEST(VoxelMap, isAsPreciseFarFromTheOrigin) {
   EXPECT_LT((c.offset_m - d.offset_m).norm(), 1e-6f);
 }
 
-TEST(VoxelMap, forgetsFarVoxelsAndKeepsTheRestIntact) {
+TEST(VoxelMap, ForgetsFarVoxelsAndKeepsTheRestIntact) {
   VoxelMap map(testParams());
   Points points;
   for (int x = -30; x < 30; ++x) {
@@ -399,7 +399,7 @@ TEST(VoxelMap, forgetsFarVoxelsAndKeepsTheRestIntact) {
   }
 }
 
-TEST(VoxelMap, growsAgainWhereItHasForgotten) {
+TEST(VoxelMap, GrowsAgainWhereItHasForgotten) {
   VoxelMap map(testParams());
   map.insert(patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 50, 0.01f, 20), Pose::Identity());
   map.insert(patch({20.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 50, 0.01f, 21), Pose::Identity());
@@ -415,7 +415,7 @@ TEST(VoxelMap, growsAgainWhereItHasForgotten) {
   EXPECT_GT(std::abs(match.normal.z()), 0.99f);
 }
 
-TEST(VoxelMap, refusesWhatIsNotFinite) {
+TEST(VoxelMap, RefusesWhatIsNotFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   const Points good = patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 50, 0.01f, 23);
   Points points = {{nan, 0.5f, 0.5f}, {0.5f, nan, 0.5f}, {0.5f, 0.5f, -infinity}, {infinity, nan, 0.0f}};
@@ -433,7 +433,7 @@ TEST(VoxelMap, refusesWhatIsNotFinite) {
   EXPECT_EQ(map.points(), clean.points());
 }
 
-TEST(VoxelMap, hasNothingForQueriesThatAreNotFinite) {
+TEST(VoxelMap, HasNothingForQueriesThatAreNotFinite) {
   VoxelMap map(testParams());
   map.insert(patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 50, 0.01f, 26), Pose::Identity());
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e30}) {
@@ -448,7 +448,7 @@ TEST(VoxelMap, hasNothingForQueriesThatAreNotFinite) {
   }
 }
 
-TEST(VoxelMap, isEmptyAfterClear) {
+TEST(VoxelMap, IsEmptyAfterClear) {
   VoxelMap map(testParams());
   EXPECT_TRUE(map.empty());
   map.insert(randomPoints(100, 1.0f, 24), Pose::Identity());
@@ -460,7 +460,7 @@ TEST(VoxelMap, isEmptyAfterClear) {
   EXPECT_FALSE(map.findNearest(Eigen::Vector3d::Zero(), 1.0, match));
 }
 
-TEST(VoxelMap, whatIsReservedStaysWhereItIs) {
+TEST(VoxelMap, WhatIsReservedStaysWhereItIs) {
   VoxelMap map(testParams());
   map.reserve(5000);
   map.insert(randomPoints(1, 100.0f, 25), Pose::Identity());
@@ -470,7 +470,7 @@ TEST(VoxelMap, whatIsReservedStaysWhereItIs) {
   EXPECT_EQ(&map.surface(0), first);
 }
 
-TEST(VoxelMap, validatesItsParameters) {
+TEST(VoxelMap, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     VoxelMap::Params params = testParams();
     change(params);

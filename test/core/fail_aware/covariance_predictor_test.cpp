@@ -40,7 +40,7 @@ TEST(CovariancePredictor, PositionVarianceAloneGrowsLinearly) {
   EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, (0.36 - 0.01) / 0.02, 1e-9);
 }
 
-TEST(CovariancePredictor, HeadingErrorAloneReachesTheLimitBySpeedTimesSigma) {
+TEST(CovariancePredictor, HeadingErrorReachesTheLimit) {
   CovarianceGrowth growth;
   growth.covariance(2, 2) = 1e-4;  // 0.01 rad
   growth.speed_mps = 8.0;
@@ -64,7 +64,7 @@ TEST(CovariancePredictor, HeadingNoiseGrowsWithTheCubeOfTime) {
   }
 }
 
-TEST(CovariancePredictor, AgreesWithTheAccumulatedCovarianceOnACurve) {
+TEST(CovariancePredictor, AgreesWithCovarianceOnACurve) {
   const double speed = 12.0, yaw_rate = 0.15, dt = 0.02;
   Matrix6d increment = Matrix6d::Zero();
   increment(0, 0) = 1e-3 * dt;
@@ -137,7 +137,7 @@ TEST(CovariancePredictor, DriversInClosedForm) {
   EXPECT_EQ(predictorWith(kOneSigma).predict(speed).time_to_failure.status, Status::kBeyondHorizon);
 }
 
-TEST(CovariancePredictor, TheJitterOfTheMomentIsOnTopAndDoesNotGrow) {
+TEST(CovariancePredictor, JitterIsOnTopAndDoesNotGrow) {
   CovarianceGrowth growth;
   growth.transient(1, 1) = 0.16;
   EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
@@ -170,7 +170,7 @@ TEST(CovariancePredictor, TheLimitsAndTheHorizonsEdges) {
   EXPECT_EQ(predictorWith(kOneSigma, 10.001).predict(growth).time_to_failure.status, Status::kWithinHorizon);
 }
 
-TEST(CovariancePredictor, MoreConfidenceOrMoreNoiseNeverGivesMoreTime) {
+TEST(CovariancePredictor, MoreNoiseNeverGivesMoreTime) {
   CovarianceGrowth growth;
   growth.covariance.diagonal() << 0.001, 0.001, 1e-6;
   growth.rate.diagonal() << 1e-3, 1e-3, 1e-6;
@@ -294,7 +294,7 @@ TEST(CovariancePredictor, TheAlarmComesWithItsOwnConfidence) {
   EXPECT_THROW(CovariancePredictor{params}, ParameterError);
 }
 
-TEST(CovariancePredictor, TheTimeToFailureIsThatOfWhatHasNotFailedYet) {
+TEST(CovariancePredictor, TimeIsConditionedOnSurvival) {
   CovarianceGrowth growth;  // along a line: P(|e| > 0.6) = 2 (1 - Phi(0.6 / sigma))
   growth.covariance(0, 0) = 0.09;
   growth.rate(0, 0) = 0.02;

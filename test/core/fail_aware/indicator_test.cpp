@@ -23,7 +23,7 @@ FailAwareIndicator::Params paramsWith(double threshold, int window) {
   return params;
 }
 
-TEST(FailAwareIndicator, IsTheSumOfSecondDifferencesAtTheReferenceRate) {
+TEST(FailAwareIndicator, SumsSecondDifferences) {
   FailAwareIndicator indicator(paramsWith(1.0, 1));
   const double sigmas[] = {0.010, 0.012, 0.011, 0.015, 0.015};
   indicator.start(100.0);
@@ -58,7 +58,7 @@ TEST(FailAwareIndicator, NeedsThreeSamples) {
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kWithinHorizon);
 }
 
-TEST(FailAwareIndicator, ASigmaThatIsConstantOrOnARampIsBeyondTheHorizon) {
+TEST(FailAwareIndicator, SteadySigmaIsBeyondTheHorizon) {
   for (const double slope : {0.0, 0.25}) {  // exact in binary at these stamps
     FailAwareIndicator indicator(paramsWith(0.001, 20));
     indicator.start(0.0);

@@ -168,7 +168,7 @@ TEST(FailAwareMonitor, StandbySaysWhatServingFromNowOnWouldGive) {
   EXPECT_FALSE(blind.standby_time_to_failure.isKnown());
 }
 
-TEST(FailAwareMonitor, StartedBeforeTheFirstSweepItIsUnknownForOneSweepOnly) {
+TEST(FailAwareMonitor, EarlyStartIsUnknownForOneSweep) {
   FailAwareMonitor monitor{independentSweeps()};
   Road road;
   monitor.start();
@@ -178,7 +178,7 @@ TEST(FailAwareMonitor, StartedBeforeTheFirstSweepItIsUnknownForOneSweepOnly) {
   EXPECT_EQ(second.state, FailAwareState::kOk);
 }
 
-TEST(FailAwareMonitor, TheAccumulatedCovarianceGrowsWithDistanceInTheFrameAtT1) {
+TEST(FailAwareMonitor, CovarianceGrowsWithDistance) {
   for (const double yaw_rad : {0.0, 0.5 * M_PI, -2.5}) {
     FailAwareMonitor monitor{independentSweeps()};
     Road road(yaw_rad);
@@ -250,7 +250,7 @@ TEST(FailAwareMonitor, ACovarianceThatNothingCanBeToldOfIsAFailure) {
   EXPECT_NE(output.reasons & kReasonCovarianceLimit, 0u);
 }
 
-TEST(FailAwareMonitor, EtaGrowsWithAnUnsteadyHeadingSigmaAndReachesItsThreshold) {
+TEST(FailAwareMonitor, UnsteadyHeadingReachesEtaThreshold) {
   MonitorParameters params = independentSweeps();
   FailAwareMonitor monitor(params);
   Road road;
@@ -274,7 +274,7 @@ TEST(FailAwareMonitor, EtaGrowsWithAnUnsteadyHeadingSigmaAndReachesItsThreshold)
   EXPECT_EQ(output.state, FailAwareState::kFailed);
 }
 
-TEST(FailAwareMonitor, WhatHasReachedItsTimeIsOrderedByTheProtectionLevel) {
+TEST(FailAwareMonitor, ReachedTimesOrderByProtectionLevel) {
   MonitorOutput near, far;
   near.time_to_failure = far.time_to_failure = TimeToFailure::reached();
   near.protection_level_m = 0.7;
@@ -308,7 +308,8 @@ TEST(FailAwareMonitor, EachConditionHasItsReason) {
       {"no answer", kReasonNoAnswer, true, [](FilterState&, SweepCondition& c) { c.no_answer = true; }},
       {"dropped", kReasonDroppedSweeps, true, [](FilterState&, SweepCondition& c) { c.dropped_before = 2; }},
       {"none", kReasonNoMeasurement, false, [](FilterState& s, SweepCondition&) { s.fusion.valid_inputs = 0; }},
-      {"predicted", kReasonPredictionOnly, false, [](FilterState& s, SweepCondition&) { s.measurement_applied = false; }},
+      {"predicted", kReasonPredictionOnly, false,
+       [](FilterState& s, SweepCondition&) { s.measurement_applied = false; }},
       {"overruled", kReasonPredictionOverruled, false,
        [](FilterState& s, SweepCondition&) { s.fusion.prediction_overruled = true; }},
       {"disagree", kReasonMeasurementsDisagree, false,
@@ -350,7 +351,7 @@ TEST(FailAwareMonitor, AtTheThresholdsThereIsNoReasonYet) {
   EXPECT_EQ(monitor.update(state, condition).reasons, 0u);
 }
 
-TEST(FailAwareMonitor, TheStateGetsWorseAtOnceAndBetterAfterAsManySweepsAsToldTo) {
+TEST(FailAwareMonitor, StateRecoversWithHysteresis) {
   MonitorParameters params = independentSweeps();
   params.sweeps_to_recover = 4;
   FailAwareMonitor monitor(params);
@@ -461,7 +462,7 @@ TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
   }
 }
 
-TEST(FailAwareMonitor, AfterAnIncrementThatCannotBeAddedNothingBoundsTheErrorUntilTheNextStart) {
+TEST(FailAwareMonitor, BadIncrementIsUnboundedUntilStart) {
   FailAwareMonitor monitor{independentSweeps()};
   Road road;
   monitor.start();

@@ -19,7 +19,8 @@ using Inflation = ConsistencyMonitor::Inflation;
 Sweep sound(double dt_s = 0.1) { return {dt_s, 0.02, 0.03, 0.5 * kDegree, 0.8}; }
 
 /// After ten sound sweeps, `count` that are changed.
-Inflation afterOdd(int count, const std::function<void(Sweep&)>& change, const ConsistencyMonitor::Params& params = {}) {
+Inflation afterOdd(int count, const std::function<void(Sweep&)>& change,
+                   const ConsistencyMonitor::Params& params = {}) {
   ConsistencyMonitor plausibility(params);
   Inflation inflation;
   for (int i = 0; i < 10; ++i) inflation = plausibility.add(sound());
@@ -42,7 +43,7 @@ TEST(ConsistencyMonitor, SoundSweepsAreNotDoubted) {
   for (int i = 0; i < 30; ++i) expectNone(plausibility.add(sound()), std::to_string(i));
 }
 
-TEST(ConsistencyMonitor, WhatMeasurementsStayApartBeyondTheUsualIsAdded) {
+TEST(ConsistencyMonitor, PersistentDisagreementInflates) {
   const auto apart = [](Sweep& sweep) { sweep.undecided_m = 0.25; };
   expectNone(afterOdd(2, apart), "two of the last five");
   const Inflation accumulated = afterOdd(3, apart);
@@ -50,7 +51,7 @@ TEST(ConsistencyMonitor, WhatMeasurementsStayApartBeyondTheUsualIsAdded) {
   EXPECT_FALSE(accumulated.unbelievable) << "one of them is right";
 }
 
-TEST(ConsistencyMonitor, MeasurementsOffThePredictionSweepAfterSweepAreAsUncertain) {
+TEST(ConsistencyMonitor, PersistentInnovationInflates) {
   const auto off = [](Sweep& sweep) { sweep.innovation_m = 0.12; };
   expectNone(afterOdd(4, off), "four of the last ten");
   const Inflation accumulated = afterOdd(5, off);
@@ -60,7 +61,7 @@ TEST(ConsistencyMonitor, MeasurementsOffThePredictionSweepAfterSweepAreAsUncerta
   expectNone(afterOdd(10, [](Sweep& sweep) { sweep.innovation_m = 0.067; }), "as sound sweeps at most");
 }
 
-TEST(ConsistencyMonitor, APredictionOverALongerIntervalMayBeOffByMore) {
+TEST(ConsistencyMonitor, LongIntervalAllowsMore) {
   const auto slow = [](double innovation_m) {
     return afterOdd(10, [=](Sweep& sweep) {
       sweep.dt_s = 0.2;
@@ -92,7 +93,7 @@ TEST(ConsistencyMonitor, WhereNothingHasFittedYetTheMotionIsLearnt) {
   EXPECT_TRUE(plausibility.add(unfitting).velocity_unobservable);
 }
 
-TEST(ConsistencyMonitor, WhatFittedIsForgottenWhereThePlanesStaySilent) {
+TEST(ConsistencyMonitor, SilentPlanesForgetTheFit) {
   ConsistencyMonitor plausibility{ConsistencyMonitor::Params()};
   Sweep unfitting = sound(), silent = sound();
   unfitting.fitting_ratio = 0.0;
@@ -114,7 +115,7 @@ TEST(ConsistencyMonitor, ATurnThatNoVehicleMakesMayBeWrongByARatio) {
 
 Sweep oddInAll() { return {0.1, 0.25, 0.12, 10.0 * kDegree, 0.0}; }
 
-TEST(ConsistencyMonitor, DisagreementAndTheRestAddUpAsIndependentErrors) {
+TEST(ConsistencyMonitor, ErrorsAddAsIndependent) {
   const Inflation inflation = afterOdd(10, [](Sweep& sweep) { sweep = oddInAll(); });
   EXPECT_NEAR(inflation.sigma_m, std::hypot(0.10, 0.25), 1e-12) << "the larger one of innovation and unfitting";
 }
@@ -162,10 +163,12 @@ TEST(ConsistencyMonitor, ParametersAreChecked) {
   EXPECT_EQ(refused([](ConsistencyMonitor::Params&) {}), "no error");
   EXPECT_NE(refused([](auto& p) { p.persistent_disagreement_m = 0.0; }).find("persistent_disagreement_m = 0"),
             std::string::npos);
-  EXPECT_NE(refused([](auto& p) { p.persistent_innovation_m = -1.0; }).find("persistent_innovation_m"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.persistent_innovation_m = -1.0; }).find("persistent_innovation_m"),
+            std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.fitting_ratio = 1.1; }).find("fitting_ratio"), std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.unfitting_sigma_m = -0.1; }).find("unfitting_sigma_m"), std::string::npos);
-  EXPECT_NE(refused([](auto& p) { p.max_yaw_innovation_deg = std::nan(""); }).find("max_yaw_innovation_deg"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.max_yaw_innovation_deg = std::nan(""); }).find("max_yaw_innovation_deg"),
+            std::string::npos);
   EXPECT_NE(refused([](auto& p) { p.wrong_ratio_of_turn = 2.0; }).find("wrong_ratio_of_turn"), std::string::npos);
 }
 

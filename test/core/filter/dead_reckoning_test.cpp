@@ -17,7 +17,7 @@ namespace {
 constexpr double kDt_s = 0.1;
 
 DeadReckoning::Measured measured(double speed_mps, double sigma_along_m, double yaw_rate_rad_s = 0.0,
-                            double sigma_yaw_rad = 1e-3) {
+                                 double sigma_yaw_rad = 1e-3) {
   DeadReckoning::Measured m;
   m.velocity_mps.x() = speed_mps;
   m.yaw_rate_rad_s = yaw_rate_rad_s;
@@ -38,7 +38,7 @@ DeadReckoning lastObserved(double sigma_m = 0.01) {
   return dead_reckoning;
 }
 
-TEST(DeadReckoning, ObservesWhatIsSureAlongAndAcrossTheRoadAndOfTheHeading) {
+TEST(DeadReckoning, ObservesRoadAndHeading) {
   const DeadReckoning dead_reckoning{DeadReckoning::Params()};
   EXPECT_TRUE(dead_reckoning.observes(measured(1.0, 0.049)));
   EXPECT_FALSE(dead_reckoning.observes(measured(1.0, 0.051)));
@@ -155,8 +155,8 @@ TEST(DeadReckoning, AMeasuredSpeedForgetsTheErrorBefore) {
   // a scalar Kalman step: P+ = kept P-
   EXPECT_LT(dead_reckoning.speedError().kept, 1.0);
   EXPECT_GT(dead_reckoning.speedError().kept, 0.5);
-  EXPECT_NEAR(dead_reckoning.speedError().variance_m2_s2, dead_reckoning.speedError().kept * unmeasured.speedError().variance_m2_s2,
-              1e-12);
+  EXPECT_NEAR(dead_reckoning.speedError().variance_m2_s2,
+              dead_reckoning.speedError().kept * unmeasured.speedError().variance_m2_s2, 1e-12);
 }
 
 TEST(DeadReckoning, TheYawRateCoastsLikewise) {
@@ -200,7 +200,7 @@ TEST(DeadReckoning, ParametersAreChecked) {
   EXPECT_THROW(DeadReckoning{params}, ParameterError);
 }
 
-TEST(DeadReckoning, OverALongIntervalTheDriverMayDoWhatHisAccelerationsAllow) {
+TEST(DeadReckoning, LongIntervalAllowsAccelerations) {
   const DeadReckoning dead_reckoning{DeadReckoning::Params()};
   const DeadReckoning::Params params;
   // the speed of 0.75 * 0.2 s ago, and 0.4 s in which it changes further

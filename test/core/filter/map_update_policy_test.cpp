@@ -54,7 +54,7 @@ TEST(MapUpdatePolicy, TheFirstSweepBeginsIt) {
   }
 }
 
-TEST(MapUpdatePolicy, BeforeAMotionIsKnownWhatHasNothingToRegisterAgainstBeginsIt) {
+TEST(MapUpdatePolicy, NoReferenceBeginsBeforeMotion) {
   MapUpdatePolicy policy = underWay();
   EXPECT_TRUE(policy.add({{"m", &kNothingThere}, {"absent", nullptr}}, Sweep()).begins);
   EXPECT_FALSE(policy.add({{"m", &kNothingThere}, {"n", &kLost}}, Sweep()).begins);
@@ -69,7 +69,7 @@ TEST(MapUpdatePolicy, TakesInWhatIsObserved) {
   EXPECT_TRUE(isSkipped(policy.add({{"m", &kFound}}, kPredicted)));
 }
 
-TEST(MapUpdatePolicy, TakesInTheOtherHalfOfARevolutionAtAGoodPrediction) {
+TEST(MapUpdatePolicy, InsertsTheOtherHalfRevolution) {
   MapUpdatePolicy policy = underWay();
   const Decision half = policy.add(bothIcps(&kElsewhere, &kElsewhere), kFollowing);
   EXPECT_TRUE(isInserted(half));
@@ -85,7 +85,7 @@ TEST(MapUpdatePolicy, TakesInTheOtherHalfOfARevolutionAtAGoodPrediction) {
   EXPECT_TRUE(isSkipped(policy.add({{"gps", &kElsewhere}}, kFollowing)));
 }
 
-TEST(MapUpdatePolicy, IsOutOfSightAfterMoreThanTenSweepsThatWereSought) {
+TEST(MapUpdatePolicy, RestartsAfterTenSoughtSweeps) {
   MapUpdatePolicy policy = underWay();
   for (int round = 0; round < 2; ++round) {
     for (int i = 1; i <= 10; ++i) {

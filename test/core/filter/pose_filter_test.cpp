@@ -101,7 +101,7 @@ double worstPredictionInBraking(double middle_s, double told_middle_s) {
   return worst_m;
 }
 
-TEST(PoseFilter, TheSpeedDoesNotAnswerItsOwnErrorWhateverInstantTheStampsMean) {
+TEST(PoseFilter, SpeedErrorDoesNotFeedBack) {
   for (const double middle_s : {-0.05, 0.0, 0.05}) {
     EXPECT_LT(worstPredictionInBraking(middle_s, middle_s), 1e-3) << middle_s;
   }
@@ -127,7 +127,7 @@ TEST(PoseFilter, TheFirstSweepDefinesThePose) {
   EXPECT_NEAR(first.state.sigma_yaw_rad, PoseFilter::Params().initial_sigma_deg * kDegree, 1e-9);
 }
 
-TEST(PoseFilter, AWayInAnotherIntervalThanTheStampsIsTakenAsThePoseAndNotAsAMotion) {
+TEST(PoseFilter, ClockJumpIsAPoseAndNoMotion) {
   PoseFilter filter = makeFilter();
   const Drive drive;
   const Step usual = driveMeasured(filter, drive, 8);
@@ -188,7 +188,7 @@ TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
   EXPECT_GT(state.fusion.weights[0], 0.0);
 }
 
-TEST(PoseFilter, AStampThatDoesNotAdvanceIsRefusedAndChangesNothing) {
+TEST(PoseFilter, StampNotAdvancingIsRefused) {
   PoseFilter filter = makeFilter(), undisturbed = makeFilter();
   const Drive drive;
   driveMeasured(filter, drive, 5);
@@ -230,7 +230,7 @@ TEST(PoseFilter, TracksADriveWithConstantVelocity) {
   }
 }
 
-TEST(PoseFilter, BeforeAMotionIsKnownOnlyTheSpeedAlongTheRoadIsUncertain) {
+TEST(PoseFilter, UnknownMotionIsUncertainAlongRoad) {
   PoseFilter filter = makeFilter();
   filter.reset(pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * M_PI));  // the road runs along odom's y
   step(filter, 0.0, {});
@@ -246,7 +246,7 @@ TEST(PoseFilter, BeforeAMotionIsKnownOnlyTheSpeedAlongTheRoadIsUncertain) {
   EXPECT_TRUE(step(filter, 2.0 * kDt_s, {forward}).state.measurement_applied);
 }
 
-TEST(PoseFilter, WithoutAMeasurementTheEstimateIsThePredictionAndSaysSo) {
+TEST(PoseFilter, NoMeasurementIsThePrediction) {
   PoseFilter filter = makeFilter();
   const Drive drive;
   driveMeasured(filter, drive, 10);
@@ -307,7 +307,7 @@ TEST(PoseFilter, CoastsAtTheLastSpeedWithoutRunningAway) {
   }
 }
 
-TEST(PoseFilter, TheSpeedIsHeldWhereTheMeasurementDoesNotObserveTheRoad) {
+TEST(PoseFilter, UnobservedSpeedIsHeld) {
   PoseFilter filter = makeFilter();
   Drive drive;
   drive.T_start = pose(0.0, 0.0, 0.0, 0.0, 0.0, 0.7);
@@ -333,7 +333,7 @@ TEST(PoseFilter, TheSpeedIsHeldWhereTheMeasurementDoesNotObserveTheRoad) {
   EXPECT_NEAR(filter.state().T_previous_now.translation().x(), 1.3, 0.01);
 }
 
-TEST(PoseFilter, TheIncrementsCovarianceIsThatOfOneKalmanStepFromCertainty) {
+TEST(PoseFilter, IncrementCovarianceIsOneKalmanStep) {
   PoseFilter::Params params;
   params.increment_floor_m = 0.0;
   params.increment_per_metre_m = 0.0;
@@ -448,8 +448,8 @@ FilterState afterOddSweeps(const std::function<Measurement(int sweep, const Pose
 
 PoseFilter::Params believingAll() {
   PoseFilter::Params params;
-  params.plausibility.persistent_innovation_m = params.plausibility.fitting_ratio = params.plausibility.max_yaw_innovation_deg =
-      0.0;
+  params.plausibility.persistent_innovation_m = params.plausibility.fitting_ratio =
+      params.plausibility.max_yaw_innovation_deg = 0.0;
   return params;
 }
 
@@ -466,7 +466,7 @@ std::function<Measurement(int sweep, const Pose& T)> jumping(double jump_m, cons
   };
 }
 
-TEST(PoseFilter, MeasurementsThatJumpSweepAfterSweepAreAsUncertainAsTheyJump) {
+TEST(PoseFilter, JumpingMeasurementsAreUncertain) {
   const double wild_m = std::sqrt(addedVariances(jumping(0.12, diagonal(0.01, 1e-3)))[0]);
   EXPECT_GT(wild_m, 0.1);
   EXPECT_LT(wild_m, 0.3);
@@ -578,7 +578,8 @@ TEST(PoseFilter, ATurnIsNotHeldAgainstAPredictionThatCouldNotKnow) {
     return state.increment_covariance(5, 5);
   };
   const auto added = [&](int sweep, bool clock_jump_suspected) {
-    return yawVarianceAfter(sweep, clock_jump_suspected, {}) - yawVarianceAfter(sweep, clock_jump_suspected, believingAll());
+    return yawVarianceAfter(sweep, clock_jump_suspected, {}) -
+           yawVarianceAfter(sweep, clock_jump_suspected, believingAll());
   };
   EXPECT_GT(added(21, false), std::pow(0.5 * kDegree, 2));
   EXPECT_EQ(added(21, true), 0.0) << "it went by another interval";
@@ -607,7 +608,7 @@ TEST(PoseFilter, WhatIsNotBelievedConfirmsNothingUntilAPoseIsSet) {
 }
 
 /// Over a gap a measurement counts only if another confirms it.
-TEST(PoseFilter, AMeasurementThatIsOutvotedDoesNotKeepOthersFromConfirmingEachOther) {
+TEST(PoseFilter, OutvotedDoesNotPreventConfirmation) {
   const Drive drive;
   constexpr int kAfterGap = 25;
   const Pose T = drive.at(kAfterGap);
@@ -660,7 +661,7 @@ TEST(PoseFilter, ParametersAreChecked) {
 }
 
 /// The same curve in another odom; only sweep `set_at` says so, by setPose().
-TEST(PoseFilter, APoseThatIsSetMovesOdomUnderTheVehicleAndNothingElse) {
+TEST(PoseFilter, SetPoseMovesOdomOnly) {
   Drive drive;
   drive.yaw_rate_rps = 0.2;
   drive.T_start = pose(1.0, 2.0, 0.5, 0.01, -0.03, 0.4);
@@ -730,7 +731,7 @@ FilterState stepOfBoth(PoseFilter& filter, double stamp_s, const Measurement& me
   return correctByBoth(filter, measurement, inlier_ratio);
 }
 
-TEST(PoseFilterReference, BeginsAnewWhenNextToNothingHasFittedForASecond) {
+TEST(PoseFilterReference, NothingFitsForASecondRestarts) {
   const Drive drive;
   PoseFilter filter = makeFilter();
   driveMeasured(filter, drive, 5);

@@ -30,7 +30,7 @@ void expectSymmetricPositiveDefinite(const Matrix6d& P) {
   ASSERT_GT(symmetricEigenvalues(P)[0], 0.0);
 }
 
-TEST(Ukf, equalsTheClosedFormKalmanFilterOnALinearCase) {
+TEST(Ukf, EqualsTheClosedFormKalmanFilterOnALinearCase) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   Matrix6d F = Matrix6d::Identity();
@@ -66,7 +66,7 @@ TEST(Ukf, equalsTheClosedFormKalmanFilterOnALinearCase) {
   }
 }
 
-TEST(Ukf, yawCrossesPiBothWays) {
+TEST(Ukf, YawCrossesPiBothWays) {
   for (const double side : {1.0, -1.0}) {
     Ukf ukf{Ukf::Params()};
     Vector6d x = Vector6d::Zero();
@@ -91,7 +91,7 @@ TEST(Ukf, yawCrossesPiBothWays) {
   }
 }
 
-TEST(Ukf, covarianceStaysPositiveDefiniteOverTenThousandSteps) {
+TEST(Ukf, CovarianceStaysPositiveDefiniteOverTenThousandSteps) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
   Ukf ukf{Ukf::Params()};
@@ -119,7 +119,7 @@ TEST(Ukf, covarianceStaysPositiveDefiniteOverTenThousandSteps) {
   }
 }
 
-TEST(Ukf, anUnobservedDirectionStaysWhereItWas) {
+TEST(Ukf, AnUnobservedDirectionStaysWhereItWas) {
   Ukf ukf{Ukf::Params()};
   ASSERT_TRUE(ukf.reset(Vector6d::Zero(), 0.04 * Matrix6d::Identity()));
   const Eigen::Vector2d weak(std::cos(0.6), std::sin(0.6));
@@ -135,7 +135,7 @@ TEST(Ukf, anUnobservedDirectionStaysWhereItWas) {
   EXPECT_NEAR(strong.dot(ukf.covariance().topLeftCorner<2, 2>() * strong), 0.04 * 1e-4 / 0.0401, 1e-7);
 }
 
-TEST(Ukf, aPerfectMeasurementIsTakenOver) {
+TEST(Ukf, APerfectMeasurementIsTakenOver) {
   Ukf ukf{Ukf::Params()};
   ASSERT_TRUE(ukf.reset(Vector6d::Zero(), Matrix6d::Identity()));
   Vector6d z;
@@ -146,7 +146,7 @@ TEST(Ukf, aPerfectMeasurementIsTakenOver) {
   EXPECT_NEAR(ukf.nis(), z.squaredNorm(), 1e-9);
 }
 
-TEST(Ukf, refusesWhatItCannotUseAndStaysAsItWas) {
+TEST(Ukf, RefusesWhatItCannotUseAndStaysAsItWas) {
   Ukf ukf{Ukf::Params()};
   ASSERT_TRUE(ukf.reset(Vector6d::Ones() * 0.1, 0.01 * Matrix6d::Identity()));
   const Vector6d state = ukf.state();
@@ -172,7 +172,7 @@ TEST(Ukf, refusesWhatItCannotUseAndStaysAsItWas) {
   EXPECT_EQ(ukf.nis(), 0.0);
 }
 
-TEST(Ukf, validatesItsParameters) {
+TEST(Ukf, ValidatesItsParameters) {
   Ukf::Params params;
   params.min_sigma = 0.0;
   EXPECT_THROW(Ukf{params}, ParameterError);

@@ -13,7 +13,7 @@ namespace {
 using Matrix3 = Eigen::Matrix3d;
 using Vector3 = Eigen::Vector3d;
 
-TEST(UnscentedTransform, meanWeightsSumToOne) {
+TEST(UnscentedTransform, MeanWeightsSumToOne) {
   for (const double alpha : {1e-3, 0.1, 0.5, 1.0}) {
     const UnscentedWeights weights = unscentedWeights({alpha, 2.0, 0.0}, 6);
     EXPECT_NEAR(weights.mean_centre + 12.0 * weights.other, 1.0, 1e-9);
@@ -22,7 +22,7 @@ TEST(UnscentedTransform, meanWeightsSumToOne) {
   }
 }
 
-TEST(UnscentedTransform, linearMapsAreExact) {
+TEST(UnscentedTransform, LinearMapsAreExact) {
   Matrix3 C, F;
   C << 2.0, 0.3, -0.2, 0.3, 0.5, 0.1, -0.2, 0.1, 0.1;
   F << 1.0, 0.4, 0.0, -0.3, 2.0, 0.7, 0.5, 0.0, 1.0;
@@ -39,7 +39,7 @@ TEST(UnscentedTransform, linearMapsAreExact) {
   }
 }
 
-TEST(UnscentedTransform, quadraticMeanIsExact) {
+TEST(UnscentedTransform, QuadraticMeanIsExact) {
   const UnscentedWeights weights = unscentedWeights({0.1, 2.0, 0.0}, 3);
   const Vector3 mean(1.0, 2.0, 0.0);
   SigmaPoints<3> points = sigmaPoints<EuclideanSpace, 3>(mean, Vector3(0.5, 0.25, 1.0).asDiagonal(), weights);
@@ -50,7 +50,7 @@ TEST(UnscentedTransform, quadraticMeanIsExact) {
   EXPECT_LT((mapped_mean - Vector3(1.5, 4.25, 1.0)).norm(), 1e-9);
 }
 
-TEST(UnscentedTransform, squareRootOfSemiDefinite) {
+TEST(UnscentedTransform, SquareRootOfSemiDefinite) {
   const Vector3 direction = Vector3(1.0, 2.0, -1.0).normalized();
   const Matrix3 C = 4.0 * direction * direction.transpose();
   const Matrix3 S = symmetricSquareRoot<3>(C);
@@ -59,7 +59,7 @@ TEST(UnscentedTransform, squareRootOfSemiDefinite) {
   EXPECT_TRUE(symmetricSquareRoot<3>(Matrix3(-1e-12 * Matrix3::Identity())).allFinite());
 }
 
-TEST(UnscentedTransform, anglesAreAveragedOnTheCircle) {
+TEST(UnscentedTransform, AnglesAreAveragedOnTheCircle) {
   Vector6d mean = Vector6d::Zero();
   mean[5] = M_PI - 0.01;
   Matrix6d C = Matrix6d::Identity();
@@ -74,7 +74,7 @@ TEST(UnscentedTransform, anglesAreAveragedOnTheCircle) {
   EXPECT_LT((mapped_C - C).norm(), 1e-12);
 }
 
-TEST(UnscentedTransform, validatesItsParameters) {
+TEST(UnscentedTransform, ValidatesItsParameters) {
   EXPECT_THROW((UnscentedParams{0.0, 2.0, 0.0}.validate()), ParameterError);
   EXPECT_THROW((UnscentedParams{0.1, -1.0, 0.0}.validate()), ParameterError);
   EXPECT_THROW((UnscentedParams{0.1, 2.0, -6.0}.validate()), ParameterError);

@@ -43,7 +43,8 @@ TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
   EXPECT_NEAR(accumulated(5, 5), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.02 * kDegree, 2), 1e-15);
   EXPECT_NEAR(model.transient(C, U)(1, 1), 0.6 * 0.5 * 0.75 * 4e-4, 1e-15);
   EXPECT_NEAR(model.transient(C, U)(5, 5), 0.1 * 0.5 * 0.75 * 4e-6, 1e-15);
-  EXPECT_NEAR(model.accumulated(C, Matrix6d::Zero(), 0.0)(5, 5), 0.25 * 5e-6, 1e-15) << "standing still there is no drift";
+  EXPECT_NEAR(model.accumulated(C, Matrix6d::Zero(), 0.0)(5, 5), 0.25 * 5e-6, 1e-15)
+      << "standing still there is no drift";
 }
 
 // In the open there is hardly a map to jitter about.

@@ -43,7 +43,7 @@ TEST(ExternalPose, SaysWhyItCannotBeUsed) {
   EXPECT_NE(unusableReason(bad).find("not positive"), std::string::npos);
 }
 
-TEST(ExternalPose, WhatIsOutOfAllProportionIsRefusedTheLargestThatIsNotStaysFinite) {
+TEST(ExternalPose, HugeValuesAreRefused) {
   EXPECT_NE(unusableReason(gps(1.0, Pose(Eigen::Translation3d(0.0, -1.1e9, 0.0)))).find("beyond"), std::string::npos);
   ExternalPose huge = gps(1.0, Pose::Identity());
   huge.covariance(4, 4) = 1.1e12;
@@ -145,7 +145,7 @@ TEST(ExternalPose, ConfirmsOnlyIfItKnowsWhereItIs) {
   EXPECT_TRUE(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &fine, true}}).confirmed);
 }
 
-TEST(ExternalPoseBuffer, GivesTheNearestOnceAndNothingOutsideTheTolerance) {
+TEST(ExternalPoseBuffer, GivesTheNearestWithinTolerance) {
   ExternalPoseBuffer buffer;
   EXPECT_FALSE(buffer.takeNearest(1.0, 10.0));
   for (const double stamp_s : {1.0, 1.1, 1.2, 1.3}) buffer.push(gps(stamp_s, Pose::Identity()));

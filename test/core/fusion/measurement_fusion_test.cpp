@@ -45,7 +45,7 @@ std::vector<FusionInput> inputsOf(const std::vector<Measurement>& measurements) 
 
 // --- the article's formula
 
-TEST(MeasurementFusionLiteral, WeightsMeanAndCovarianceAreTheArticles) {
+TEST(MeasurementFusionLiteral, MatchesTheArticle) {
   Matrix6d P = diagonal(0.04, 0.01, 0.01);
   P(1, 1) = 0.25;
   P(0, 1) = P(1, 0) = 0.09;  // the article's ellipse is axis-aligned: no effect
@@ -106,7 +106,7 @@ TEST(MeasurementFusion, YawIsAveragedAcrossItsWrapInBothFormulas) {
 
 // --- the default
 
-TEST(MeasurementFusion, GateUsesTheFullBlockOfPredictionAndMeasurement) {
+TEST(MeasurementFusion, GateUsesTheFullCovarianceBlock) {
   Matrix6d P = diagonal(0.5, 0.1, 0.1);
   P(0, 1) = P(1, 0) = 0.49;  // long axis along (1, 1): sigma 0.995; across: 0.1
   const Matrix6d R = diagonal(1e-6, 0.1, 0.1);
@@ -136,7 +136,7 @@ TEST(MeasurementFusion, AnOutvotedMeasurementDecidesNothing) {
   EXPECT_FALSE(r.confirmed);
 }
 
-TEST(MeasurementFusion, TwoInsideTheGateDoNotOutvoteTwoOutsideThatAgree) {
+TEST(MeasurementFusion, TwoDoNotOutvoteTwo) {
   const Matrix6d P = diagonal(0.01, 0.1, 0.1), R = diagonal(1e-4, 0.1, 0.1);
   const auto at = [&](double x_m) { return measurementAt(vector6(x_m, 0, 0, 0, 0, 0), R); };
   const FusionResult tie = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.02), at(1.0), at(1.1)}));
@@ -154,7 +154,7 @@ TEST(MeasurementFusion, TwoInsideTheGateDoNotOutvoteTwoOutsideThatAgree) {
   EXPECT_EQ(three.undecided_m, 0.0) << "three against two";
 }
 
-TEST(MeasurementFusion, ADistanceThatTheCovariancesExpectDecidesNothing) {
+TEST(MeasurementFusion, ExpectedDistanceDecidesNothing) {
   const Matrix6d P = diagonal(0.04, 0.1, 0.1), R = diagonal(1e-4, 0.1, 0.1);
   const auto undecidedWith = [&](double sigma_m) {
     const std::vector<Measurement> m = {
@@ -171,7 +171,7 @@ TEST(MeasurementFusion, ADistanceThatTheCovariancesExpectDecidesNothing) {
   EXPECT_NEAR(undecidedWith(0.3), std::hypot(0.25, 0.01), 1e-12) << "what knows next to nothing bears nobody out";
 }
 
-TEST(MeasurementFusion, OneThatTheLikelierOnesOutnumberCountsByItsWeight) {
+TEST(MeasurementFusion, OutnumberedCountsByWeight) {
   const Matrix6d P = diagonal(0.04, 0.1, 0.1), R = diagonal(1e-4, 0.1, 0.1);
   const auto at = [&](double x_m) { return measurementAt(vector6(x_m, 0, 0, 0, 0, 0), R); };
   const FusionResult far = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({at(0.0), at(0.01), at(0.4)}));
@@ -213,7 +213,7 @@ TEST(MeasurementFusion, MeasurementsOfOneSweepDoNotShrinkR) {
   EXPECT_TRUE(r.R.isApprox(R, 1e-9));
 }
 
-TEST(MeasurementFusion, NoDirectionIsTrustedMoreThanByItsBestMeasurement) {
+TEST(MeasurementFusion, BestMeasurementLimitsTrust) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 50; ++trial) {
@@ -245,7 +245,7 @@ TEST(MeasurementFusion, WhatDoesNotObserveHeightDoesNotPullIt) {
   EXPECT_LT(r.R(2, 2), 3e-4);
 }
 
-TEST(MeasurementFusion, AnObliqueTunnelWithVariancesFrom1eMinus8To1e6) {
+TEST(MeasurementFusion, ObliqueTunnelIsStable) {
   // Only across the tunnel (30 deg to odom) is observed; along it one of three measurements knows something.
   Eigen::Matrix3d tunnel = Eigen::AngleAxisd(M_PI / 6.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   const auto covariance = [&](double along) {
@@ -325,7 +325,7 @@ TEST(MeasurementFusion, GatedOutWithoutAgreementIsNoMeasurement) {
   }
 }
 
-TEST(MeasurementFusion, OneInsideTheGateIsTakenWhateverTheOthersSay) {
+TEST(MeasurementFusion, OneInsideTheGateIsUsed) {
   const Matrix6d P = diagonal(0.0025, 0.01, 1e-4);
   const Matrix6d R = diagonal(1e-4, 1e-4, 1e-6);
   const Measurement inside = measurementAt(vector6(0.01, 0, 0, 0, 0, 0), R);

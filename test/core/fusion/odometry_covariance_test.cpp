@@ -68,7 +68,7 @@ TEST(OdometryCovariance, StraightDriveInClosedForm) {
   EXPECT_NEAR(C(1, 5), n * q(1, 5) + s1 * q(5, 5), 1e-9);
 }
 
-TEST(OdometryCovariance, HeadingErrorOfTheStartTurnsIntoLateralError) {
+TEST(OdometryCovariance, HeadingErrorBecomesLateral) {
   OdometryCovariance odometry;
   Matrix6d start = Matrix6d::Zero();
   start(5, 5) = 1e-6;
@@ -119,7 +119,7 @@ TEST(OdometryCovariance, CurveAgainstMonteCarlo) {
   EXPECT_LT(difference.cwiseAbs().maxCoeff(), 0.1);  // 2.2 % is the sampling's standard deviation
 }
 
-TEST(OdometryCovariance, SinceMarkIsIndependentOfWhatCameBeforeAndOfOdom) {
+TEST(OdometryCovariance, SinceMarkForgetsTheTimeBefore) {
   const Pose far = planarPose(400, -900, 2.5);
   OdometryCovariance a, b;
   Matrix6d start = 0.5 * Matrix6d::Identity();
@@ -251,7 +251,7 @@ TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
   EXPECT_NEAR(odometry.covariance()(0, 0), 1e-4, 1e-9) << "since the start, which is known exactly";
 }
 
-TEST(OdometryCovariance, JitterThatSubsidesDoesNotMakeThePublishedOneShrink) {
+TEST(OdometryCovariance, SubsidingJitterDoesNotShrinkIt) {
   DriftModel::Params drift = DriftModel::Params::independent();
   drift.measured_ratio = 0.0;
   OdometryCovariance covariance(drift);
@@ -270,7 +270,7 @@ TEST(OdometryCovariance, JitterThatSubsidesDoesNotMakeThePublishedOneShrink) {
   EXPECT_LT(covariance.sinceMark()(5, 5), 0.1 * yaw) << "the newest jitter alone";
 }
 
-TEST(OdometryCovariance, AnUnobservedSpeedWandersAndIsForgottenWhenSeen) {
+TEST(OdometryCovariance, UnobservedSpeedErrorIsForgotten) {
   OdometryCovariance odometry;
   odometry.mark(Pose::Identity());
   Matrix6d C = Matrix6d::Zero();

@@ -75,7 +75,7 @@ TEST_F(TrajectoryIo, TumSurvivesWritingAndReading) {
   }
 }
 
-TEST_F(TrajectoryIo, TumOrderIsStampPositionQuaternionWithRealPartLast) {
+TEST_F(TrajectoryIo, TumOrderEndsWithTheRealPart) {
   const double half = std::sqrt(0.5);
   std::ostringstream row;
   row.precision(17);

@@ -150,7 +150,7 @@ TEST(AboveGroundMatcher, BesideAFencePostsStillTell) {
   EXPECT_NEAR(found->T_odom_cog.translation().x(), 4.0, 0.05);
 }
 
-TEST(AboveGroundMatcher, WhatKeepsItsDistanceAheadIsNoProofOfStandstill) {
+TEST(AboveGroundMatcher, CarAheadIsNoProofOfStandstill) {
   Points car;
   for (const double y : {-0.8, -0.4, 0.0, 0.4, 0.8}) addPost(15.0, y, car);
   const Pose truth = planarPose(4.0, 0.0, 0.0);

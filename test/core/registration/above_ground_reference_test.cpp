@@ -46,7 +46,7 @@ TEST(AboveGroundReference, KeptForSomeWayAndTime) {
   EXPECT_TRUE(reference.map().empty());
 }
 
-TEST(AboveGroundReference, WhereMuchStandsNothingIsKeptNorDueAtOnce) {
+TEST(AboveGroundReference, NothingIsKeptAmongBuildings) {
   AboveGroundReference reference{AboveGroundReference::Params()};
   reference.keep(onePost(), Pose::Identity(), 0.0);
   EXPECT_TRUE(reference.map().empty());

@@ -70,7 +70,7 @@ struct Car {
   }
 };
 
-TEST(ClockJumpDetector, AClockThatIsSetAheadAndBackDoesNotMoveTheCar) {
+TEST(ClockJumpDetector, ClockSetAheadAndBackKeepsThePose) {
   Car car;
   car.expectHere(car.drive(kPeriod_s, 0.5));
   for (int i = 0; i < 10; ++i) EXPECT_FALSE(car.drive(kPeriod_s, kPeriod_s));
@@ -91,7 +91,7 @@ TEST(ClockJumpDetector, SweepsThatAreLostAreLost) {
   EXPECT_FALSE(car.drive(2.0 * kPeriod_s, 2.0 * kPeriod_s, kPeriod_s)) << "nor if one came late";
 }
 
-TEST(ClockJumpDetector, WhereNoPlaceIsKnownTheOtherOneMustBeAsGoodAsUsual) {
+TEST(ClockJumpDetector, UnknownPlaceNeedsAUsualFit) {
   Car car;
   car.expectHere(car.drive(kPeriod_s, 0.5, 0.0, false));
   car.world.ratio_here = 0.65;
@@ -103,7 +103,7 @@ TEST(ClockJumpDetector, WhereNoPlaceIsKnownTheOtherOneMustBeAsGoodAsUsual) {
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false)) << "what fits is the road";
 }
 
-TEST(ClockJumpDetector, WhereTheCarIsAlongTheWayCannotBeToldTheStampsAreBelieved) {
+TEST(ClockJumpDetector, UnobservedDistanceTrustsStamps) {
   Car alike;
   World& world = alike.world;
   world.information_elsewhere = world.information_here * world.ratio_here / (1.4 * world.ratio_elsewhere);
@@ -113,7 +113,7 @@ TEST(ClockJumpDetector, WhereTheCarIsAlongTheWayCannotBeToldTheStampsAreBelieved
   EXPECT_FALSE(weak.drive(kPeriod_s, 0.5));
 }
 
-TEST(ClockJumpDetector, WhereNothingFitsAtThePlaceOfTheStampsLessOfTheSweepWillDo) {
+TEST(ClockJumpDetector, NoFitAtStampsNeedsLess) {
   Car car;
   car.world.ratio_here = 0.75;
   car.world.ratio_elsewhere = 0.0;
@@ -141,7 +141,7 @@ struct Gap {
   }
 };
 
-TEST(ClockJumpDetector, WhereTheSweepWasNotMeasuredTheNextOnesAreAsked) {
+TEST(ClockJumpDetector, UnmeasuredSweepAsksTheNext) {
   for (const bool found_by_the_stamps : {false, true}) {
     for (const double dt_s : {5.1, 0.5, 0.02}) {
       Gap one{{}, {{dt_s}}, found_by_the_stamps};
@@ -161,7 +161,7 @@ TEST(ClockJumpDetector, WhereTheSweepWasNotMeasuredTheNextOnesAreAsked) {
   EXPECT_EQ(usual.car.world.fits, 0) << "nothing is unusual";
 }
 
-TEST(ClockJumpDetector, ASweepThatWasLostNearAClockThatWasSetIsLost) {
+TEST(ClockJumpDetector, LostSweepNearAJumpIsLost) {
   Gap gap{{}, {{5.1}}};
   gap.car.expectHere(gap.after(0.3, 0.2));
   Gap a_little{{}, {{0.02}}};
@@ -185,7 +185,7 @@ TEST(ClockJumpDetector, WhereNothingIsUsualNothingIsDoubted) {
   EXPECT_FALSE(car.drive(kPeriod_s, 0.5, 0.0, false));
 }
 
-TEST(ClockJumpDetector, WhereBothWaysLeadToTheSamePlaceTheOneThatEndsNearerIsRight) {
+TEST(ClockJumpDetector, NearerStartWinsForOnePlace) {
   Car car;
   ClockJumpDetector::Interval interval = car.interval(0.2);
   // a search found the place, or registration alone
@@ -216,7 +216,7 @@ TEST(ClockJumpDetector, TheDriverMayHaveBrakedInALongInterval) {
   }
 }
 
-TEST(ClockJumpDetector, OneIntervalThatWasNotToldDoesNotMakeTheUsualOneAnother) {
+TEST(ClockJumpDetector, OneOddIntervalKeepsTheUsual) {
   Car car;
   car.world.degenerate_directions = 1;
   EXPECT_FALSE(car.drive(kPeriod_s, 0.04));
@@ -225,7 +225,7 @@ TEST(ClockJumpDetector, OneIntervalThatWasNotToldDoesNotMakeTheUsualOneAnother) 
   car.expectHere(car.drive(kPeriod_s, 0.5));
 }
 
-TEST(ClockJumpDetector, AHeadThatTurnsAtAnotherRateIsTheUsualOneAfterAWhile) {
+TEST(ClockJumpDetector, NewRateBecomesUsual) {
   for (const double period_s : {0.05, 0.2}) {
     Car car;
     for (int i = 0; i < 20; ++i) EXPECT_FALSE(car.drive(period_s, period_s));

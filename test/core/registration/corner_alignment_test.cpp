@@ -54,7 +54,7 @@ double normal(std::mt19937& generator) {
   return sum;
 }
 
-TEST(CornerAlignment, recoversTheMotionFromTwoCornersAndMore) {
+TEST(CornerAlignment, RecoversTheMotionFromTwoCornersAndMore) {
   const Pose truth = pose(1.5, 0.2, 0.1, 0.01, -0.02, 0.08);
   const Pose prediction = pose(1.3, 0.3, 0.1, 0.01, -0.02, 0.07);
   for (std::size_t count = 2; count <= town().size(); ++count) {
@@ -69,7 +69,7 @@ TEST(CornerAlignment, recoversTheMotionFromTwoCornersAndMore) {
   }
 }
 
-TEST(CornerAlignment, heightRollAndPitchStayAtThePredictionAndSaySo) {
+TEST(CornerAlignment, HeightRollPitchStayPredicted) {
   const Pose truth = pose(1.5, 0.2, 0.3, 0.02, -0.01, 0.08);
   const Pose prediction = pose(1.4, 0.2, 0.0, 0.0, 0.0, 0.08);
   const Measurement result = align(seenFrom(truth, town()), town(), prediction);
@@ -86,27 +86,27 @@ TEST(CornerAlignment, heightRollAndPitchStayAtThePredictionAndSaySo) {
   EXPECT_LT(result.covariance(5, 5), 0.005 * 0.005);
 }
 
-TEST(CornerAlignment, oneCornerIsTooFew) {
+TEST(CornerAlignment, OneCornerIsTooFew) {
   EXPECT_EQ(align({cornerAt(12, 6)}, town(), Pose::Identity()).status, MeasurementStatus::kTooFewCorners);
   EXPECT_EQ(align({}, town(), Pose::Identity()).status, MeasurementStatus::kTooFewCorners);
 }
 
-TEST(CornerAlignment, withoutAReferenceThereIsNoReference) {
+TEST(CornerAlignment, WithoutAReferenceThereIsNoReference) {
   EXPECT_EQ(align(town(), {}, Pose::Identity()).status, MeasurementStatus::kNoReference);
 }
 
-TEST(CornerAlignment, atSpeedItTakesThePrediction) {
+TEST(CornerAlignment, AtSpeedItTakesThePrediction) {
   const Pose truth = pose(2.5, 0.0, 0.0, 0.0, 0.0, 0.02);  // 25 m/s
   EXPECT_EQ(align(seenFrom(truth, town()), town(), Pose::Identity()).status, MeasurementStatus::kTooFewCorners);
   EXPECT_TRUE(align(seenFrom(truth, town()), town(), pose(2.3, 0.1, 0.0, 0.0, 0.0, 0.02)).ok());
 }
 
-TEST(CornerAlignment, cornersThatStandTogetherAreDegenerate) {
+TEST(CornerAlignment, CornersThatStandTogetherAreDegenerate) {
   const std::vector<Corner> together{cornerAt(12, 6), cornerAt(13, 6.5)};
   EXPECT_EQ(align(together, together, Pose::Identity()).status, MeasurementStatus::kDegenerate);
 }
 
-TEST(CornerAlignment, movingEdgesAreLeftOut) {
+TEST(CornerAlignment, MovingEdgesAreLeftOut) {
   const Pose truth = pose(1.5, 0.2, 0.0, 0.0, 0.0, 0.05);
   std::vector<Corner> now = town();
   now.push_back(cornerAt(9.4, -2.0));
@@ -121,7 +121,7 @@ TEST(CornerAlignment, movingEdgesAreLeftOut) {
   EXPECT_TRUE(result.T_odom_cog.isApprox(truth, 1e-9));
 }
 
-TEST(CornerAlignment, twoCornersThatContradictEachOtherAreTooFew) {
+TEST(CornerAlignment, TwoCornersThatContradictEachOtherAreTooFew) {
   std::vector<Corner> now{cornerAt(12, 6), cornerAt(-10.45, 8)};
   EXPECT_EQ(align(now, town(), Pose::Identity()).status, MeasurementStatus::kTooFewCorners);
 }
@@ -135,7 +135,7 @@ TEST(CornerAlignment, NInTheOtherPlaneIsPutRight) {
 }
 
 // Monte Carlo: corners with the errors that R is computed for.
-TEST(CornerAlignment, statedCovarianceIsThatOfTheError) {
+TEST(CornerAlignment, StatedCovarianceIsThatOfTheError) {
   const CornerAlignment::Params params;
   const double place_variance = 0.02 * 0.02 + 0.5 * 2.0 * 4.0 * 0.02 * 0.02 / 20.0;
   const double direction_variance = std::pow(0.5 * 3.14159265 / 180.0, 2) + 0.02 * 0.02 / 20.0;
@@ -181,7 +181,7 @@ TEST(CornerAlignment, statedCovarianceIsThatOfTheError) {
   EXPECT_LT(nees, 1.15);
 }
 
-TEST(CornerAlignment, covarianceGrowsWithRansacRmseAndWithResiduals) {
+TEST(CornerAlignment, CovarianceGrowsWithResiduals) {
   const Measurement good = align(town(), town(), Pose::Identity());
   std::vector<Corner> rough = town();
   for (Corner& corner : rough) corner.icp_point_to_plane_rms_m = {0.3, 0.3};
@@ -199,7 +199,7 @@ TEST(CornerAlignment, covarianceGrowsWithRansacRmseAndWithResiduals) {
   EXPECT_GT(scattered.rms_residual_m, 0.03);
 }
 
-TEST(CornerAlignment, moreCornersMeanMoreInformation) {
+TEST(CornerAlignment, MoreCornersMeanMoreInformation) {
   std::vector<Corner> two = town();
   two.resize(2);
   const double few = align(two, town(), Pose::Identity()).min_information_ratio;
@@ -209,7 +209,7 @@ TEST(CornerAlignment, moreCornersMeanMoreInformation) {
   EXPECT_LE(many, 1.0);
 }
 
-TEST(CornerAlignment, nothingThatIsNoNumberComesOut) {
+TEST(CornerAlignment, NothingThatIsNoNumberComesOut) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Corner> bad = town();
   bad[0].M.x() = nan;
@@ -229,7 +229,7 @@ TEST(CornerAlignment, nothingThatIsNoNumberComesOut) {
   EXPECT_FALSE(CornerAlignment({}).align(town(), town(), Pose::Identity(), Matrix6d::Constant(nan)).ok());
 }
 
-TEST(CornerAlignment, badParametersThrow) {
+TEST(CornerAlignment, BadParametersThrow) {
   CornerAlignment::Params params;
   params.min_corners = 1;
   EXPECT_THROW(CornerAlignment{params}, ParameterError);

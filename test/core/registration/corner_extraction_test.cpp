@@ -88,7 +88,7 @@ std::vector<Corner> extract(const std::vector<Wall>& walls, const CornerExtracto
 
 const std::vector<Wall> kLShape{{{4, 7}, {12, 7}}, {{12, 7}, {12, -3}}};
 
-TEST(CornerExtraction, findsTheCornerOfAnLShapedWallWithinThreeCentimetres) {
+TEST(CornerExtraction, FindsALShapedCorner) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const Pose T_world_lidar = poseAt(0.3 * seed, 0.5, 0.02, -0.03, 0.2 * seed);
     Scanner scanner(kLShape);
@@ -120,7 +120,7 @@ TEST(CornerExtraction, findsTheCornerOfAnLShapedWallWithinThreeCentimetres) {
   }
 }
 
-TEST(CornerExtraction, theArticlesLiteralSettingsFindItToo) {
+TEST(CornerExtraction, TheArticlesLiteralSettingsFindItToo) {
   CornerExtractor::Params params;
   params.cluster_cells = false;
   params.min_beams_per_cell = 20;
@@ -134,26 +134,26 @@ TEST(CornerExtraction, theArticlesLiteralSettingsFindItToo) {
   EXPECT_LT((corners[0].M - Eigen::Vector3d(12, 7, 0)).norm(), 0.03);
 }
 
-TEST(CornerExtraction, aStraightWallHasNoCorner) {
+TEST(CornerExtraction, AStraightWallHasNoCorner) {
   EXPECT_TRUE(extract({{{-10, 6}, {15, 6}}}).empty());
   EXPECT_TRUE(extract({}).empty());
 }
 
-TEST(CornerExtraction, theAngleBetweenTheWallsDecides) {
+TEST(CornerExtraction, TheAngleBetweenTheWallsDecides) {
   for (const double angle_deg : {40.0, 50.0, 90.0, 130.0, 140.0}) {
     const std::vector<Corner> corners = extract(wallsAtAngle({10, 2}, angle_deg, 6.0));
     EXPECT_EQ(corners.size(), angle_deg > 45.0 && angle_deg < 135.0 ? 1u : 0u) << angle_deg;
   }
 }
 
-TEST(CornerExtraction, lowThingsAreNoWalls) {
+TEST(CornerExtraction, LowThingsAreNoWalls) {
   std::vector<Wall> box = kLShape;
   for (Wall& wall : box) wall.height = 0.9;
   EXPECT_TRUE(extract(box).empty());
 }
 
 // A facade with two wings: one cluster, three planes, two corners that exist, and none where far walls would meet.
-TEST(CornerExtraction, everyRealCornerOfOneClusterAndNoVirtualOne) {
+TEST(CornerExtraction, EveryRealCornerOfOneClusterAndNoVirtualOne) {
   const std::vector<Wall> house{{{-8, 9}, {-8, 5}}, {{-8, 9}, {8, 9}}, {{8, 9}, {8, 5}}};
   const std::vector<Corner> corners = extract(house);
   ASSERT_EQ(corners.size(), 2u);
@@ -167,7 +167,7 @@ TEST(CornerExtraction, everyRealCornerOfOneClusterAndNoVirtualOne) {
 }
 
 // A bevelled corner: the two long walls would meet at (12, 7), where there is nothing.
-TEST(CornerExtraction, wallsThatDoNotReachTheirIntersectionMakeNoCornerByDefault) {
+TEST(CornerExtraction, DistantWallsMakeNoCorner) {
   const std::vector<Wall> walls{{{2, 7}, {9.5, 7}}, {{9.5, 7}, {12, 5.5}}, {{12, 5.5}, {12, -3}}};
   const auto countNearVirtual = [](const std::vector<Corner>& corners) {
     return std::count_if(corners.begin(), corners.end(),
@@ -179,7 +179,7 @@ TEST(CornerExtraction, wallsThatDoNotReachTheirIntersectionMakeNoCornerByDefault
   EXPECT_EQ(countNearVirtual(extract(walls, anywhere)), 1);
 }
 
-TEST(CornerExtraction, sameInputSameCornersWhateverCameBefore) {
+TEST(CornerExtraction, SameInputSameCornersWhateverCameBefore) {
   Scanner scanner(kLShape);
   const Points points = scanner.scan(Pose::Identity(), 1), others = scanner.scan(poseAt(1, -1, 0, 0, 1), 2);
   CornerExtractor extractor({});
@@ -190,7 +190,7 @@ TEST(CornerExtraction, sameInputSameCornersWhateverCameBefore) {
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(first[i].M, again[i].M);
 }
 
-TEST(CornerExtraction, pointsThatAreNoNumbersOrOutOfRangeAreIgnored) {
+TEST(CornerExtraction, UnusablePointsAreIgnored) {
   Points points = Scanner(kLShape).scan(Pose::Identity(), 1);
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   for (const float bad : {nan, infinity, -infinity, 3e38F, 50.0F}) {
@@ -208,7 +208,7 @@ TEST(CornerExtraction, pointsThatAreNoNumbersOrOutOfRangeAreIgnored) {
   EXPECT_TRUE(CornerExtractor({}).extract(points, Eigen::Matrix3d::Constant(std::nan(""))).empty());
 }
 
-TEST(CornerExtraction, pointsAtTheGridsEdgeStayInside) {
+TEST(CornerExtraction, PointsAtTheGridsEdgeStayInside) {
   CornerExtractor::Params params;
   params.max_range_m = 10.0;
   for (const double cell_m : {0.1, 0.3, 0.4, 7.0}) {
@@ -222,7 +222,7 @@ TEST(CornerExtraction, pointsAtTheGridsEdgeStayInside) {
   }
 }
 
-TEST(CornerExtraction, badParametersThrow) {
+TEST(CornerExtraction, BadParametersThrow) {
   CornerExtractor::Params params;
   params.max_range_m = 1.0;
   EXPECT_THROW(CornerExtractor{params}, ParameterError);

@@ -32,7 +32,7 @@ CornerReference::Params keeping(int sweeps) {
   return params;
 }
 
-TEST(CornerReference, withOneSweepItIsTheLastSweepsCorners) {
+TEST(CornerReference, WithOneSweepItIsTheLastSweepsCorners) {
   CornerReference reference(keeping(1));
   reference.update({cornerAt(10, 0), cornerAt(20, 0)}, at(0));
   reference.update({cornerAt(9.1, 0)}, at(1));
@@ -42,7 +42,7 @@ TEST(CornerReference, withOneSweepItIsTheLastSweepsCorners) {
   EXPECT_TRUE(reference.corners().empty());
 }
 
-TEST(CornerReference, aCornerStaysForSoManySweepsUnseen) {
+TEST(CornerReference, ACornerStaysForSoManySweepsUnseen) {
   CornerReference reference(keeping(3));
   reference.update({cornerAt(10, 0)}, at(0));
   for (int sweep = 1; sweep <= 2; ++sweep) {
@@ -53,7 +53,7 @@ TEST(CornerReference, aCornerStaysForSoManySweepsUnseen) {
   EXPECT_TRUE(reference.corners().empty());
 }
 
-TEST(CornerReference, seenAgainItIsTheMeanAndLivesOn) {
+TEST(CornerReference, SeenAgainItIsTheMeanAndLivesOn) {
   CornerReference reference(keeping(2));
   for (const double x : {10.0, 10.1, 9.9, 10.2}) reference.update({cornerAt(x - 4.0, 0)}, at(4));
   ASSERT_EQ(reference.corners().size(), 1u);
@@ -63,14 +63,14 @@ TEST(CornerReference, seenAgainItIsTheMeanAndLivesOn) {
   EXPECT_NEAR((corner.N - corner.M).norm(), 1.0, 1e-12);
 }
 
-TEST(CornerReference, itDoesNotCreepAlongWithDrift) {
+TEST(CornerReference, ItDoesNotCreepAlongWithDrift) {
   CornerReference reference(keeping(20));
   for (int sweep = 0; sweep < 50; ++sweep) reference.update({cornerAt(10 + 0.004 * sweep, 0)}, at(0));
   ASSERT_EQ(reference.corners().size(), 1u);
   EXPECT_LT(reference.corners()[0].M.x(), 10.11) << "half of the 0.2 m that the sightings moved";
 }
 
-TEST(CornerReference, sightingsAtAnotherHeightOrWithSwappedPlanesAreTheSameCorner) {
+TEST(CornerReference, SwappedPlanesAreTheSameCorner) {
   CornerReference reference(keeping(20));
   reference.update({cornerAt(10, 0)}, at(0));
   reference.update({withOtherPlane(atHeight(cornerAt(10, 0), 1.5))}, at(0));
@@ -79,7 +79,7 @@ TEST(CornerReference, sightingsAtAnotherHeightOrWithSwappedPlanesAreTheSameCorne
   EXPECT_TRUE(reference.corners()[0].N.isApprox(Eigen::Vector3d(11, 0, 0)));
 }
 
-TEST(CornerReference, farCornersAreForgotten) {
+TEST(CornerReference, FarCornersAreForgotten) {
   CornerReference reference(keeping(20));
   reference.update({cornerAt(10, 0)}, at(0));
   reference.update({}, at(69));
@@ -88,7 +88,7 @@ TEST(CornerReference, farCornersAreForgotten) {
   EXPECT_TRUE(reference.corners().empty());
 }
 
-TEST(CornerReference, anEstimateThatIsNoNumberIsPassedOver) {
+TEST(CornerReference, AnEstimateThatIsNoNumberIsPassedOver) {
   CornerReference reference(keeping(20));
   reference.update({cornerAt(10, 0)}, at(0));
   reference.update({cornerAt(5, 0)}, at(std::numeric_limits<double>::quiet_NaN()));
@@ -97,7 +97,7 @@ TEST(CornerReference, anEstimateThatIsNoNumberIsPassedOver) {
   EXPECT_TRUE(reference.corners().empty());
 }
 
-TEST(CornerReference, badParametersThrow) { EXPECT_THROW(CornerReference{keeping(0)}, ParameterError); }
+TEST(CornerReference, BadParametersThrow) { EXPECT_THROW(CornerReference{keeping(0)}, ParameterError); }
 
 }  // namespace
 }  // namespace fail_aware

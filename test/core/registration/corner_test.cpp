@@ -25,7 +25,7 @@ Corner cornerAt(double x, double y) {
   return corner;
 }
 
-TEST(Corner, movesAsABody) {
+TEST(Corner, MovesAsABody) {
   Pose T = Pose::Identity();
   T.linear() = rotationFromRpy(0.1, 0.2, 0.3);
   T.translation() = Eigen::Vector3d(1, 2, 3);
@@ -37,14 +37,14 @@ TEST(Corner, movesAsABody) {
   EXPECT_TRUE(moved.rectangles[0].high.isApprox(T * Eigen::Vector3d(8, 5, 2)));
 }
 
-TEST(Corner, itsWallsStayWhereTheyAre) {
+TEST(Corner, ItsWallsStayWhereTheyAre) {
   const Corner corner = cornerAt(4, 5), slid = atHeight(corner, 1.0), swapped = withOtherPlane(corner);
   EXPECT_EQ(slid.rectangles[1].high, corner.rectangles[1].high);
   EXPECT_EQ(swapped.rectangles[0].high, corner.rectangles[1].high);
   EXPECT_EQ(swapped.rectangles[1].low, corner.rectangles[0].low);
 }
 
-TEST(Corner, slidesAlongItsTiltedLine) {
+TEST(Corner, SlidesAlongItsTiltedLine) {
   Pose tilt = Pose::Identity();
   tilt.linear() = rotationFromRpy(0.0, 0.1, 0.0);
   const Corner corner = movedCorner(tilt, cornerAt(4, 5)), slid = atHeight(corner, 2.0);
@@ -53,7 +53,7 @@ TEST(Corner, slidesAlongItsTiltedLine) {
   EXPECT_TRUE((slid.N - slid.M).isApprox(corner.N - corner.M));
 }
 
-TEST(Corner, theOtherPlaneHasNOnTheSideOfGrowingX) {
+TEST(Corner, TheOtherPlaneHasNOnTheSideOfGrowingX) {
   Pose turn = Pose::Identity();
   turn.linear() = rotationFromRpy(0, 0, 0.6);
   const Corner corner = movedCorner(turn, cornerAt(4, 5)), other = withOtherPlane(corner);
@@ -64,7 +64,7 @@ TEST(Corner, theOtherPlaneHasNOnTheSideOfGrowingX) {
   EXPECT_TRUE(withOtherPlane(other).N.isApprox(corner.N));
 }
 
-TEST(Corner, onlyTheNearestOfEachOtherMatch) {
+TEST(Corner, OnlyTheNearestOfEachOtherMatch) {
   const std::vector<Corner> now{cornerAt(0.0, 0.0), cornerAt(0.3, 0.0), cornerAt(10, 0)};
   const std::vector<Corner> before{cornerAt(20, 0), cornerAt(0.25, 0.0)};
   const std::vector<CornerPair> pairs = matchCorners(now, before, 0.5, 15.0);
@@ -74,12 +74,12 @@ TEST(Corner, onlyTheNearestOfEachOtherMatch) {
   EXPECT_FALSE(pairs[0].planes_swapped);
 }
 
-TEST(Corner, heightDoesNotCountAsDistance) {
+TEST(Corner, HeightDoesNotCountAsDistance) {
   Corner high = atHeight(cornerAt(1, 1), 3.0);
   EXPECT_EQ(matchCorners({high}, {cornerAt(1, 1)}, 0.1, 15.0).size(), 1u);
 }
 
-TEST(Corner, wallsThatLookElsewhereDoNotMatch) {
+TEST(Corner, WallsThatLookElsewhereDoNotMatch) {
   Pose turn = Pose::Identity();
   for (const double deg : {10.0, 20.0, 90.0, 180.0}) {
     turn.linear() = rotationFromRpy(0, 0, deg * 3.14159265 / 180.0);
@@ -88,13 +88,13 @@ TEST(Corner, wallsThatLookElsewhereDoNotMatch) {
   }
 }
 
-TEST(Corner, planesInTheOtherOrderAreRecognised) {
+TEST(Corner, PlanesInTheOtherOrderAreRecognised) {
   const std::vector<CornerPair> pairs = matchCorners({withOtherPlane(cornerAt(0, 0))}, {cornerAt(0, 0)}, 0.5, 15.0);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_TRUE(pairs[0].planes_swapped);
 }
 
-TEST(Corner, aCornerThatIsNotFiniteMatchesNothing) {
+TEST(Corner, ACornerThatIsNotFiniteMatchesNothing) {
   Corner bad = cornerAt(0, 0);
   bad.M.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(matchCorners({bad}, {cornerAt(0, 0)}, 0.5, 15.0).empty());

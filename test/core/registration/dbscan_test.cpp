@@ -94,13 +94,13 @@ Points walls(std::uint32_t seed) {
   return points;
 }
 
-TEST(Dbscan, equalsBruteForce) {
+TEST(Dbscan, EqualsBruteForce) {
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     for (const int min_points : {1, 4, 9, 20}) expectLikeBruteForce(walls(seed), 0.7, min_points, {});
   }
 }
 
-TEST(Dbscan, equalsBruteForceWithWeights) {
+TEST(Dbscan, EqualsBruteForceWithWeights) {
   std::mt19937 generator(5);
   for (std::uint32_t seed = 1; seed <= 4; ++seed) {
     const Points points = walls(seed);
@@ -110,7 +110,7 @@ TEST(Dbscan, equalsBruteForceWithWeights) {
   }
 }
 
-TEST(Dbscan, pointsOnALatticeExactlyEpsApartAreConnected) {
+TEST(Dbscan, PointsOnALatticeExactlyEpsApartAreConnected) {
   Points points;
   for (int i = 0; i < 12; ++i) {
     for (int j = 0; j < 3; ++j) points.emplace_back(0.5F * static_cast<float>(i) - 2.0F, 0.5F * static_cast<float>(j));
@@ -120,17 +120,17 @@ TEST(Dbscan, pointsOnALatticeExactlyEpsApartAreConnected) {
   EXPECT_EQ(dbscan2d(points, 0.4999, 2), std::vector<int>(points.size(), -1));
 }
 
-TEST(Dbscan, weightsCountAsPoints) {
+TEST(Dbscan, WeightsCountAsPoints) {
   const Points points{{0, 0}, {0.3F, 0}, {5, 5}, {9, 9}};
   EXPECT_EQ(dbscan2d(points, 0.7, 50, {30, 20, 50, 49}), (std::vector<int>{0, 0, 1, -1}));
 }
 
-TEST(Dbscan, clustersAreNumberedByTheirFirstCorePoint) {
+TEST(Dbscan, ClustersAreNumberedByTheirFirstCorePoint) {
   EXPECT_EQ(dbscan2d({{50, 50}, {-50, -50}, {50, 50.1F}, {0, 0}, {-50, -50.1F}}, 0.7, 2),
             (std::vector<int>{0, 1, 0, -1, 1}));
 }
 
-TEST(Dbscan, nothingBadComesOfBadInput) {
+TEST(Dbscan, NothingBadComesOfBadInput) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   EXPECT_TRUE(dbscan2d({}, 0.7, 5).empty());
   EXPECT_EQ(dbscan2d({{nan, 0}, {0, infinity}, {1, 1}, {3e38F, 0}}, 0.7, 1), (std::vector<int>{-1, -1, 0, -1}));

@@ -65,7 +65,7 @@ Vector6d turning(double roll_deg_s, double pitch_deg_s, double yaw_deg_s) {
 }
 
 // Against the same sweep corrected rightly: where planes meet, the map's patches are not quite the walls.
-TEST(DeskewRefinement, findsTheRateThatTheSweepWasNotCorrectedFor) {
+TEST(DeskewRefinement, FindsTheRateThatTheSweepWasNotCorrectedFor) {
   const Vector6d assumed = turning(0.0, 0.0, 5.0);
   for (const Vector6d& truth : {turning(0.0, 0.0, 9.0), turning(0.0, 0.0, 2.0), turning(1.5, -2.0, 5.0)}) {
     const Pose start = poseOf(0.05, -0.03, 0.0, 0.0, 0.0, 0.2);
@@ -76,7 +76,7 @@ TEST(DeskewRefinement, findsTheRateThatTheSweepWasNotCorrectedFor) {
   }
 }
 
-TEST(DeskewRefinement, leavesARightCorrectionAlone) {
+TEST(DeskewRefinement, LeavesARightCorrectionAlone) {
   const Vector6d twist = turning(0.0, 0.0, 12.0);
   const auto rate = found(lookOf(twist, twist), Pose::Identity(), DeskewRefinement::Params());
   ASSERT_TRUE(rate);
@@ -84,7 +84,7 @@ TEST(DeskewRefinement, leavesARightCorrectionAlone) {
   EXPECT_LT(rate->norm() / kDegree, 1.0);
 }
 
-TEST(DeskewRefinement, ratesAreAboutTheVehiclesAxes) {
+TEST(DeskewRefinement, RatesAreAboutTheVehiclesAxes) {
   const Look look = lookOf(turning(3.0, 0.0, 0.0), turning(0.0, 0.0, 0.0));
   const Pose heading = poseOf(3.0, 4.0, 0.0, 0.0, 0.0, 90.0);
   const auto rate = DeskewRefinement(wide(), IcpPointToPlane::Params())
@@ -95,7 +95,7 @@ TEST(DeskewRefinement, ratesAreAboutTheVehiclesAxes) {
 }
 
 // What was measured at middle_s is the sweep's fixed point: with another one the same rate is found.
-TEST(DeskewRefinement, timesCountFromTheMiddle) {
+TEST(DeskewRefinement, TimesCountFromTheMiddle) {
   Look look = lookOf(turning(0.0, 0.0, 9.0), turning(0.0, 0.0, 5.0));
   const auto usual = found(look);
   for (float& time_s : look.times_s) time_s += 0.05f;
@@ -105,7 +105,7 @@ TEST(DeskewRefinement, timesCountFromTheMiddle) {
   EXPECT_LT((*usual - *shifted).norm() / kDegree, 0.01);
 }
 
-TEST(DeskewRefinement, theNarrowerThePriorTheNearerThePrediction) {
+TEST(DeskewRefinement, TheNarrowerThePriorTheNearerThePrediction) {
   const Look look = lookOf(turning(0.0, 0.0, 9.0), turning(0.0, 0.0, 5.0));
   DeskewRefinement::Params usual, narrow;
   narrow.sigma_deg_s = 1e-3;
@@ -116,7 +116,7 @@ TEST(DeskewRefinement, theNarrowerThePriorTheNearerThePrediction) {
   EXPECT_LT(by_narrow->norm() / kDegree, 0.05);
 }
 
-TEST(DeskewRefinement, withoutTimesPlanesOrPointsThereIsNothing) {
+TEST(DeskewRefinement, WithoutTimesPlanesOrPointsThereIsNothing) {
   const Look look = lookOf(turning(0.0, 0.0, 9.0), turning(0.0, 0.0, 5.0));
   EXPECT_FALSE(found({look.points_cog, {}}));
   EXPECT_FALSE(found({{}, {}}));
@@ -132,7 +132,7 @@ TEST(DeskewRefinement, withoutTimesPlanesOrPointsThereIsNothing) {
   EXPECT_TRUE(!rate || rate->allFinite());
 }
 
-TEST(DeskewRefinement, refusesANonsensicalSigma) {
+TEST(DeskewRefinement, RefusesANonsensicalSigma) {
   DeskewRefinement::Params params;
   params.sigma_deg_s = 0.0;
   EXPECT_THROW(DeskewRefinement(params, IcpPointToPlane::Params()), ParameterError);

@@ -21,7 +21,7 @@ using Points = std::vector<Eigen::Vector3f>;
 constexpr double kStraight_m = 0.012, kBent_m = 0.035;
 
 LocalMapRegistration makeFront(bool refine_deskew, int min_points = 500, bool search_turn = true,
-                            bool match_above_ground = true, const SweepTimingParams& timing = {}) {
+                               bool match_above_ground = true, const SweepTimingParams& timing = {}) {
   RegistrationParameters params;
   params.refine_deskew = refine_deskew;
   params.deskew_refinement.enabled = search_turn;
@@ -96,7 +96,7 @@ void placeFirst(LocalMapRegistration& front, const SyntheticDrive& drive) {
   EXPECT_FALSE(front.map().empty());
 }
 
-TEST(LocalMapRegistration, startsAtThePredictionOnceMotionIsKnown) {
+TEST(LocalMapRegistration, StartsAtThePredictionOnceMotionIsKnown) {
   LocalMapRegistration front = makeFront(true);
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
@@ -119,7 +119,7 @@ CorrectedSweep correctedSweep(const SyntheticDrive& drive, double stamp_s, unsig
 }
 
 // The filter predicts a turn 15 deg/s slower than it is: the sweep is bent, unless the turn is looked for in it.
-TEST(LocalMapRegistration, aTurnThatWasNotPredictedIsTakenOutOfTheSweep) {
+TEST(LocalMapRegistration, UnpredictedTurnIsRemoved) {
   SyntheticDrive drive = curve();
   drive.points_per_m2 = 20.0;
   double distances_m[2], placed_m[2];
@@ -161,7 +161,7 @@ SweepTimingParams compensatedTiming() {
 
 // Who compensated the sweep did not know of a turn of 15 deg/s: it is found, and nothing else is taken out, though the
 // filter says that the vehicle was 3 m/s faster than predicted.
-TEST(LocalMapRegistration, ofACompensatedSweepTheTurnThatIsLeftIsTakenOut) {
+TEST(LocalMapRegistration, ResidualTurnIsRemoved) {
   SyntheticDrive drive = curve();
   drive.points_per_m2 = 20.0;
   double distances_m[2];
@@ -186,7 +186,7 @@ TEST(LocalMapRegistration, ofACompensatedSweepTheTurnThatIsLeftIsTakenOut) {
 }
 
 // The first motion is searched for as ever, and compensated sweeps are not corrected for it.
-TEST(LocalMapRegistration, compensatedSweepsStayStraightWhenTheFirstMotionIsFound) {
+TEST(LocalMapRegistration, CompensatedSweepsStayStraight) {
   LocalMapRegistration front = makeFront(true, 500, true, true, compensatedTiming());
   const SyntheticDrive drive = curve();
   SweepPrediction prediction = predictionOf(0.0, 0.0, Pose::Identity(), Pose::Identity(), false);
@@ -200,7 +200,7 @@ TEST(LocalMapRegistration, compensatedSweepsStayStraightWhenTheFirstMotionIsFoun
 }
 
 // Times that are missing for another reason (correction switched off, broken times) do not make it a compensated one.
-TEST(LocalMapRegistration, aSweepWithoutTimesIsCompensatedOnlyIfTheSensorSaysSo) {
+TEST(LocalMapRegistration, NoTimesIsNotCompensated) {
   const SyntheticDrive drive = curve();
   CorrectedSweep sweep = drive.sweep(0.0, 1);
   sweep.times_s.clear();
@@ -231,7 +231,7 @@ CorrectedSweep fieldSweep(double distance_m, double stamp_s, unsigned seed, doub
 }
 
 // The vehicle has driven 1 m and was predicted to drive 0.6 m.
-TEST(LocalMapRegistration, inOpenCountryWhatStandsTellsTheWay) {
+TEST(LocalMapRegistration, InOpenCountryWhatStandsTellsTheWay) {
   const Pose T_cog_lidar = SyntheticDrive().T_cog_lidar;
   const IcpPointToPlane planes{IcpPointToPlane::Params()};
   double distance_m[2], sigma_m[2];
@@ -274,14 +274,14 @@ double sigmaYawAfter(const std::vector<double>& posts_m) {
 }
 
 // Pillars give the planes too much for open country to begin, too little for it to end; where more stands it ends.
-TEST(LocalMapRegistration, openCountryEndsLaterThanItBegins) {
+TEST(LocalMapRegistration, OpenCountryEndsLaterThanItBegins) {
   constexpr double kPost_m = 0.06, kPillar_m = 2.2, kHouse_m = 2.5;
   EXPECT_LT(sigmaYawAfter({kPillar_m, kPillar_m, kPillar_m}), 0.1);
   EXPECT_GT(sigmaYawAfter({kPillar_m, kPost_m, kPillar_m}), 0.15);
   EXPECT_LT(sigmaYawAfter({kHouse_m, kPost_m, kHouse_m}), 0.1);
 }
 
-TEST(LocalMapRegistration, theSecondSweepStartsWhereTheSearchFoundIt) {
+TEST(LocalMapRegistration, SecondSweepStartsAtTheSearch) {
   for (const bool refine : {true, false}) {
     LocalMapRegistration front = makeFront(refine);
     const SyntheticDrive drive = curve();
@@ -303,7 +303,7 @@ TEST(LocalMapRegistration, theSecondSweepStartsWhereTheSearchFoundIt) {
   }
 }
 
-TEST(LocalMapRegistration, refiningTheCorrectionDoesNotShiftTheSweep) {
+TEST(LocalMapRegistration, RefinedDeskewDoesNotShift) {
   double mean_x_m[2];
   for (const bool refine : {false, true}) {
     LocalMapRegistration front = makeFront(refine);
@@ -323,7 +323,7 @@ TEST(LocalMapRegistration, refiningTheCorrectionDoesNotShiftTheSweep) {
   EXPECT_NEAR(mean_x_m[0], mean_x_m[1], 0.05);  // about the stamp it would be 3 m/s 0.05 s
 }
 
-TEST(LocalMapRegistration, aWayInAWrongIntervalIsNoMotionToCorrectFor) {
+TEST(LocalMapRegistration, WrongIntervalGivesNoMotion) {
   const SyntheticDrive drive = curve();
   const auto errorAfter = [&](bool clock_jump) {
     LocalMapRegistration front = makeFront(true);
@@ -340,7 +340,7 @@ TEST(LocalMapRegistration, aWayInAWrongIntervalIsNoMotionToCorrectFor) {
   EXPECT_GT(errorAfter(false), kBent_m);
 }
 
-TEST(LocalMapRegistration, aLostSecondSweepDoesNotShiftTheThird) {
+TEST(LocalMapRegistration, ALostSecondSweepDoesNotShiftTheThird) {
   LocalMapRegistration front = makeFront(true);
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
@@ -357,7 +357,7 @@ TEST(LocalMapRegistration, aLostSecondSweepDoesNotShiftTheThird) {
 }
 
 // As live, where a sweep takes long: the one after a jump of the clock is skipped, and the filter goes by the stamps.
-TEST(LocalMapRegistration, aJumpOfTheClockIsFoundInTheSweepAfterOneThatWasSkipped) {
+TEST(LocalMapRegistration, ClockJumpFoundAfterSkippedSweep) {
   const SyntheticDrive drive = curve();
   const auto startAfter = [&](double dt_s, double set_back_s, double driven_s, bool told_of_the_skipped) {
     LocalMapRegistration front = makeFront(true);
@@ -387,7 +387,7 @@ TEST(LocalMapRegistration, aJumpOfTheClockIsFoundInTheSweepAfterOneThatWasSkippe
   EXPECT_GT(startAfter(0.1, 0.0, 0.7, true), 1.0);
 }
 
-TEST(LocalMapRegistration, aSearchThatCameToNothingBeginsAnewWithALaterSweep) {
+TEST(LocalMapRegistration, FailedSearchBeginsAnew) {
   LocalMapRegistration front = makeFront(true);
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
@@ -403,7 +403,7 @@ TEST(LocalMapRegistration, aSearchThatCameToNothingBeginsAnewWithALaterSweep) {
   EXPECT_LT(rotationErrorDeg(front.T_odom_cog_initial_guess(), T_1500_1600), 0.5);
 }
 
-TEST(LocalMapRegistration, whereNoMotionIsFoundItStartsAtThePrediction) {
+TEST(LocalMapRegistration, NoMotionStartsAtPrediction) {
   LocalMapRegistration front = makeFront(true);
   SyntheticDrive drive = curve();
   drive.scene = {ground(-40.0, -40.0, 40.0, 40.0)};
@@ -413,7 +413,7 @@ TEST(LocalMapRegistration, whereNoMotionIsFoundItStartsAtThePrediction) {
   EXPECT_EQ(front.T_odom_cog_initial_guess().matrix(), Pose::Identity().matrix());
 }
 
-TEST(LocalMapRegistration, tooFewPointsAreNotPlaced) {
+TEST(LocalMapRegistration, TooFewPointsAreNotPlaced) {
   LocalMapRegistration front = makeFront(true);
   const SyntheticDrive drive = curve();
   CorrectedSweep sweep = drive.sweep(0.0, 1);
@@ -425,7 +425,7 @@ TEST(LocalMapRegistration, tooFewPointsAreNotPlaced) {
   EXPECT_TRUE(front.map().empty());
 }
 
-TEST(LocalMapRegistration, aPreparedSweepIsPlacedOnce) {
+TEST(LocalMapRegistration, APreparedSweepIsPlacedOnce) {
   LocalMapRegistration front = makeFront(true);
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
@@ -463,7 +463,7 @@ void expectBentBy(const Vector6d& twist, const std::vector<Eigen::Vector3d>& poi
   }
 }
 
-TEST(LocalMapRegistration, placesTheSweepCorrectedForTheMotionThatWasEstimated) {
+TEST(LocalMapRegistration, InsertsTheRefinedSweep) {
   const Pose predicted = poseOf(1.0, 0.0, 0.0, 0.0, 0.0, 0.0), estimated = poseOf(1.2, 0.02, 0.0, 0.0, 0.0, 0.5);
   for (const bool refine : {true, false}) {
     LocalMapRegistration front = makeFront(refine, 1);
@@ -482,7 +482,7 @@ TEST(LocalMapRegistration, placesTheSweepCorrectedForTheMotionThatWasEstimated) 
   }
 }
 
-TEST(LocalMapRegistration, aJumpBackFromCoastingBendsNoSweep) {
+TEST(LocalMapRegistration, AJumpBackFromCoastingBendsNoSweep) {
   LocalMapRegistration front = makeFront(true, 1);
   const Pose step = poseOf(1.0, 0.0, 0.0, 0.0, 0.0, 0.0);
   const SweepPrediction coasted = predictionOf(0.1, 0.1, Pose::Identity(), step, true);
@@ -495,7 +495,7 @@ TEST(LocalMapRegistration, aJumpBackFromCoastingBendsNoSweep) {
   expectBentBy(Vector6d::Zero(), front.map().points(), measured);
 }
 
-TEST(LocalMapRegistration, whatTheFilterDoesNotPlaceStaysOutOfTheMapWhichBeginsAnewWithTheReference) {
+TEST(LocalMapRegistration, SkippedSweepsStayOut) {
   LocalMapRegistration front = makeFront(true);
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
@@ -533,7 +533,7 @@ CorrectedSweep ringed(CorrectedSweep sweep) {
   return sweep;
 }
 
-TEST(LocalMapRegistration, whatABeamIsOffByIsTakenFromTheNextSweepsUntilAReset) {
+TEST(LocalMapRegistration, BeamBiasIsRemovedUntilReset) {
   LocalMapRegistration front = makeFront(false, 500, false);
   const SyntheticDrive drive = curve();
   const auto prediction = [&](int i, int epoch) {
@@ -564,7 +564,7 @@ TEST(LocalMapRegistration, whatABeamIsOffByIsTakenFromTheNextSweepsUntilAReset) 
   EXPECT_EQ(moved_m(0), 0.0f);
 }
 
-TEST(LocalMapRegistration, afterAResetTheNextSweepIsTheFirst) {
+TEST(LocalMapRegistration, AfterAResetTheNextSweepIsTheFirst) {
   LocalMapRegistration front = makeFront(true);
   const SyntheticDrive drive = curve();
   placeFirst(front, drive);
@@ -576,7 +576,7 @@ TEST(LocalMapRegistration, afterAResetTheNextSweepIsTheFirst) {
   EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), drive.pose(0.1)), 0.1);
 }
 
-TEST(LocalMapRegistration, inAnotherOdomTheReferenceStartsAnewWithTheSweepThatIsPlacedThere) {
+TEST(LocalMapRegistration, AnotherOdomRestartsTheMap) {
   const SyntheticDrive drive = curve();
   const Pose T_new_old = poseOf(50.0, -20.0, 1.0, 0.0, 0.0, 120.0);
   for (const bool state_was_heard : {true, false}) {

@@ -39,21 +39,21 @@ void expectTwist(const std::optional<Vector6d>& twist, double speed_mps, double 
   for (const int i : {1, 2, 3, 4}) EXPECT_EQ((*twist)[i], 0.0);
 }
 
-TEST(MotionInitialization, findsTheSpeedBehindACarThatKeepsItsDistance) {
+TEST(MotionInitialization, FindsSpeedBehindACar) {
   SyntheticDrive drive;
   drive.car_ahead = drive.ground_rings = true;
   drive.twist_cog = planarTwist(14.0, 0.0);
   expectTwist(twistFound(drive, testParams()), 14.0, 0.0);
 }
 
-TEST(MotionInitialization, findsACurveBehindACar) {
+TEST(MotionInitialization, FindsACurveBehindACar) {
   SyntheticDrive drive;
   drive.car_ahead = drive.ground_rings = true;
   drive.twist_cog = planarTwist(10.0, 0.4);
   expectTwist(twistFound(drive, testParams()), 10.0, 0.4);
 }
 
-TEST(MotionInitialization, findsStandstillAndReverse) {
+TEST(MotionInitialization, FindsStandstillAndReverse) {
   SyntheticDrive drive;
   drive.ground_rings = true;
   expectTwist(twistFound(drive, testParams()), 0.0, 0.0);
@@ -61,7 +61,7 @@ TEST(MotionInitialization, findsStandstillAndReverse) {
   expectTwist(twistFound(drive, testParams()), -3.0, -0.2);
 }
 
-TEST(MotionInitialization, searchesUpToItsLimits) {
+TEST(MotionInitialization, SearchesUpToItsLimits) {
   MotionInitialization::Params params = testParams();
   SyntheticDrive drive;
   drive.twist_cog = planarTwist(6.0, 0.7);
@@ -76,13 +76,13 @@ TEST(MotionInitialization, searchesUpToItsLimits) {
   expectTwist(twistFound(drive, params), 9.0, 0.0);
 }
 
-TEST(MotionInitialization, timeScalesTheMotion) {
+TEST(MotionInitialization, TimeScalesTheMotion) {
   SyntheticDrive drive;
   drive.twist_cog = planarTwist(9.0, 0.1);
   expectTwist(twistFound(drive, testParams(), 0.2), 9.0, 0.1);
 }
 
-TEST(MotionInitialization, findsNothingWithoutAFirstSweep) {
+TEST(MotionInitialization, FindsNothingWithoutAFirstSweep) {
   MotionInitialization initialization(testParams(), kMinRange_m);
   const SyntheticDrive drive;
   EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
@@ -91,7 +91,7 @@ TEST(MotionInitialization, findsNothingWithoutAFirstSweep) {
   EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
 }
 
-TEST(MotionInitialization, findsNothingWhereNothingStands) {
+TEST(MotionInitialization, FindsNothingWhereNothingStands) {
   SyntheticDrive drive;
   drive.twist_cog = planarTwist(10.0, 0.0);
   drive.scene = {ground(-40.0, -40.0, 40.0, 40.0)};
@@ -101,7 +101,7 @@ TEST(MotionInitialization, findsNothingWhereNothingStands) {
   EXPECT_FALSE(initialization.findTwist(CorrectedSweep(), drive.T_cog_lidar, 0.1).has_value());
 }
 
-TEST(MotionInitialization, findsNothingWhereTheSweepsDoNotOverlap) {
+TEST(MotionInitialization, FindsNothingWhereTheSweepsDoNotOverlap) {
   SyntheticDrive here, elsewhere;
   here.scene = {wall(-20.0, -10.0, 20.0, -10.0, 4.0)};
   elsewhere.scene = {wall(-20.0, 15.0, 20.0, 15.0, 4.0)};
@@ -110,7 +110,7 @@ TEST(MotionInitialization, findsNothingWhereTheSweepsDoNotOverlap) {
   EXPECT_FALSE(initialization.findTwist(elsewhere.sweep(0.1, 2), elsewhere.T_cog_lidar, 0.1).has_value());
 }
 
-TEST(MotionInitialization, looksNoFartherThanItsRange) {
+TEST(MotionInitialization, LooksNoFartherThanItsRange) {
   MotionInitialization::Params params = testParams();
   SyntheticDrive drive;
   drive.scene = {wall(20.0, -10.0, 20.0, 10.0, 4.0)};
@@ -119,7 +119,7 @@ TEST(MotionInitialization, looksNoFartherThanItsRange) {
   EXPECT_FALSE(twistFound(drive, params).has_value());
 }
 
-TEST(MotionInitialization, findsNothingWithoutTimeBetween) {
+TEST(MotionInitialization, FindsNothingWithoutTimeBetween) {
   MotionInitialization initialization(testParams(), kMinRange_m);
   const SyntheticDrive drive;
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
@@ -128,7 +128,7 @@ TEST(MotionInitialization, findsNothingWithoutTimeBetween) {
   }
 }
 
-TEST(MotionInitialization, validatesItsParameters) {
+TEST(MotionInitialization, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     MotionInitialization::Params params = testParams();
     change(params);

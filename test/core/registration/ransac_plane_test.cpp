@@ -52,7 +52,7 @@ void addClutter(Points& points, int count, const Eigen::Vector3d& middle, Noise&
 
 double angleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::acos(std::min(1.0, a.dot(b))); }
 
-TEST(RansacPlane, findsAWallAmongFortyPercentOutliers) {
+TEST(RansacPlane, FindsAWallAmongFortyPercentOutliers) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     Noise noise(seed);
     const Eigen::Vector3d normal = rotationFromRpy(0, 0, noise.uniform(-3, 3)).col(0), middle(12, -20, 1);
@@ -72,7 +72,7 @@ TEST(RansacPlane, findsAWallAmongFortyPercentOutliers) {
   }
 }
 
-TEST(RansacPlane, sameSeedSameResult) {
+TEST(RansacPlane, SameSeedSameResult) {
   Noise noise(3);
   Points points;
   addWall(points, 300, Eigen::Vector3d::UnitX(), {5, 5, 0}, 0.03, noise);
@@ -83,7 +83,7 @@ TEST(RansacPlane, sameSeedSameResult) {
   EXPECT_EQ(a.iterations, b.iterations);
 }
 
-TEST(RansacPlane, withoutEarlyStopAllIterationsRun) {
+TEST(RansacPlane, WithoutEarlyStopAllIterationsRun) {
   Noise noise(4);
   Points points;
   addWall(points, 500, Eigen::Vector3d::UnitX(), {5, 5, 0}, 0.02, noise);
@@ -94,7 +94,7 @@ TEST(RansacPlane, withoutEarlyStopAllIterationsRun) {
   EXPECT_LT(ransacPlane(points, kUp, params, 1).iterations, 30);
 }
 
-TEST(RansacPlane, upNeedNotBeZ) {
+TEST(RansacPlane, UpNeedNotBeZ) {
   Noise noise(5);
   const Eigen::Matrix3d R = rotationFromRpy(0.15, -0.2, 0.3);
   Points level, points;
@@ -107,7 +107,7 @@ TEST(RansacPlane, upNeedNotBeZ) {
   EXPECT_NEAR(std::abs(plane.normal.dot(R * Eigen::Vector3d(0.6, 0.8, 0))), 1.0, 1e-4);
 }
 
-TEST(RansacPlane, aTiltedWallIsFoundUpToTheTolerance) {
+TEST(RansacPlane, ATiltedWallIsFoundUpToTheTolerance) {
   for (const double tilt_deg : {4.0, 8.0}) {
     Noise noise(6);
     Points points;
@@ -120,7 +120,7 @@ TEST(RansacPlane, aTiltedWallIsFoundUpToTheTolerance) {
   }
 }
 
-TEST(RansacPlane, noPlaneInTooFewPointsNorInAPole) {
+TEST(RansacPlane, NoPlaneInTooFewPointsNorInAPole) {
   Noise noise(7);
   Points points;
   addWall(points, 59, Eigen::Vector3d::UnitX(), {5, 5, 0}, 0.01, noise);
@@ -131,7 +131,7 @@ TEST(RansacPlane, noPlaneInTooFewPointsNorInAPole) {
   EXPECT_FALSE(ransacPlane(pole, kUp, {}, 1).found);
 }
 
-TEST(RansacPlane, badParametersAreNamed) {
+TEST(RansacPlane, BadParametersAreNamed) {
   RansacPlane::Params params;
   params.sample_ratio = 1.5;
   try {

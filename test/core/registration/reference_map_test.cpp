@@ -33,7 +33,7 @@ std::vector<int> sweepsIn(const ReferenceMap& reference) {
   return numbers;
 }
 
-TEST(ReferenceMap, oneSweepIsTheLastSweepOnly) {
+TEST(ReferenceMap, OneSweepIsTheLastSweepOnly) {
   ReferenceMap reference(testParams(1));
   EXPECT_TRUE(reference.map().empty());
   for (int k = 0; k < 5; ++k) {
@@ -43,13 +43,13 @@ TEST(ReferenceMap, oneSweepIsTheLastSweepOnly) {
   EXPECT_LT((reference.map().points().front() - Eigen::Vector3d(4.5, 4.5, 0.5)).norm(), 1e-6);  // where it was placed
 }
 
-TEST(ReferenceMap, aFewSweepsAreTheLastOnes) {
+TEST(ReferenceMap, AFewSweepsAreTheLastOnes) {
   ReferenceMap reference(testParams(3));
   for (int k = 0; k < 6; ++k) reference.add(sweepNumber(k), poseNumber(k));
   EXPECT_EQ(sweepsIn(reference), (std::vector<int>{3, 4, 5}));
 }
 
-TEST(ReferenceMap, planesOfOneSweepDoNotMixWithTheLast) {
+TEST(ReferenceMap, PlanesOfOneSweepDoNotMixWithTheLast) {
   const Scene floor = {ground(-5.0, -5.0, 5.0, 5.0)};
   ReferenceMap reference(testParams(1));
   reference.add(seenFrom(sampleScene(floor, 30.0, 0.0, 1), Pose::Identity()), Pose::Identity());
@@ -59,7 +59,7 @@ TEST(ReferenceMap, planesOfOneSweepDoNotMixWithTheLast) {
   EXPECT_NEAR(match.distance_m, 0.0f, 1e-4f);
 }
 
-TEST(ReferenceMap, aLocalMapKeepsEverythingWithinItsRange) {
+TEST(ReferenceMap, ALocalMapKeepsEverythingWithinItsRange) {
   const double range_m = 30.0;
   ReferenceMap reference(testParams(0, range_m));
   for (int k = 0; k <= 100; ++k) {
@@ -76,14 +76,14 @@ TEST(ReferenceMap, aLocalMapKeepsEverythingWithinItsRange) {
   }
 }
 
-TEST(ReferenceMap, aLocalMapMayBeginAnywhere) {
+TEST(ReferenceMap, ALocalMapMayBeginAnywhere) {
   ReferenceMap reference(testParams(0, 30.0));
   const Pose start = poseOf(4000.0, -3000.0, 100.0, 0.0, 0.0, 90.0);
   reference.add(seenFrom(sampleScene(room(), 5.0, 0.01, 1), Pose::Identity()), start);
   EXPECT_GT(reference.map().points().size(), 500u);
 }
 
-TEST(ReferenceMap, clearForgetsTheSweepsToo) {
+TEST(ReferenceMap, ClearForgetsTheSweepsToo) {
   for (const int sweeps : {0, 1, 3}) {
     ReferenceMap reference(testParams(sweeps));
     reference.add(sweepNumber(1), poseNumber(1));
@@ -94,7 +94,7 @@ TEST(ReferenceMap, clearForgetsTheSweepsToo) {
   }
 }
 
-TEST(ReferenceMap, validatesItsParameters) {
+TEST(ReferenceMap, ValidatesItsParameters) {
   EXPECT_NO_THROW(ReferenceMap::Params().validate());
   EXPECT_THROW(ReferenceMap{testParams(-1)}, ParameterError);
   EXPECT_THROW(ReferenceMap{testParams(0, 0.0)}, ParameterError);

@@ -52,7 +52,7 @@ void expectWithin(const std::vector<float>& times_s, std::vector<float> all_time
   EXPECT_TRUE(std::includes(all_times_s.begin(), all_times_s.end(), times_s.begin(), times_s.end()));
 }
 
-TEST(RegistrationCloud, thinsIntoTheVehiclesFrame) {
+TEST(RegistrationCloud, ThinsIntoTheVehiclesFrame) {
   const Pose T_cog_lidar = poseOf(0.7, -0.2, 1.2, 1.0, -2.0, 30.0);
   const CorrectedSweep sweep = numberedSweep();
   RegistrationCloud cloud;
@@ -68,7 +68,7 @@ TEST(RegistrationCloud, thinsIntoTheVehiclesFrame) {
   expectWithin(cloud.point_times_s, cloud.map_times_s);
 }
 
-TEST(RegistrationCloud, rangesAreMeasuredFromTheLidar) {
+TEST(RegistrationCloud, RangesAreMeasuredFromTheLidar) {
   CorrectedSweep sweep;
   for (const float x : {-25.0f, -19.9f, -3.1f, -2.9f, 2.9f, 3.1f, 19.9f, 20.1f}) {
     sweep.points_lidar.emplace_back(x, 0.0f, 0.0f);
@@ -82,7 +82,7 @@ TEST(RegistrationCloud, rangesAreMeasuredFromTheLidar) {
   EXPECT_NEAR(cloud.map_points_cog.back().x(), 29.9f, 1e-5f);
 }
 
-TEST(RegistrationCloud, aReusedCloudHoldsNothingOfTheLastSweep) {
+TEST(RegistrationCloud, AReusedCloudHoldsNothingOfTheLastSweep) {
   RegistrationCloudBuilder builder(testParams());
   RegistrationCloud reused, fresh;
   builder.build(numberedSweep(2), poseOf(0.0, 0.0, 1.0, 0.0, 0.0, 0.0), reused);
@@ -99,7 +99,7 @@ TEST(RegistrationCloud, aReusedCloudHoldsNothingOfTheLastSweep) {
   EXPECT_TRUE(reused.point_times_s.empty());
 }
 
-TEST(RegistrationCloud, leavesOutWhatIsNotFinite) {
+TEST(RegistrationCloud, LeavesOutWhatIsNotFinite) {
   CorrectedSweep sweep = numberedSweep();
   const std::size_t good = sweep.points_lidar.size();
   for (int i = 0; i < 10; ++i) {
@@ -112,7 +112,7 @@ TEST(RegistrationCloud, leavesOutWhatIsNotFinite) {
   for (const Eigen::Vector3f& p : cloud.map_points_cog) ASSERT_TRUE(p.allFinite());
 }
 
-TEST(RegistrationCloud, anEmptySweepGivesAnEmptyCloud) {
+TEST(RegistrationCloud, AnEmptySweepGivesAnEmptyCloud) {
   RegistrationCloud cloud;
   RegistrationCloudBuilder(testParams()).build(CorrectedSweep(), Pose::Identity(), cloud);
   EXPECT_TRUE(cloud.map_points_cog.empty());
@@ -120,7 +120,7 @@ TEST(RegistrationCloud, anEmptySweepGivesAnEmptyCloud) {
   EXPECT_TRUE(cloud.point_points_cog.empty());
 }
 
-TEST(RegistrationCloud, recorrectMovesEveryPointByItsTime) {
+TEST(RegistrationCloud, RecorrectMovesEveryPointByItsTime) {
   const Pose T_cog_lidar = poseOf(0.7, 0.0, 1.2, 0.0, 0.0, 0.0);
   CorrectedSweep sweep = numberedSweep();
   for (std::size_t i = 0; i < sweep.times_s.size(); ++i) {
@@ -148,7 +148,7 @@ TEST(RegistrationCloud, recorrectMovesEveryPointByItsTime) {
   EXPECT_EQ(before.map_times_s, after.map_times_s);
 }
 
-TEST(RegistrationCloud, recorrectLeavesTheMiddleWhereItIs) {
+TEST(RegistrationCloud, RecorrectLeavesTheMiddleWhereItIs) {
   CorrectedSweep sweep = numberedSweep();
   for (std::size_t i = 0; i < sweep.times_s.size(); ++i) {
     sweep.times_s[i] = -0.1f + 0.1f * static_cast<float>(i) / static_cast<float>(sweep.times_s.size());
@@ -168,7 +168,7 @@ TEST(RegistrationCloud, recorrectLeavesTheMiddleWhereItIs) {
   EXPECT_EQ(RegistrationCloud().middle_s, 0.0);
 }
 
-TEST(RegistrationCloud, withoutTimesRecorrectChangesNothing) {
+TEST(RegistrationCloud, WithoutTimesRecorrectChangesNothing) {
   CorrectedSweep sweep = numberedSweep();
   sweep.times_s.clear();
   RegistrationCloud cloud;
@@ -179,7 +179,7 @@ TEST(RegistrationCloud, withoutTimesRecorrectChangesNothing) {
 }
 
 // Seen straight ahead in the middle of a sweep that begins at the rear, and at the sides a quarter of it before and after.
-TEST(RegistrationCloud, aSweepThatComesCompensatedIsTimedByItsAzimuth) {
+TEST(RegistrationCloud, CompensatedSweepIsTimedByAzimuth) {
   SweepTimingParams head;
   const Pose T_cog_lidar = poseOf(1.0, 0.0, 0.5, 0.0, 0.0, 30.0);
   CorrectedSweep sweep;
@@ -209,7 +209,7 @@ TEST(RegistrationCloud, aSweepThatComesCompensatedIsTimedByItsAzimuth) {
   expectFromSweep(cloud.map_points_cog, cloud.map_times_s, timed, Pose::Identity());
 }
 
-TEST(RegistrationCloud, validatesItsParameters) {
+TEST(RegistrationCloud, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     RegistrationCloudBuilder::Params params = testParams();
     change(params);

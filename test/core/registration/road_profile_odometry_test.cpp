@@ -29,7 +29,8 @@ Pose T_cog_lidar() {
 }
 
 // Sweeps corrected for standstill: nothing is known of the speed.
-std::optional<RoadProfileOdometry::Speed> drive(RoadProfileOdometry& relief, const Tunnel& tunnel, double speed_mps, int sweeps) {
+std::optional<RoadProfileOdometry::Speed> drive(RoadProfileOdometry& relief, const Tunnel& tunnel, double speed_mps,
+                                                int sweeps) {
   std::optional<RoadProfileOdometry::Speed> speed;
   for (int k = 0; k < sweeps; ++k) {
     relief.add(uncorrected(tunnel.scan(100.0, speed_mps, 0.1 * k, static_cast<std::uint32_t>(k))), T_cog_lidar(),
@@ -39,7 +40,7 @@ std::optional<RoadProfileOdometry::Speed> drive(RoadProfileOdometry& relief, con
   return speed;
 }
 
-TEST(RoadProfileOdometry, FindsTheSpeedFromNothingBehindACarThatKeepsItsDistance) {
+TEST(RoadProfileOdometry, FindsSpeedBehindACar) {
   for (const double speed_mps : {6.0, 13.0, 24.0, -4.0}) {
     Tunnel tunnel;
     tunnel.profile_m = 0.006;
@@ -80,7 +81,7 @@ TEST(RoadProfileOdometry, ASpeedThatTheVehicleCannotHaveIsNone) {
 }
 
 /// At a walking pace the opposite motion fits nearly as well: such a result has a sigma of metres a second.
-TEST(RoadProfileOdometry, ADoubtfulSpeedThatTheVehicleCannotHaveIsNoneEither) {
+TEST(RoadProfileOdometry, ImpossibleSpeedIsRejected) {
   Tunnel tunnel;
   tunnel.profile_m = 0.006;
   for (const double speed_mps : {0.2, 0.4}) {

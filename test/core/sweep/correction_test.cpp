@@ -86,7 +86,7 @@ CorrectionResult correctWithDrive(const Drive& drive, const Sweep& sweep, const 
                                    drive.T_cog_lidar, out);
 }
 
-TEST(SweepCorrection, RestoresTheSceneFromAFieldOfEitherSignForEveryReference) {
+TEST(SweepCorrection, RestoresTheSceneFromAField) {
   const Drive drive;
   for (const Convention& reference : kReferences) {
     MovingSweep moving = scan(drive, 0.4, reference.position, true, M_PI);
@@ -110,7 +110,7 @@ TEST(SweepCorrection, RestoresTheSceneFromAFieldOfEitherSignForEveryReference) {
   }
 }
 
-TEST(SweepCorrection, RestoresTheSceneFromAzimuthForBothDirectionsAndAnyStart) {
+TEST(SweepCorrection, RestoresTheSceneFromAzimuth) {
   const Drive drive;
   for (const Convention& reference : kReferences) {
     for (const bool clockwise : {true, false}) {
@@ -169,7 +169,7 @@ TEST(SweepCorrection, LidarTwistIsTheOneThatTakesBeginToEnd) {
   EXPECT_NEAR(twist.tail<3>().norm(), drive.twist_cog.tail<3>().norm(), 1e-12);
 }
 
-TEST(SweepCorrection, WithoutTimesOrMotionPointsComeOutAsTheyCameIn) {
+TEST(SweepCorrection, NoTimesOrMotionChangesNothing) {
   const Drive drive;
   Sweep sweep;
   sweep.stamp_s = 7.0;
@@ -255,7 +255,7 @@ TEST(SweepCorrection, RecorrectMakesUpForACorrectionWithoutMotion) {
   const SweepCorrection correction;
   correction.correct(moving.sweep, times_s, Pose::Identity(), Pose::Identity(), 0.0, drive.T_cog_lidar, out);
   ASSERT_TRUE(correction.redeskew(out.points_lidar, out.times_s,
-                                   lidarTwist(drive.cogAt(0.3), drive.cogAt(0.4), drive.T_cog_lidar, 0.1)));
+                                  lidarTwist(drive.cogAt(0.3), drive.cogAt(0.4), drive.T_cog_lidar, 0.1)));
   EXPECT_LT(worstError(out.points_lidar, moving.truth_lidar), 1e-3);
 }
 

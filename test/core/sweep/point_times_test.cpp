@@ -55,7 +55,7 @@ TEST(ReadPointTimes, TheSpanTellsTheUnit) {
   }
 }
 
-TEST(ReadPointTimes, TimesOfTheSweepsOwnStayAsTheyAreAndAClocksCountFromAnOrigin) {
+TEST(ReadPointTimes, ClockTimesCountFromAnOrigin) {
   Sweep sweep;
   readPointTimes({-0.1, -0.05, 0.0}, TimeNumber::kFloat32, "time", sweep);
   EXPECT_EQ(sweep.time_field.origin_s, 0.0);

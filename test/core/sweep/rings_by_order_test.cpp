@@ -35,14 +35,14 @@ Scan kittiScan(double turn_deg) {
   return scan;
 }
 
-TEST(RingsByOrder, areCountedBeamByBeam) {
+TEST(RingsByOrder, AreCountedBeamByBeam) {
   for (const double turn_deg : {0.0, 3.0, 6.0}) {
     const Scan scan = kittiScan(turn_deg);
     EXPECT_EQ(ringsByOrder(scan.points_lidar), scan.rings) << turn_deg;
   }
 }
 
-TEST(RingsByOrder, azimuthsAboutStraightAheadMayComeInAnyOrder) {
+TEST(RingsByOrder, AzimuthsAboutStraightAheadMayComeInAnyOrder) {
   Scan scan;
   for (int ring = 63; ring >= 0; --ring) {
     for (const double deg : {359.95, 0.05, 359.9, 0.1, 90.0, 180.0, 270.0, 359.8}) scan.add(deg, ring);
@@ -56,7 +56,7 @@ TEST(RingsByOrder, azimuthsAboutStraightAheadMayComeInAnyOrder) {
   }
 }
 
-TEST(RingsByOrder, anotherOrderHasNone) {
+TEST(RingsByOrder, AnotherOrderHasNone) {
   EXPECT_TRUE(ringsByOrder({}).empty());
   Scan scan = kittiScan(2.0);
   Scan fewer;

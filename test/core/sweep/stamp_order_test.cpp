@@ -59,7 +59,7 @@ TEST(StampSequence, ALimitThatChangesKeepsWhatCameBefore) {
   EXPECT_EQ(stamps.setBack_s(), 0.3);
 }
 
-TEST(StampSequence, SetBackIsTheMostOfTheStampsThatWereRefusedAsOutOfOrderBeforeTheOneThatIsTaken) {
+TEST(StampSequence, SetBackIsTheLargestRefused) {
   StampSequence stamps;
   EXPECT_EQ(stamps.setBack_s(), 0.0);
   for (const double since_newest_s : {-0.3, -0.2, 0.0, 7200.0}) stamps.next(since_newest_s);

@@ -91,7 +91,7 @@ TEST_F(SweepClockTest, JitterNeverMakesUpTurns) {
   }
 }
 
-TEST_F(SweepClockTest, JitterFromTheStartIsTakenOutWherePointsTellThePeriod) {
+TEST_F(SweepClockTest, JitterFromTheStartIsRemoved) {
   turn(0.010);
   clock.observeRevolution(1.001 * kPeriod_s);
   for (int i = 0; i < 10; ++i) {
@@ -144,7 +144,7 @@ TEST_F(SweepClockTest, ClockThatWasSetIsFollowedAfterThreeStamps) {
   }
 }
 
-TEST_F(SweepClockTest, ClockThatWasSetBackBehindTheLastStampIsFollowed) {
+TEST_F(SweepClockTest, ClockSetBackIsFollowed) {
   turns(20);
   true_s += 2.0 * kPeriod_s;  // stamps 0.15 s and 0.05 s before the last one were refused
   true_s += kPeriod_s;
@@ -171,7 +171,7 @@ TEST_F(SweepClockTest, GapWithAnotherPhaseIsBelieved) {
   EXPECT_EQ(clock.outliers(), 0u);
 }
 
-TEST_F(SweepClockTest, CloudsOfAPartOfATurnOrOfSeveralKeepTheirOwnPeriod) {
+TEST_F(SweepClockTest, PartialTurnsKeepTheirPeriod) {
   for (const double turns_per_cloud : {0.25, 0.5, 1.0, 2.0}) {
     for (const bool told_at_once : {false, true}) {
       clock.reset();

@@ -111,7 +111,7 @@ TEST(SweepCorrector, TheVerticalAngleIsCorrectedBeforeTheMotion) {
 }
 
 // The head passes its own rear, not the corrected one, when a sweep begins.
-TEST(SweepCorrector, TheAzimuthIsCorrectedAndTimedByTheHeadsOwnZero) {
+TEST(SweepCorrector, AzimuthOffsetIsCorrected) {
   SensorParameters sensor;
   sensor.azimuth.angle_deg = 8.0;
   sensor.timing = timingParams();
@@ -225,7 +225,7 @@ TEST(SweepCorrector, ParametersAreChecked) {
   EXPECT_THROW(SweepCorrector({}, {}, timingParams(), correction, LevelKeepingParams()), ParameterError);
 }
 
-TEST(SweepCorrector, givesRingsWhereTheyAreMissingAndTheOrderTellsThem) {
+TEST(SweepCorrector, MissingRingsComeFromTheOrder) {
   Sweep sweep;
   std::vector<std::uint16_t> rings;
   for (std::uint16_t beam = 0; beam < 64; ++beam) {  // KITTI's order: from the highest, each counter-clockwise

@@ -18,7 +18,7 @@ VerticalAngleCorrectionParams kitti() {
   return params;
 }
 
-TEST(VerticalAngleCorrection, RaisesElevationByTheAngleAndKeepsRangeAndAzimuth) {
+TEST(VerticalAngleCorrection, RaisesElevationOnly) {
   const double angle = kKittiAngle_deg * kDegree;
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 150; ++i) {  // not a multiple of the block size

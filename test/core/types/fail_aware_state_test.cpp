@@ -8,7 +8,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(FailAwareState, everyStateHasItsOwnName) {
+TEST(FailAwareState, EveryStateHasItsOwnName) {
   std::set<std::string> names;
   for (const FailAwareState state : {FailAwareState::kUnknown, FailAwareState::kOk, FailAwareState::kDegraded,
                                      FailAwareState::kFailing, FailAwareState::kFailed}) {

@@ -34,7 +34,7 @@ struct Bicycle {
   }
 };
 
-TEST(LateralDynamics, recoversBetaAndDeltaOfASimulatedBicycle) {
+TEST(LateralDynamics, RecoversBetaAndDeltaOfASimulatedBicycle) {
   for (const double v_x : {4.0, 12.0, 30.0}) {
     Bicycle bicycle;
     bicycle.v_x = v_x;
@@ -51,7 +51,7 @@ TEST(LateralDynamics, recoversBetaAndDeltaOfASimulatedBicycle) {
   }
 }
 
-TEST(LateralDynamics, recoversThemInReverse) {
+TEST(LateralDynamics, RecoversThemInReverse) {
   Bicycle bicycle;
   bicycle.v_x = -3.0;
   bicycle.v_y = 0.2;
@@ -61,14 +61,14 @@ TEST(LateralDynamics, recoversThemInReverse) {
   EXPECT_NEAR(state.delta_rad, 0.2, 1e-12);
 }
 
-TEST(LateralDynamics, axleForcesBalanceForceAndMoment) {
+TEST(LateralDynamics, AxleForcesBalanceForceAndMoment) {
   const VehicleParameters vehicle;
   const LateralState state = solveLateralDynamics(vehicle, {15.0, 0.7, 0.2, -0.4}, LateralLimits());
   EXPECT_NEAR(state.force_front_n + state.force_rear_n, 1750.0 * (0.7 + 3.0), 1e-9);
   EXPECT_NEAR(1.07 * state.force_front_n - 1.6 * state.force_rear_n, 2875.0 * -0.4, 1e-9);
 }
 
-TEST(LateralDynamics, belowTheMinimumSpeedItIsKinematic) {
+TEST(LateralDynamics, BelowTheMinimumSpeedItIsKinematic) {
   const VehicleParameters vehicle;
   for (const double v_x : {0.5, -0.5}) {
     const LateralState state = solveLateralDynamics(vehicle, {v_x, 0.3, 0.1, 0.5}, LateralLimits());
@@ -77,7 +77,7 @@ TEST(LateralDynamics, belowTheMinimumSpeedItIsKinematic) {
   }
 }
 
-TEST(LateralDynamics, continuousOverTheWholeRangeOfSpeeds) {
+TEST(LateralDynamics, ContinuousOverTheWholeRangeOfSpeeds) {
   const VehicleParameters vehicle;
   LateralState before = solveLateralDynamics(vehicle, {-3.0, 0.5, 0.2, 0.3}, LateralLimits());
   for (double v_x = -3.0; v_x <= 3.0; v_x += 1e-5) {
@@ -88,7 +88,7 @@ TEST(LateralDynamics, continuousOverTheWholeRangeOfSpeeds) {
   }
 }
 
-TEST(LateralDynamics, standstillAndNoiseStayWithinTheSteeringLimit) {
+TEST(LateralDynamics, StandstillAndNoiseStayWithinTheSteeringLimit) {
   const VehicleParameters vehicle;
   const LateralLimits limits;
   EXPECT_EQ(solveLateralDynamics(vehicle, {0.0, 0.0, 1.0, 0.0}, limits).beta_rad, 0.0);

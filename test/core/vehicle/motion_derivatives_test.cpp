@@ -27,7 +27,7 @@ Pose curvedDrive(double t) {
   return pose(x, y, 0.0, 0.0, 0.0, wrapAngle(0.3 * t + 0.1 * t * t));
 }
 
-TEST(MotionHistory, needsTwoPoses) {
+TEST(MotionHistory, NeedsTwoPoses) {
   MotionHistory history{MotionHistory::Params()};
   EXPECT_FALSE(history.derivatives().valid);
   history.push(0.0, Pose::Identity());
@@ -40,7 +40,7 @@ TEST(MotionHistory, needsTwoPoses) {
   EXPECT_EQ(motion.acceleration_body_mps2.norm(), 0.0);
 }
 
-TEST(MotionHistory, constantTwistIsExactAtIrregularStamps) {
+TEST(MotionHistory, ConstantTwistIsExactAtIrregularStamps) {
   Vector6d twist;
   twist << 12.0, -0.4, 0.1, 0.0, 0.0, 0.7;
   MotionHistory history{MotionHistory::Params()};
@@ -51,7 +51,7 @@ TEST(MotionHistory, constantTwistIsExactAtIrregularStamps) {
   EXPECT_NEAR(motion.rpy_rates_rad_s.z(), 0.7, 1e-9);
 }
 
-TEST(MotionHistory, acceleratedCurveIsGivenAtTheNewestStamp) {
+TEST(MotionHistory, AcceleratedCurveIsGivenAtTheNewestStamp) {
   MotionHistory history{MotionHistory::Params()};
   const double newest = 2.0;
   for (const double t : {1.5, 1.6, 1.68, 1.8, 1.93, newest}) history.push(t, curvedDrive(t));
@@ -64,7 +64,7 @@ TEST(MotionHistory, acceleratedCurveIsGivenAtTheNewestStamp) {
   EXPECT_NEAR(motion.rpy_accelerations_rad_s2.z(), 0.2, 1e-6);
 }
 
-TEST(MotionHistory, reverseIsNegativeAndYawMayCrossPi) {
+TEST(MotionHistory, ReverseIsNegativeAndYawMayCrossPi) {
   MotionHistory history{MotionHistory::Params()};
   for (int i = 0; i < 6; ++i) {
     const double yaw = wrapAngle(M_PI - 0.05 + 0.02 * i);
@@ -75,7 +75,7 @@ TEST(MotionHistory, reverseIsNegativeAndYawMayCrossPi) {
   EXPECT_NEAR(motion.rpy_rates_rad_s.z(), 0.2, 1e-9);
 }
 
-TEST(MotionHistory, rollAndPitchRatesAreThoseOfTheNewestInterval) {
+TEST(MotionHistory, RollAndPitchRatesAreThoseOfTheNewestInterval) {
   MotionHistory history{MotionHistory::Params()};
   for (int i = 0; i < 5; ++i) history.push(0.1 * i, pose(0.0, 0.0, 0.0, 0.01 * i * i, -0.02 * i, 0.0));
   const MotionDerivatives motion = history.derivatives();
@@ -84,7 +84,7 @@ TEST(MotionHistory, rollAndPitchRatesAreThoseOfTheNewestInterval) {
   EXPECT_NEAR(motion.rpy_accelerations_rad_s2.x(), 2.0, 1e-9);
 }
 
-TEST(MotionHistory, secondDifferencesAreTheArticlesOnes) {
+TEST(MotionHistory, SecondDifferencesAreTheArticlesOnes) {
   MotionHistory::Params params;
   params.second_differences = true;
   MotionHistory history(params);
@@ -99,7 +99,7 @@ TEST(MotionHistory, secondDifferencesAreTheArticlesOnes) {
   EXPECT_NEAR(motion.rpy_accelerations_rad_s2.z(), 0.5, 1e-9);
 }
 
-TEST(MotionHistory, windowIsQuieterThanSecondDifferences) {
+TEST(MotionHistory, WindowIsQuieterThanSecondDifferences) {
   MotionHistory::Params literal;
   literal.second_differences = true;
   MotionHistory window{MotionHistory::Params()}, differences(literal);
@@ -121,7 +121,7 @@ TEST(MotionHistory, windowIsQuieterThanSecondDifferences) {
   EXPECT_LT(window_a, 0.15 * differences_a);
 }
 
-TEST(MotionHistory, absurdAccelerationsAreCut) {
+TEST(MotionHistory, AbsurdAccelerationsAreCut) {
   MotionHistory history{MotionHistory::Params()};
   history.push(0.0, Pose::Identity());
   history.push(0.1, Pose::Identity());
@@ -131,7 +131,7 @@ TEST(MotionHistory, absurdAccelerationsAreCut) {
   EXPECT_NEAR(motion.rpy_accelerations_rad_s2.z(), 10.0, 1e-9);
 }
 
-TEST(MotionHistory, aPoseTooCloseReplacesItsPredecessor) {
+TEST(MotionHistory, APoseTooCloseReplacesItsPredecessor) {
   MotionHistory history{MotionHistory::Params()};
   for (int i = 0; i < 8; ++i) history.push(0.1 * i, pose(1.0 * i, 0.0, 0.0, 0.0, 0.0, 0.0));
   const std::size_t full = history.size();
@@ -140,7 +140,7 @@ TEST(MotionHistory, aPoseTooCloseReplacesItsPredecessor) {
   EXPECT_NEAR(history.derivatives().velocity_body_mps.x(), 10.0, 0.2);
 }
 
-TEST(MotionHistory, afterAGapOldIntervalsCountNoMore) {
+TEST(MotionHistory, AfterAGapOldIntervalsCountNoMore) {
   MotionHistory history{MotionHistory::Params()};
   for (int i = 0; i < 8; ++i) history.push(0.1 * i, pose(1.0 * i, 0.0, 0.0, 0.0, 0.0, 0.0));
   history.push(10.7, pose(27.0, 0.0, 0.0, 0.0, 0.0, 0.0));
@@ -149,7 +149,7 @@ TEST(MotionHistory, afterAGapOldIntervalsCountNoMore) {
   EXPECT_EQ(motion.acceleration_body_mps2.norm(), 0.0);
 }
 
-TEST(MotionHistory, refusesWhatItCannotUse) {
+TEST(MotionHistory, RefusesWhatItCannotUse) {
   MotionHistory history{MotionHistory::Params()};
   EXPECT_TRUE(history.push(1.0, Pose::Identity()));
   EXPECT_FALSE(history.push(1.0, Pose::Identity()));
@@ -164,7 +164,7 @@ TEST(MotionHistory, refusesWhatItCannotUse) {
   EXPECT_TRUE(history.push(0.5, Pose::Identity()));
 }
 
-TEST(MotionHistory, validatesItsParameters) {
+TEST(MotionHistory, ValidatesItsParameters) {
   MotionHistory::Params params;
   params.window_sweeps = 0;
   EXPECT_THROW(params.validate(), ParameterError);
@@ -176,7 +176,7 @@ TEST(MotionHistory, validatesItsParameters) {
   EXPECT_THROW(params.validate(), ParameterError);
 }
 
-TEST(MotionHistory, inAnotherOdomTheMotionIsTheSame) {
+TEST(MotionHistory, InAnotherOdomTheMotionIsTheSame) {
   MotionHistory history{MotionHistory::Params()};
   Vector6d twist;
   twist << 12.0, 0.1, 0.0, 0.0, 0.0, 0.3;

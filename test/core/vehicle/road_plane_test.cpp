@@ -24,7 +24,7 @@ RoadPlane plane(double slope_x, double slope_y) {
   return road;
 }
 
-TEST(RoadPlane, rollAndPitchStandOnThePlane) {
+TEST(RoadPlane, RollAndPitchStandOnThePlane) {
   const RoadPlane road = plane(0.1, -0.05);
   const Eigen::Vector3d normal = Eigen::Vector3d(-0.1, 0.05, 1.0).normalized();
   for (double yaw = -3.0; yaw < 3.1; yaw += 0.5) {
@@ -34,7 +34,7 @@ TEST(RoadPlane, rollAndPitchStandOnThePlane) {
   EXPECT_LT(plane(0.1, 0.0).rollPitch(0.0)[1], 0.0) << "uphill is nose up, negative pitch";
 }
 
-TEST(RoadPlane, turningOnASlopeChangesNothing) {
+TEST(RoadPlane, TurningOnASlopeChangesNothing) {
   RoadPlaneEstimator estimator{VehicleParameters(), RoadPlaneEstimator::Params()};
   const RoadPlane truth = plane(0.12, 0.03);
   for (int i = 0; i < 50; ++i) EXPECT_TRUE(estimator.update(0.1 * i, standing(truth, 0.1 * i), MotionDerivatives()));
@@ -42,7 +42,7 @@ TEST(RoadPlane, turningOnASlopeChangesNothing) {
   EXPECT_LT(estimator.plane().slope_rate_per_s.norm(), 1e-12);
 }
 
-TEST(RoadPlane, followsASteadilyChangingSlopeWithoutLag) {
+TEST(RoadPlane, FollowsASteadilyChangingSlopeWithoutLag) {
   RoadPlaneEstimator estimator{VehicleParameters(), RoadPlaneEstimator::Params()};
   double t = 0.0;
   for (int i = 0; i < 100; ++i) {
@@ -53,7 +53,7 @@ TEST(RoadPlane, followsASteadilyChangingSlopeWithoutLag) {
   EXPECT_NEAR(estimator.plane().slope_rate_per_s.x(), 0.02, 1e-3);
 }
 
-TEST(RoadPlane, steadyBrakingAndCorneringAreNotTakenForASlope) {
+TEST(RoadPlane, SteadyBrakingAndCorneringAreNotTakenForASlope) {
   const VehicleParameters vehicle;
   RoadPlaneEstimator estimator{vehicle, RoadPlaneEstimator::Params()};
   MotionDerivatives motion;
@@ -70,7 +70,7 @@ TEST(RoadPlane, steadyBrakingAndCorneringAreNotTakenForASlope) {
   EXPECT_LT(estimator.plane().slope.norm(), 1e-12);
 }
 
-TEST(RoadPlane, ignoresWhatItCannotUse) {
+TEST(RoadPlane, IgnoresWhatItCannotUse) {
   RoadPlaneEstimator estimator{VehicleParameters(), RoadPlaneEstimator::Params()};
   Vector6d state = Vector6d::Zero();
   EXPECT_TRUE(estimator.update(1.0, state, MotionDerivatives()));
@@ -87,7 +87,7 @@ TEST(RoadPlane, ignoresWhatItCannotUse) {
   EXPECT_THROW(params.validate(), ParameterError);
 }
 
-TEST(RoadPlane, turnsWithOdom) {
+TEST(RoadPlane, TurnsWithOdom) {
   RoadPlaneEstimator estimator{VehicleParameters(), RoadPlaneEstimator::Params()}, expected = estimator;
   const double turn_rad = 0.7;
   for (int i = 0; i < 20; ++i) {

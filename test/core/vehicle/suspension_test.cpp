@@ -27,7 +27,7 @@ SuspensionState integrated(const SuspensionAxis& axis, SuspensionState s, double
   return s;
 }
 
-TEST(Suspension, axesOfTheArticlesPassat) {
+TEST(Suspension, AxesOfTheArticlesPassat) {
   const VehicleParameters passat;
   const SuspensionAxis pitch = pitchAxis(passat);
   const double pitch_inertia = 2398.0 + 1750.0 * 0.0625;
@@ -40,14 +40,14 @@ TEST(Suspension, axesOfTheArticlesPassat) {
   EXPECT_NEAR(roll.damping_per_s, 18000.0 / 557.5, 1e-9);
 }
 
-TEST(Suspension, literalStepIsTheArticlesFormula) {
+TEST(Suspension, LiteralStepIsTheArticlesFormula) {
   const SuspensionAxis axis{3.0, 20.0, 0.2};
   const SuspensionState after = stepSuspensionLiteral(axis, {0.05, -0.1}, 2.0, 0.1);
   const double angular = -(-0.2 * 2.0 + 20.0 * 0.05 + 3.0 * -0.1);
   EXPECT_DOUBLE_EQ(after.angle_rad, 0.05 - 0.01 + 0.5 * angular * 0.01);
 }
 
-TEST(Suspension, exactStepMatchesFineIntegrationForEveryDamping) {
+TEST(Suspension, ExactStepMatchesFineIntegrationForEveryDamping) {
   const double stiffness = 25.0, critical = 10.0;
   for (const double damping : {0.0, 1.0, 0.5 * critical, critical * (1 - 1e-9), critical, critical * (1 + 1e-9),
                                critical * (1 + 1e-4), 2.0 * critical, 8.0 * critical}) {
@@ -61,13 +61,13 @@ TEST(Suspension, exactStepMatchesFineIntegrationForEveryDamping) {
   }
 }
 
-TEST(Suspension, undampedSwingIsACosine) {
+TEST(Suspension, UndampedSwingIsACosine) {
   const SuspensionState after = stepSuspensionExact({0.0, 16.0, 0.0}, {0.1, 0.0}, 0.0, 0.3);
   EXPECT_NEAR(after.angle_rad, 0.1 * std::cos(1.2), 1e-15);
   EXPECT_NEAR(after.rate_rad_s, -0.4 * std::sin(1.2), 1e-15);
 }
 
-TEST(Suspension, twoHalfStepsAreOneStep) {
+TEST(Suspension, TwoHalfStepsAreOneStep) {
   const SuspensionAxis axis = rollAxis(VehicleParameters());
   const SuspensionState once = stepSuspensionExact(axis, {0.02, 0.3}, 3.0, 0.1);
   const SuspensionState twice = stepSuspensionExact(axis, stepSuspensionExact(axis, {0.02, 0.3}, 3.0, 0.05), 3.0, 0.05);
@@ -75,7 +75,7 @@ TEST(Suspension, twoHalfStepsAreOneStep) {
   EXPECT_NEAR(once.rate_rad_s, twice.rate_rad_s, 1e-14);
 }
 
-TEST(Suspension, settlesAtTheRestingAngleHoweverStiffOrLong) {
+TEST(Suspension, SettlesAtTheRestingAngleHoweverStiffOrLong) {
   for (const double damping : {3.0, 1e3, 1e7}) {
     const SuspensionAxis axis{damping, 30.0 * damping, 0.2};
     const SuspensionState after = stepSuspensionExact(axis, {0.5, -1.0}, 6.0, 1e4);

@@ -101,13 +101,13 @@ double ramp(double t, double begin, double end) {
   return s * s * (3.0 - 2.0 * s);
 }
 
-TEST(VehicleModelMended, straightAtConstantSpeedIsExact) {
+TEST(VehicleModelMended, StraightAtConstantSpeedIsExact) {
   const Comparison result = compared(driven(Drive()));
   EXPECT_LT(result.model.max_m, 1e-6);
   EXPECT_LT(result.model.max_rad, 1e-9);
 }
 
-TEST(VehicleModelMended, constantAccelerationIsFollowed) {
+TEST(VehicleModelMended, ConstantAccelerationIsFollowed) {
   Drive drive;
   drive.speed = [](double t) { return 3.0 + 2.0 * t; };
   const Comparison result = compared(driven(drive));
@@ -115,7 +115,7 @@ TEST(VehicleModelMended, constantAccelerationIsFollowed) {
   EXPECT_NEAR(result.constant_velocity.max_m, 0.02, 1e-3);
 }
 
-TEST(VehicleModelMended, hillsAndDips) {
+TEST(VehicleModelMended, HillsAndDips) {
   Drive drive;
   drive.duration_s = 20.0;
   drive.speed = [](double) { return 15.0; };
@@ -125,7 +125,7 @@ TEST(VehicleModelMended, hillsAndDips) {
   EXPECT_LT(result.model.max_rad, kTenthDegree);
 }
 
-TEST(VehicleModelMended, turningOnAConstantSlope) {
+TEST(VehicleModelMended, TurningOnAConstantSlope) {
   Drive drive;
   drive.speed = [](double) { return 5.0; };
   drive.yaw_rate = [](double) { return 1.0; };
@@ -135,7 +135,7 @@ TEST(VehicleModelMended, turningOnAConstantSlope) {
   EXPECT_LT(result.model.max_rad, kTenthDegree);
 }
 
-TEST(VehicleModelMended, steepBanking) {
+TEST(VehicleModelMended, SteepBanking) {
   Drive drive;
   drive.duration_s = 15.0;
   drive.speed = [](double) { return 12.0; };
@@ -146,7 +146,7 @@ TEST(VehicleModelMended, steepBanking) {
   EXPECT_LT(result.model.max_rad, kTenthDegree);
 }
 
-TEST(VehicleModelMended, hardBrakingToAStopAndStandingThere) {
+TEST(VehicleModelMended, HardBrakingToAStopAndStandingThere) {
   // 6 m/s^2, reached and left within 1.5 s, downhill; then standstill
   Drive drive;
   drive.duration_s = 10.0;
@@ -166,7 +166,7 @@ TEST(VehicleModelMended, hardBrakingToAStopAndStandingThere) {
   EXPECT_LT(result.model.rms_rad, 0.5 * kTenthDegree);
 }
 
-TEST(VehicleModelMended, turnsIntoAndOutOfABend) {
+TEST(VehicleModelMended, TurnsIntoAndOutOfABend) {
   Drive drive;
   drive.speed = [](double) { return 6.0; };
   drive.yaw_rate = [](double t) { return ramp(t, 2.0, 4.0) - 2.0 * ramp(t, 5.0, 8.0); };
@@ -178,7 +178,7 @@ TEST(VehicleModelMended, turnsIntoAndOutOfABend) {
   EXPECT_LT(result.model.max_rad, 2.0 * kTenthDegree);
 }
 
-TEST(VehicleModelMended, reversingAroundACorner) {
+TEST(VehicleModelMended, ReversingAroundACorner) {
   Drive drive;
   drive.speed = [](double t) { return 2.0 - 5.0 * ramp(t, 2.0, 6.0); };
   drive.yaw_rate = [](double t) { return -0.4 * ramp(t, 6.0, 8.0); };
@@ -188,7 +188,7 @@ TEST(VehicleModelMended, reversingAroundACorner) {
   EXPECT_LT(result.model.max_rad, kTenthDegree);
 }
 
-TEST(VehicleModelMended, aBodyThatIsNoBicycleIsBentByLittle) {
+TEST(VehicleModelMended, ABodyThatIsNoBicycleIsBentByLittle) {
   // the centre of gravity itself moves along its heading in a tight circle: beta = 0
   std::vector<Vector6d> states;
   for (int i = 0; i < 60; ++i) {
@@ -200,7 +200,7 @@ TEST(VehicleModelMended, aBodyThatIsNoBicycleIsBentByLittle) {
   EXPECT_LT(compared(states).model.max_m, 0.010);
 }
 
-TEST(VehicleModelMended, suspensionSwingsAboutTheRoadAndIsPredictedBetterThanByConstantRates) {
+TEST(VehicleModelMended, SuspensionSwingsAboutTheRoad) {
   // true pitch: the suspension's exact answer to braking, on a 6 % climb
   const SuspensionAxis axis = pitchAxis(VehicleParameters());
   std::vector<Vector6d> states;
@@ -226,7 +226,7 @@ TEST(VehicleModelMended, suspensionSwingsAboutTheRoadAndIsPredictedBetterThanByC
   EXPECT_LT(compared(states, full).model.rms_rad, compared(states, rates).model.rms_rad);
 }
 
-TEST(VehicleModelMended, brakingEndsAtStandstill) {
+TEST(VehicleModelMended, BrakingEndsAtStandstill) {
   const VehicleModel model{VehicleParameters(), VehicleModel::Params()};
   MotionDerivatives motion;
   motion.valid = true;
@@ -238,7 +238,7 @@ TEST(VehicleModelMended, brakingEndsAtStandstill) {
   }
 }
 
-TEST(VehicleModelMended, everyModeStandsStillWithoutMotion) {
+TEST(VehicleModelMended, EveryModeStandsStillWithoutMotion) {
   Vector6d state;
   state << 1.0, 2.0, 0.543, 0.0, 0.0, -2.0;
   MotionDerivatives motion;
@@ -256,7 +256,7 @@ TEST(VehicleModelMended, everyModeStandsStillWithoutMotion) {
   }
 }
 
-TEST(VehicleModelMended, yawWrapsAndAbsurdInputStaysFinite) {
+TEST(VehicleModelMended, YawWrapsAndAbsurdInputStaysFinite) {
   const VehicleModel model{VehicleParameters(), VehicleModel::Params()};
   MotionDerivatives motion;
   motion.valid = true;
@@ -277,7 +277,7 @@ TEST(VehicleModelMended, yawWrapsAndAbsurdInputStaysFinite) {
   EXPECT_EQ(model.predict(state, motion, 0.0, road), state);
 }
 
-TEST(VehicleModelLiteral, isTheArticlesEquations) {
+TEST(VehicleModelLiteral, IsTheArticlesEquations) {
   VehicleModel::Params params;
   params.literal = true;
   const VehicleParameters vehicle;
@@ -309,7 +309,7 @@ TEST(VehicleModelLiteral, isTheArticlesEquations) {
   EXPECT_NEAR(after[2], 0.543 + 0.25 * (std::cos(after[4]) - 1.0) + 0.1 * (std::cos(after[3]) - 1.0), 1e-12);
 }
 
-TEST(VehicleModelLiteral, reversesByTheSignOfV) {
+TEST(VehicleModelLiteral, ReversesByTheSignOfV) {
   VehicleModel::Params params;
   params.literal = true;
   const VehicleModel model(VehicleParameters(), params);
@@ -322,7 +322,7 @@ TEST(VehicleModelLiteral, reversesByTheSignOfV) {
   EXPECT_GT(after[5], 0.0);
 }
 
-TEST(VehicleModelThreeDof, heightRollAndPitchStay) {
+TEST(VehicleModelThreeDof, HeightRollAndPitchStay) {
   for (const bool literal : {false, true}) {
     VehicleModel::Params params;
     params.six_dof = false;
@@ -345,7 +345,7 @@ TEST(VehicleModelThreeDof, heightRollAndPitchStay) {
   }
 }
 
-TEST(VehicleModelNoise, articlesValuesScaledWithTimeAndTurnedWithTheBody) {
+TEST(VehicleModelNoise, ScalesWithTimeAndTurnsWithBody) {
   VehicleModel::Params params;
   const VehicleModel body(VehicleParameters(), params);
   params.noise_in_body_axes = false;
@@ -361,7 +361,7 @@ TEST(VehicleModelNoise, articlesValuesScaledWithTimeAndTurnedWithTheBody) {
   EXPECT_EQ(odom.processNoise(0.0, 1.0).norm(), 0.0);
 }
 
-TEST(VehicleModelParams, areValidated) {
+TEST(VehicleModelParams, AreValidated) {
   const auto rejected = [](const std::function<void(VehicleModel::Params&)>& change) {
     VehicleModel::Params params;
     change(params);

@@ -10,9 +10,9 @@
 namespace fail_aware {
 namespace {
 
-TEST(VehicleParameters, defaultsAreValid) { EXPECT_NO_THROW(VehicleParameters().validate()); }
+TEST(VehicleParameters, DefaultsAreValid) { EXPECT_NO_THROW(VehicleParameters().validate()); }
 
-TEST(VehicleParameters, defaultsAreTheArticlesTable) {
+TEST(VehicleParameters, DefaultsAreTheArticlesTable) {
   const VehicleParameters v;
   EXPECT_EQ(v.mass_kg, 1750.0);
   EXPECT_EQ(v.spring_front_n_per_m, 30800.0);
@@ -31,7 +31,7 @@ TEST(VehicleParameters, defaultsAreTheArticlesTable) {
   EXPECT_EQ(v.track_rear_m, 1.5);
 }
 
-TEST(VehicleParameters, everyFieldIsCheckedAndNamed) {
+TEST(VehicleParameters, EveryFieldIsCheckedAndNamed) {
   VehicleParameters vehicle;
   int fields = 0;
   VehicleParameters::visit(vehicle, [&](const char* name, double& value) {
@@ -51,7 +51,7 @@ TEST(VehicleParameters, everyFieldIsCheckedAndNamed) {
   EXPECT_EQ(fields, 17);
 }
 
-TEST(VehicleParameters, onlyDampersAndLeverArmsMayBeZero) {
+TEST(VehicleParameters, OnlyDampersAndLeverArmsMayBeZero) {
   VehicleParameters vehicle;
   vehicle.damper_front_ns_per_m = vehicle.damper_rear_ns_per_m = 0.0;
   vehicle.cog_above_roll_axis_m = vehicle.cog_above_pitch_axis_m = 0.0;
@@ -60,7 +60,7 @@ TEST(VehicleParameters, onlyDampersAndLeverArmsMayBeZero) {
   EXPECT_THROW(vehicle.validate(), ParameterError);
 }
 
-TEST(VehicleParameters, aMassInTonnesIsRefused) {
+TEST(VehicleParameters, AMassInTonnesIsRefused) {
   VehicleParameters vehicle;
   vehicle.mass_kg = 50.0;
   EXPECT_EQ(errorOf([&] { vehicle.validate(); }), kNoError);

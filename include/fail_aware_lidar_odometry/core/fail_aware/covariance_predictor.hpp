@@ -65,11 +65,11 @@ struct CovarianceGrowth {
   double speed_mps = 0.0;
   double yaw_rate_rps = 0.0;  ///< 0: as if driving on straight
 
-  Eigen::Matrix3d drivers = Eigen::Matrix3d::Zero();  ///< of heading bias (rad/m), scale bias, speed error (m/s)
-  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();    ///< (x, y, yaw) against the drivers
-  double speed_wander = 0.0;                          ///< of the speed error, m^2/s^3
-  double unobserved = 0.0;                            ///< u above, 0..1
-  double pace = 1.0;                                  ///< p above: DriftModel::pace(), 1 or more
+  Eigen::Matrix3d drivers = Eigen::Matrix3d::Zero();    ///< of heading bias (rad/m), scale bias, speed error (m/s)
+  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();      ///< (x, y, yaw) against the drivers
+  double speed_wander = 0.0;                            ///< of the speed error, m^2/s^3
+  double unobserved = 0.0;                              ///< u above, 0..1
+  double pace = 1.0;                                    ///< p above: DriftModel::pace(), 1 or more
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow
 };
 

@@ -24,11 +24,11 @@ class ConsistencyMonitor {
  public:
   struct Params {
     double persistent_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
-    double persistent_innovation_m = 0.07;    ///< so far off the prediction, sweep after sweep, is an error, too; 0: off
-    double fitting_ratio = 0.3;        ///< of the planes' points: where less fits the map, R is not believed; 0: off
-    double unfitting_sigma_m = 0.25;   ///< sigma that a sweep adds of which nothing fits: 2.5 m/s at 10 Hz
-    double max_yaw_innovation_deg = 4.5;       ///< off the prediction, of one sweep: more is an error, too; 0: off
-    double wrong_ratio_of_turn = 0.1;  ///< standard deviation of a sudden turn's error, as a ratio of the turn
+    double persistent_innovation_m = 0.07;  ///< so far off the prediction, sweep after sweep, is an error, too; 0: off
+    double fitting_ratio = 0.3;           ///< of the planes' points: where less fits the map, R is not believed; 0: off
+    double unfitting_sigma_m = 0.25;      ///< sigma that a sweep adds of which nothing fits: 2.5 m/s at 10 Hz
+    double max_yaw_innovation_deg = 4.5;  ///< off the prediction, of one sweep: more is an error, too; 0: off
+    double wrong_ratio_of_turn = 0.1;     ///< standard deviation of a sudden turn's error, as a ratio of the turn
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

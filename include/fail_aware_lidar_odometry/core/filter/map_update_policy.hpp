@@ -22,10 +22,10 @@ namespace fail_aware {
 class MapUpdatePolicy {
  public:
   struct Sweep {
-    bool motion_known = false;     ///< SweepPrediction's
-    bool observed = false;         ///< corrected by what observes roll and pitch
+    bool motion_known = false;           ///< SweepPrediction's
+    bool observed = false;               ///< corrected by what observes roll and pitch
     bool velocity_unobservable = false;  ///< ConsistencyMonitor::Doubt's, of the last sweep that was corrected
-    bool follows = false;          ///< a measured sweep, by no long interval
+    bool follows = false;                ///< a measured sweep, by no long interval
   };
 
   struct Decision {

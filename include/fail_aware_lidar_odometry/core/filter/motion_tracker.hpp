@@ -72,7 +72,8 @@ class MotionTracker {
   MotionHistory history_;
   RoadPlaneEstimator road_;
   MotionDerivatives motion_;
-  bool velocity_unobservable_ = false, velocity_was_unobservable_ = false;  ///< the last sweep's measurements, those before
+  bool velocity_unobservable_ = false,
+       velocity_was_unobservable_ = false;  ///< the last sweep's measurements, those before
   bool last_measured_ = false, previous_measured_ = false;
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };

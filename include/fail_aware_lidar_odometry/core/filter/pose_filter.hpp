@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
+#include "fail_aware_lidar_odometry/core/filter/consistency_monitor.hpp"
 #include "fail_aware_lidar_odometry/core/filter/dead_reckoning.hpp"
 #include "fail_aware_lidar_odometry/core/filter/increment_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/filter/map_update_policy.hpp"
-#include "fail_aware_lidar_odometry/core/filter/consistency_monitor.hpp"
 #include "fail_aware_lidar_odometry/core/filter/motion_tracker.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
@@ -38,13 +38,14 @@ class PoseFilter {
   struct Params {
     /// sigma of the speed until a motion is known: a third of a car's top speed
     double initial_speed_sigma_mps = 15.0;
-    double initial_sigma_m = 1e-3;           ///< sigma of the start position: odom begins there by definition
-    double initial_sigma_deg = 0.01;         ///< sigma of the start attitude
-    double max_speed_mps = 80.0;             ///< larger speeds are cut to this: no car on a road is faster
-    double max_yaw_rate_rps = 3.0;           ///< larger yaw rates are cut to this: half a turn a second
-    double increment_scale = 0.43;           ///< on the covariance that one sweep adds to the odometry
-    double dead_reckoning_increment_factor = 6.8;  ///< on that, where the filter coasts: what observes little misleads, too
-    double increment_floor_m = 0.0005;       ///< standard deviation a sweep, at least, and per metre driven:
+    double initial_sigma_m = 1e-3;    ///< sigma of the start position: odom begins there by definition
+    double initial_sigma_deg = 0.01;  ///< sigma of the start attitude
+    double max_speed_mps = 80.0;      ///< larger speeds are cut to this: no car on a road is faster
+    double max_yaw_rate_rps = 3.0;    ///< larger yaw rates are cut to this: half a turn a second
+    double increment_scale = 0.43;    ///< on the covariance that one sweep adds to the odometry
+    double dead_reckoning_increment_factor =
+        6.8;                            ///< on that, where the filter coasts: what observes little misleads, too
+    double increment_floor_m = 0.0005;  ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.012;
     ConsistencyMonitor::Params consistency;

@@ -40,7 +40,7 @@ class DriftModel {
     double slow_mps = 10.0;                    ///< faster, the walks and the scale bias grow with the speed
     double transient_ratio = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
     double transient_rotation_ratio = 0.02;  ///< likewise rotation
-    double new_map_m = 0.02;               ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
+    double new_map_m = 0.02;  ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -70,7 +70,8 @@ class DriftModel {
 
   /// What a sweep adds for good. `increment`: the covariance of its motion, `unobserved`: the part of it that stays
   /// open.
-  Matrix6d accumulated(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m, double pace = 1.0) const;
+  Matrix6d accumulated(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
+                       double pace = 1.0) const;
   /// What it adds for the moment: the pose's own jitter, half of an increment's, which is between two of them.
   Matrix6d transient(const Matrix6d& increment, const Matrix6d& unobserved) const;
 

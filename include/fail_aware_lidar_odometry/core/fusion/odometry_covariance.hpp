@@ -86,7 +86,7 @@ class OdometryCovariance {
   Matrix6d since_mark_covariance_ = Matrix6d::Zero();
   Matrix6d transient_base_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
   Matrix6d largest_transient_base_ = Matrix6d::Zero();  ///< no less than any so far
-  double speed_variance_ = 0.0;                       ///< of the newest speed's error
+  double speed_variance_ = 0.0;                         ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
   std::optional<Gap> gap_;
   std::optional<MapDistance> map_distance_;

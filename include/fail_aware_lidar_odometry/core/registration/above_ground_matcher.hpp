@@ -21,9 +21,9 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
 #include "fail_aware_lidar_odometry/core/registration/above_ground_points.hpp"
 #include "fail_aware_lidar_odometry/core/registration/above_ground_reference.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
 
 namespace fail_aware {
 
@@ -39,12 +39,12 @@ class AboveGroundMatcher {
     /// used up to this information of the planes' weakest horizontal direction; streets have more
     double max_information_ratio = 0.12;
     double max_above_ground_ratio = 0.1;  ///< and up to this ratio of points that stand: on a motorway a seventh do
-    double surface_sigma_m = 0.3;     ///< sigma there of the horizontal position from surfaces
-    double surface_sigma_deg = 0.2;   ///< likewise of the heading
-    double max_range_m = 100.0;       ///< farthest points used: all that registration uses
-    double cell_m = 4.0;              ///< side of a place, which has one vote: a bush, or a car
-    double column_m = 0.5;            ///< side of the columns in which height is measured
-    double min_height_m = 0.4;        ///< a point this far above the lowest of its column stands
+    double surface_sigma_m = 0.3;         ///< sigma there of the horizontal position from surfaces
+    double surface_sigma_deg = 0.2;       ///< likewise of the heading
+    double max_range_m = 100.0;           ///< farthest points used: all that registration uses
+    double cell_m = 4.0;                  ///< side of a place, which has one vote: a bush, or a car
+    double column_m = 0.5;                ///< side of the columns in which height is measured
+    double min_height_m = 0.4;            ///< a point this far above the lowest of its column stands
     /// searched along the road, to both sides of the prediction: a speed that is wrong by 10 m/s at 10 Hz
     double window_m = 1.0;
     double step_m = 0.2;      ///< step of that search: as kernel_m
@@ -52,10 +52,10 @@ class AboveGroundMatcher {
     double contrast_m = 0.6;  ///< the votes are compared this far beyond the window
     /// least difference of a place's best and worst vote: a fence along the road has less
     double min_contrast = 0.3;
-    double sigma_m = 0.25;    ///< sigma of one place: scatter of a bush's points from sweep to sweep
-    double min_places = 1.7;  ///< fewer places give no result: one place gives no heading
+    double sigma_m = 0.25;         ///< sigma of one place: scatter of a bush's points from sweep to sweep
+    double min_places = 1.7;       ///< fewer places give no result: one place gives no heading
     double max_distance_m = 10.0;  ///< farthest from the sweep that is matched with; then another one is used
-    double max_age_s = 1.0;   ///< likewise in time
+    double max_age_s = 1.0;        ///< likewise in time
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

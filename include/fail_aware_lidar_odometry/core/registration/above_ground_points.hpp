@@ -35,14 +35,15 @@ struct StandingPointsParams {
 
 /// At most about `enough` of them, every n-th.
 AboveGroundPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
-                                  std::size_t enough);
+                                     std::size_t enough);
 
 /// Those no farther than range_m.
 std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& points, double range_m);
 
 /// Each place's mean weight, 0 ... 1: how near its points, moved by T, are to those of `map` (Geman-McClure kernel, none
 /// beyond kFarthestInKernels of it).
-std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T, double kernel_m);
+std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T,
+                                  double kernel_m);
 
 constexpr double kFarthestInKernels = 3.0;
 

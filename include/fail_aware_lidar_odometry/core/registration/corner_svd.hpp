@@ -20,7 +20,7 @@ namespace fail_aware {
 class CornerSvd {
  public:
   CornerSvd(const CornerExtractor::Params& extraction, const CornerReference::Params& reference,
-                    const CornerAlignment::Params& alignment);
+            const CornerAlignment::Params& alignment);
 
   Measurement measure(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void place(const FilterState& state);

@@ -12,13 +12,13 @@
 
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/registration/estimate_track.hpp"
 #include "fail_aware_lidar_odometry/core/registration/clock_jump_detector.hpp"
+#include "fail_aware_lidar_odometry/core/registration/deskew_refinement.hpp"
+#include "fail_aware_lidar_odometry/core/registration/estimate_track.hpp"
 #include "fail_aware_lidar_odometry/core/registration/local_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_scan.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
-#include "fail_aware_lidar_odometry/core/registration/deskew_refinement.hpp"
 
 namespace fail_aware {
 
@@ -32,7 +32,7 @@ struct InitialGuess {
   Vector6d twist_cog = Vector6d::Zero();        ///< m/s and rad/s
   Found twist_found = Found::kNothing;          ///< otherwise twist_cog is the prediction's
   double searched_sigma_m = 0.0;                ///< of the position, if the search for the first motion gave it; else 0
-  bool clock_jump_suspected = false;                ///< the pose is that of another interval than the stamps'
+  bool clock_jump_suspected = false;            ///< the pose is that of another interval than the stamps'
   bool lost = false;                            ///< tracking is lost after a gap
   Pose T_odom_cog_previous = Pose::Identity();  ///< the last estimate,
   double dt_s = 0.0;                            ///< so long ago; 0: there is none
@@ -58,9 +58,9 @@ class InitialGuessResolver {
   Better relocalize(const RegistrationScan& scan, const LocalMap& map, const EstimateTrack& track,
                     const InitialGuess& guess) const;
   Better detectClockJump(const RegistrationScan& scan, const LocalMap& map, const EstimateTrack& track,
-                       const SweepPrediction& prediction, const InitialGuess& guess);
+                         const SweepPrediction& prediction, const InitialGuess& guess);
   Better refineDeskew(const RegistrationScan& scan, const LocalMap& map, double sigma_yaw_rad,
-                  const InitialGuess& guess) const;
+                      const InitialGuess& guess) const;
 
   MotionInitialization first_motion_;
   Relocalization relocalization_;

@@ -7,9 +7,9 @@
 // Frames: points of the centre of gravity; poses odom. Cost: reference_map.hpp's; of the first sweep a copy.
 #pragma once
 
+#include "fail_aware_lidar_odometry/core/registration/above_ground_reference.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
-#include "fail_aware_lidar_odometry/core/registration/above_ground_reference.hpp"
 
 namespace fail_aware {
 

@@ -8,10 +8,10 @@
 
 #include <optional>
 
+#include "fail_aware_lidar_odometry/core/registration/above_ground_matcher.hpp"
 #include "fail_aware_lidar_odometry/core/registration/initial_guess.hpp"
 #include "fail_aware_lidar_odometry/core/registration/local_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_scan.hpp"
-#include "fail_aware_lidar_odometry/core/registration/above_ground_matcher.hpp"
 
 namespace fail_aware {
 
@@ -40,7 +40,7 @@ class OpenCountryAid {
 };
 
 /// Surfaces keep height, roll and pitch; of the rest they know little in open country, whatever their R says.
-void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params, const InitialGuess& guess,
-                    Measurement& measurement);
+void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params,
+                    const InitialGuess& guess, Measurement& measurement);
 
 }  // namespace fail_aware

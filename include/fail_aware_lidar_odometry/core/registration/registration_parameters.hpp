@@ -1,28 +1,29 @@
 // The parameters of the three measurements and of what they share: the branch `registration` of the parameters' tree.
 #pragma once
 
+#include "fail_aware_lidar_odometry/core/registration/above_ground_matcher.hpp"
 #include "fail_aware_lidar_odometry/core/registration/beam_range_bias.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_alignment.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_extraction.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_reference.hpp"
-#include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "fail_aware_lidar_odometry/core/registration/deskew_refinement.hpp"
 #include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/road_profile_odometry.hpp"
-#include "fail_aware_lidar_odometry/core/registration/above_ground_matcher.hpp"
-#include "fail_aware_lidar_odometry/core/registration/deskew_refinement.hpp"
 
 namespace fail_aware {
 
 struct RegistrationParameters {
-  bool use_icp_point_to_point = true;  ///< the three measurements, each can be left out (the article's "2 measurements")
+  bool use_icp_point_to_point =
+      true;  ///< the three measurements, each can be left out (the article's "2 measurements")
   bool use_icp_point_to_plane = true;
   bool use_corner_svd = true;
   bool refine_deskew = true;  ///< correct once more, by the registered motion, what joins the reference
-                                  ///< (its turn only where deskew_refinement found none; not what came compensated)
+                              ///< (its turn only where deskew_refinement found none; not what came compensated)
   RegistrationCloudBuilder::Params cloud;
   ReferenceMap::Params reference;
   MotionInitialization::Params initialization;

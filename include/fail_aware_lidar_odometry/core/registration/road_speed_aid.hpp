@@ -40,7 +40,7 @@ class RoadSpeedAid {
 };
 
 /// The way driven since the last estimate, along the vehicle's heading half-way to where registration starts.
-void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess, const Pose& T_odom_cog_initial_guess,
-                  Measurement& measurement);
+void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
+                  const Pose& T_odom_cog_initial_guess, Measurement& measurement);
 
 }  // namespace fail_aware

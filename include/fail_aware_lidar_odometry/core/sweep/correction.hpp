@@ -71,7 +71,7 @@ class SweepCorrection {
   /// (Recorrecting by minus the used twist, then by the refined one, is exact.)
   /// False, points untouched, if times or twist cannot be used.
   bool redeskew(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
-                 const Vector6d& delta_twist_lidar) const;
+                const Vector6d& delta_twist_lidar) const;
 
  private:
   Params params_;

@@ -8,10 +8,10 @@
 
 #include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_seam.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
 #include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/core/types/sweep.hpp"
 #include "fail_aware_lidar_odometry/core/types/sweep_prediction.hpp"

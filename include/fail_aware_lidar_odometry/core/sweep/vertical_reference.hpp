@@ -143,7 +143,7 @@ class VerticalReference {
   State x_;
   Covariance P_;
   double curvature_per_m_ = 0.0;  ///< rad
-  int cells_;                ///< columns along a side of the grid
+  int cells_;                     ///< columns along a side of the grid
   std::vector<Column> columns_;
   std::vector<Upright> uprights_;
   bool has_position_ = false;

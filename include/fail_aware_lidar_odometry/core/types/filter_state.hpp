@@ -17,7 +17,7 @@ struct FilterState {
   Pose T_odom_cog = Pose::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< the filter's P, of (x, y, z, roll, pitch, yaw)
   double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
-  bool measurement_applied = false;                      ///< false: the estimate is the prediction
+  bool measurement_applied = false;            ///< false: the estimate is the prediction
   bool started = true;                         ///< false: no sweep had usable points yet, the drive has not begun
   MotionStatus motion_status = MotionStatus::kUnknown;
   FusionResult fusion;
@@ -32,8 +32,8 @@ struct FilterState {
   /// The stamps since the last placed sweep give another interval than was driven: the increment is not a motion over
   /// dt_s.
   bool clock_jump = false;
-  double set_back_s = 0.0;  ///< SweepPrediction's
-  int odom_reset_count = 0;       ///< counts setPose(): references placed under another number are in another odom
+  double set_back_s = 0.0;   ///< SweepPrediction's
+  int odom_reset_count = 0;  ///< counts setPose(): references placed under another number are in another odom
   MapUpdate map_update = MapUpdate::kSkip;
 
   bool motionObserved() const { return motion_status == MotionStatus::kObserved; }

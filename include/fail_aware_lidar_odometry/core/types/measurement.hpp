@@ -34,8 +34,8 @@ struct Measurement {
   double inlier_ratio = 0.0;                   ///< of the points used
   std::size_t inliers = 0;
   int iterations = 0;
-  double seed_spread_m = 0.0;  ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
-  int degenerate_directions = 0;     ///< directions left at the prediction, of 6
+  double seed_spread_m = 0.0;     ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
+  int degenerate_directions = 0;  ///< directions left at the prediction, of 6
   /// Information in the weakest horizontal direction. ICPs: share of the total weight, 0.5 if both directions are seen
   /// equally well. Corners: relative to `good_corners` corners. 0: not known.
   double min_information_ratio = 0.0;
