@@ -41,10 +41,10 @@ LidarPlace::Answer LidarPlace::find(const std::string& cloud_frame) {
   }
   lidar_frame_ = frame;
   const std::string what = "no transform " + base_frame_ + " -> " + frame + ": ";
-  if (frame == base_frame_) {
-    T_base_lidar_ = Pose::Identity();
-  } else if (frame.empty()) {
+  if (frame.empty()) {
     fault_ = "the clouds have no frame_id: set the driver's, to a frame that tf places in " + base_frame_;
+  } else if (frame == base_frame_) {
+    T_base_lidar_ = Pose::Identity();
   } else {
     try {
       // by way of the parameter's six numbers, as offline: the same to the last bit
