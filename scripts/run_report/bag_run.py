@@ -187,7 +187,7 @@ def _monitor(bag, run):
 
 
 def _take_states(run, states):
-    run.status = ["first" if m.dt <= 0 else "corrected" if m.corrected else "predicted" for m in states]
+    run.status = ["first" if m.dt <= 0 else "corrected" if m.measurement_applied else "predicted" for m in states]
     run.dropped = int(sum(m.dropped_before for m in states))
     run.fused_nis = np.array([m.fused_nis if m.has_measurement else np.nan for m in states])
     names = []

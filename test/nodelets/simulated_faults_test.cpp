@@ -244,7 +244,7 @@ TEST_P(SimulatedFaults, EverySweepHasAPoseOrAnHonestState) {
   EXPECT_TRUE(waitFor([] { return topicsNotSeen().empty(); })) << topicsNotSeen();
   EXPECT_TRUE(has(told, test.reasons)) << "told: " << told << ", must have: " << test.reasons;
   if (!test.recovers) return;
-  EXPECT_TRUE(graph_->states.at(newest).corrected);
+  EXPECT_TRUE(graph_->states.at(newest).measurement_applied);
   EXPECT_EQ(graph_->times.at(newest).reasons & test.reasons, 0u) << graph_->times.at(newest).reasons_text;
 }
 

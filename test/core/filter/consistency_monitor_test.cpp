@@ -21,13 +21,13 @@ Sweep sound(double dt_s = 0.1) { return {dt_s, 0.02, 0.03, 0.5 * kDegree, 0.8}; 
 /// After ten sound sweeps, `count` that are changed.
 Inflation afterOdd(int count, const std::function<void(Sweep&)>& change,
                    const ConsistencyMonitor::Params& params = {}) {
-  ConsistencyMonitor plausibility(params);
+  ConsistencyMonitor monitor(params);
   Inflation inflation;
-  for (int i = 0; i < 10; ++i) inflation = plausibility.add(sound());
+  for (int i = 0; i < 10; ++i) inflation = monitor.add(sound());
   for (int i = 0; i < count; ++i) {
     Sweep sweep = sound();
     change(sweep);
-    inflation = plausibility.add(sweep);
+    inflation = monitor.add(sweep);
   }
   return inflation;
 }
@@ -39,8 +39,8 @@ void expectNone(const Inflation& inflation, const std::string& of) {
 }
 
 TEST(ConsistencyMonitor, SoundSweepsAreNotDoubted) {
-  ConsistencyMonitor plausibility{ConsistencyMonitor::Params()};
-  for (int i = 0; i < 30; ++i) expectNone(plausibility.add(sound()), std::to_string(i));
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+  for (int i = 0; i < 30; ++i) expectNone(monitor.add(sound()), std::to_string(i));
 }
 
 TEST(ConsistencyMonitor, PersistentDisagreementInflates) {
@@ -85,22 +85,22 @@ TEST(ConsistencyMonitor, WhereLittleFitsTheMapTheIncrementIsOpen) {
 }
 
 TEST(ConsistencyMonitor, WhereNothingHasFittedYetTheMotionIsLearnt) {
-  ConsistencyMonitor plausibility{ConsistencyMonitor::Params()};
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   Sweep unfitting = sound();
   unfitting.fitting_ratio = 0.1;
-  for (int i = 0; i < 5; ++i) EXPECT_FALSE(plausibility.add(unfitting).velocity_unobservable) << i;
-  for (int i = 0; i < 5; ++i) EXPECT_FALSE(plausibility.add(sound()).velocity_unobservable) << i;
-  EXPECT_TRUE(plausibility.add(unfitting).velocity_unobservable);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(unfitting).velocity_unobservable) << i;
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(sound()).velocity_unobservable) << i;
+  EXPECT_TRUE(monitor.add(unfitting).velocity_unobservable);
 }
 
 TEST(ConsistencyMonitor, SilentPlanesForgetTheFit) {
-  ConsistencyMonitor plausibility{ConsistencyMonitor::Params()};
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   Sweep unfitting = sound(), silent = sound();
   unfitting.fitting_ratio = 0.0;
   silent.fitting_ratio = std::nullopt;
-  for (int i = 0; i < 3; ++i) plausibility.add(unfitting);
-  for (int i = 1; i <= 10; ++i) EXPECT_DOUBLE_EQ(plausibility.add(silent).sigma_m, 0.25) << i;
-  expectNone(plausibility.add(silent), "eleven in a row");
+  for (int i = 0; i < 3; ++i) monitor.add(unfitting);
+  for (int i = 1; i <= 10; ++i) EXPECT_DOUBLE_EQ(monitor.add(silent).sigma_m, 0.25) << i;
+  expectNone(monitor.add(silent), "eleven in a row");
 }
 
 TEST(ConsistencyMonitor, ATurnThatNoVehicleMakesMayBeWrongByARatio) {
@@ -135,30 +135,30 @@ TEST(ConsistencyMonitor, WhatTellsNoMotionIsSaidWhateverItAdds) {
   params.unfitting_sigma_m = 0.0;
   const auto unfitting = [](Sweep& sweep) { sweep.fitting_ratio = 0.1; };
   EXPECT_TRUE(afterOdd(5, unfitting, params).velocity_unobservable);
-  ConsistencyMonitor plausibility(params);
+  ConsistencyMonitor monitor(params);
   Sweep sweep = sound();
   unfitting(sweep);
-  for (int i = 0; i < 5; ++i) EXPECT_FALSE(plausibility.add(sweep).velocity_unobservable) << "nothing has fitted yet";
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(sweep).velocity_unobservable) << "nothing has fitted yet";
 }
 
 TEST(ConsistencyMonitor, ClearedItBeginsAnew) {
-  ConsistencyMonitor plausibility{ConsistencyMonitor::Params()};
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   Sweep odd = oddInAll();
   odd.turn_rad = 0.0;
-  for (int i = 0; i < 3; ++i) plausibility.add(sound());
-  for (int i = 0; i < 10; ++i) plausibility.add(odd);
-  EXPECT_GT(plausibility.add(odd).sigma_m, 0.25);
-  plausibility.clear();
-  expectNone(plausibility.add(odd), "nothing lasts yet");
-  plausibility.add(odd);
-  EXPECT_DOUBLE_EQ(plausibility.add(odd).sigma_m, 0.25) << "the planes are heard from the third sweep on";
+  for (int i = 0; i < 3; ++i) monitor.add(sound());
+  for (int i = 0; i < 10; ++i) monitor.add(odd);
+  EXPECT_GT(monitor.add(odd).sigma_m, 0.25);
+  monitor.clear();
+  expectNone(monitor.add(odd), "nothing lasts yet");
+  monitor.add(odd);
+  EXPECT_DOUBLE_EQ(monitor.add(odd).sigma_m, 0.25) << "the planes are heard from the third sweep on";
 }
 
 TEST(ConsistencyMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(ConsistencyMonitor::Params&)>& change) {
     ConsistencyMonitor::Params params;
     change(params);
-    return errorOf([&] { ConsistencyMonitor plausibility(params); });
+    return errorOf([&] { ConsistencyMonitor monitor(params); });
   };
   EXPECT_EQ(refused([](ConsistencyMonitor::Params&) {}), "no error");
   EXPECT_NE(refused([](auto& p) { p.persistent_disagreement_m = 0.0; }).find("persistent_disagreement_m = 0"),

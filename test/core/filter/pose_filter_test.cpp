@@ -241,7 +241,7 @@ TEST(PoseFilter, UnknownMotionIsUncertainAlongRoad) {
   EXPECT_LT(std::sqrt(prediction.covariance(0, 0)), 0.05);
 
   const Measurement sideways = measured(pose(1.4, 0.0, 0.0, 0.0, 0.0, 0.5 * M_PI));
-  EXPECT_FALSE(filter.correct({{"m", &sideways}}).corrected);
+  EXPECT_FALSE(filter.correct({{"m", &sideways}}).measurement_applied);
   const Measurement forward = measured(pose(0.0, 2.8, 0.0, 0.0, 0.0, 0.5 * M_PI));
   EXPECT_TRUE(step(filter, 2.0 * kDt_s, {forward}).state.measurement_applied);
 }
@@ -448,8 +448,8 @@ FilterState afterOddSweeps(const std::function<Measurement(int sweep, const Pose
 
 PoseFilter::Params believingAll() {
   PoseFilter::Params params;
-  params.plausibility.persistent_innovation_m = params.plausibility.fitting_ratio =
-      params.plausibility.max_yaw_innovation_deg = 0.0;
+  params.consistency.persistent_innovation_m = params.consistency.fitting_ratio =
+      params.consistency.max_yaw_innovation_deg = 0.0;
   return params;
 }
 
@@ -638,7 +638,7 @@ TEST(PoseFilter, ResetStartsAnew) {
   used.reset(drive.T_start);
   EXPECT_FALSE(used.started());
   EXPECT_TRUE(used.state().T_odom_cog.isApprox(drive.T_start));
-  EXPECT_FALSE(used.state().corrected);
+  EXPECT_FALSE(used.state().measurement_applied);
   const Step a = driveMeasured(used, drive, 12);  // earlier stamps are taken again
   const Step b = driveMeasured(fresh, drive, 12);
   EXPECT_TRUE((a.state.T_odom_cog.matrix().array() == b.state.T_odom_cog.matrix().array()).all());

@@ -15,7 +15,7 @@ class InitialGuessTest : public ::testing::Test {
   InitialGuessTest()
       : builder_(params(), SweepTimingParams()),
         resolver_(params()),
-        map_(params().reference, params().standing.reference()) {
+        map_(params().reference, params().above_ground.reference()) {
     drive_.twist_cog = planarTwist(12.0, 0.2);
   }
 

@@ -41,7 +41,7 @@ TEST(RoadSpeedAid, TheFirstSpeedContradictsAMapMadeAtStandstill) {
 TEST(RoadSpeedAid, WhereTheSpeedIsObservedNothingIsLookedFor) {
   EstimateTrack track;
   FilterState observed;
-  observed.corrected = true;
+  observed.measurement_applied = true;
   track.add(observed);
   EXPECT_FALSE(drivenThroughTunnel(track).speed);
 }
