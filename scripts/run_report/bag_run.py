@@ -14,7 +14,7 @@ PACKAGE = "fail_aware_lidar_odometry/"
 ODOMETRY, FILTER_STATE, TIME_TO_FAILURE, POSE_MEASUREMENT, TRANSFORMS, CLOUD = (
     "nav_msgs/Odometry", PACKAGE + "FilterState", PACKAGE + "TimeToFailure", PACKAGE + "PoseMeasurement",
     "tf2_msgs/TFMessage", "sensor_msgs/PointCloud2")
-LABELS = {"icp_point_to_point": "multiplex ICP", "icp_point_to_plane": "normal-filtered ICP", "corner_svd": "corner SVD"}
+LABELS = {"icp_point_to_point": "point-to-point ICP", "icp_point_to_plane": "point-to-plane ICP", "corner_svd": "corner SVD"}
 LATENCY = "cloud to odometry"
 
 

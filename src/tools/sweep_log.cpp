@@ -43,11 +43,10 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   measurement_log_ << measurementLogHeader() << '\n';
   out_
       << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_icp_point_to_point,weight_icp_point_to_plane,weight_corner_"
-         "svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_"
-         "corners,nis_fused,"
+         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_icp_point_to_point,weight_icp_point_to_plane,"
+         "weight_corner_svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_corner_svd,nis_fused,"
          "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference";
-  for (const char* name : {"point", "plane", "corners"}) {
+  for (const char* name : {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd}) {
     for (const char* column : {"status", "iterations", "inlier_ratio", "rms_m", "degenerate_directions"}) {
       out_ << ',' << name << '_' << column;
     }

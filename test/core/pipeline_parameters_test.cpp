@@ -119,7 +119,7 @@ TEST(PipelineParameters, AStructAloneNamesWhatItKnows) {
     registration.validate();
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_TRUE(startsWith(error.what(), "plane.observability.lever_m = -1")) << error.what();
+    EXPECT_TRUE(startsWith(error.what(), "icp_point_to_plane.observability.lever_m = -1")) << error.what();
   }
 }
 
