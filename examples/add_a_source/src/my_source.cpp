@@ -3,7 +3,7 @@
 #include <fail_aware_lidar_odometry/PoseMeasurement.h>
 #include <fail_aware_lidar_odometry/SweepPrediction.h>
 #include <nodelet/nodelet.h>
-#include <pluginlib/class_list_macros.h>
+#include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 
 namespace add_a_source {
