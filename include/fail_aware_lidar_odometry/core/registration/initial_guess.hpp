@@ -27,7 +27,7 @@ struct InitialGuess {
   enum class Found { kNothing, kFirstMotion, kTurn };
 
   Pose T_odom_cog = Pose::Identity();
-  /// Of T_odom_cog: the prediction's, with a position sigma of at most that of a search for the first motion.
+  /// Of T_odom_cog: the prediction's; with the position variance of the search if the first motion was found.
   Matrix6d covariance = Matrix6d::Identity();
   Vector6d twist_cog = Vector6d::Zero();  ///< m/s and rad/s
   Found twist_found = Found::kNothing;    ///< otherwise twist_cog is the prediction's
