@@ -152,8 +152,9 @@ std::vector<CornerAlignment::Pair> CornerAlignment::agreeing(const std::vector<P
   return best;
 }
 
-// Least squares over v = (dx, dy, dyaw) about the vehicle: each point q of a corner moves by A_q v = (dx, dy) + dyaw (q
-// - vehicle) turned left. M and J share the error e_M; N has the error e_M + e_direction (N - M) turned left:
+// Least squares over v = (dx, dy, dyaw) about the vehicle: each point q of a corner moves by
+//   A_q v = (dx, dy) + dyaw (q - vehicle) turned left.
+// M and J share the error e_M; N has the error e_M + e_direction (N - M) turned left:
 //   H = sum w A^T A,  g = sum w (A_M + A_J + A_N)^T e_M + w A_N^T (N - M turned left) e_direction
 //   Cov = H^-1 E[g g^T] H^-1
 void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& T_correction,

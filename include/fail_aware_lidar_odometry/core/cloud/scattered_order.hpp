@@ -2,7 +2,8 @@
 //
 // A sweep's points come in the order of the head's rotation. A filter that keeps the first point of a cell would always
 // keep the one on the side where the beam enters, and a map of such points rotates slowly relative to the sweeps: about
-// 0.2 deg per km. Cost: a counter through a bijective mix of its bits, at most 2 n times.
+// 0.2 deg per km.
+// Cost: a counter through a bijective mix of its bits, at most 2 n times.
 #pragma once
 
 #include <cstdint>

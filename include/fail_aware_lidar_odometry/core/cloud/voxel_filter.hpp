@@ -1,8 +1,9 @@
 // Downsampling: one point per voxel, the first one visited. A sweep is visited in an order without preferred direction
 // (scattered_order.hpp).
 //
-// A measured point (instead of a centroid) does not mix surfaces and keeps its time. Cost: one probe of a flat table
-// per point, about 10 ns; no allocation once the buffers have grown. Not thread-safe: use one filter per thread.
+// A measured point (instead of a centroid) does not mix surfaces and keeps its time.
+// Cost: one probe of a flat table per point, about 10 ns; no allocation once the buffers have grown. Not thread-safe:
+// use one filter per thread.
 #pragma once
 
 #include <Eigen/Core>

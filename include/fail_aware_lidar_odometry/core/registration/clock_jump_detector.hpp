@@ -14,9 +14,10 @@
 // or too late), the next sweeps are tested: they follow the last inserted pose by several intervals, and any of these
 // may be wrong.
 //
-// Input: poses of the centre of gravity in odom; twists in m/s and rad/s. Failure: nullopt; the pose from the stamps
-// stays. Cost: one single-seed registration every tenth sweep; two to six in a sweep after an unusual interval, until a
-// sweep is inserted.
+// Input: poses of the centre of gravity in odom; twists in m/s and rad/s.
+// Failure: nullopt; the pose from the stamps stays.
+// Cost: one single-seed registration every tenth sweep; two to six in a sweep after an unusual interval, until a sweep
+// is inserted.
 #pragma once
 
 #include <functional>

@@ -15,9 +15,10 @@
 // position, sigma^2 = min_sigma_m^2 + the planes' fits (RANSAC RMSE, independent points, angle between the planes), and
 // the error of N's direction; the reference corner has the same errors. R is scaled up if the residuals are larger.
 //
-// Input: corners in the frame of the centre of gravity, reference corners and prediction in odom; m, rad. Failure:
-// kNoReference (no reference corner), kTooFewCorners (fewer than min_corners agree), kDegenerate (all within
-// min_baseline_m, or the prediction is not finite). Cost: tens of microseconds.
+// Input: corners in the frame of the centre of gravity, reference corners and prediction in odom; m, rad.
+// Failure: kNoReference (no reference corner), kTooFewCorners (fewer than min_corners agree), kDegenerate (all within
+// min_baseline_m, or the prediction is not finite).
+// Cost: tens of microseconds.
 #pragma once
 
 #include <vector>

@@ -3,18 +3,20 @@
 //   points in cells of an (x, y) grid with >= min_beams_per_cell beams -> DBSCAN -> clusters with enough points
 //   -> RANSAC plane, again on its outliers -> pairs at an angle in [45, 135] deg -> intersection line -> M, J, N
 // Input: a corrected sweep in any frame fixed to the vehicle (lidar or CoG), z roughly up, m; and the predicted
-// rotation of this frame in odom, which defines the vertical and, for N, the longitudinal direction. Output: corners in
-// the points' frame.
+// rotation of this frame in odom, which defines the vertical and, for N, the longitudinal direction.
+// Output: corners in the points' frame.
 //
 // Beams: the number of beams of a cell is the number of its distinct heights, in steps of height_step_m (ground gives
-// one or two at any density), counted modulo 64. DBSCAN over every kept point is the paper's method (`cluster_cells`
-// false). By default DBSCAN runs over the mean point of each cell, weighted by its count. The clusters are the same if
-// gaps and density differ from the thresholds by more than the cell size; the cost is a twentieth. All other steps use
-// all points. A cluster may hold a row of houses: up to max_planes_per_cluster planes are searched (paper: 2). A pair
-// is a corner only if both planes have points within max_corner_gap_m of their line; this excludes two distant walls.
+// one or two at any density), counted modulo 64.
+// DBSCAN over every kept point is the paper's method (`cluster_cells` false). By default DBSCAN runs over the mean
+// point of each cell, weighted by its count. The clusters are the same if gaps and density differ from the thresholds
+// by more than the cell size; the cost is a twentieth. All other steps use all points. A cluster may hold a row of
+// houses: up to max_planes_per_cluster planes are searched (paper: 2). A pair is a corner only if both planes have
+// points within max_corner_gap_m of their line; this excludes two distant walls.
 //
-// Failure: an empty vector; never a corner that is not finite. Cost: three passes over the points and a few more over
-// those of walls: 2 ms for 125,000 points in a town, one core (paper's settings: 5..8 ms).
+// Failure: an empty vector; never a corner that is not finite.
+// Cost: three passes over the points and a few more over those of walls: 2 ms for 125,000 points in a town, one core
+// (paper's settings: 5..8 ms).
 #pragma once
 
 #include <Eigen/Core>

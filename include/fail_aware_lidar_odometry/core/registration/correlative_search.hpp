@@ -7,7 +7,8 @@
 //
 // Frames: points in the frame of the centre of gravity, poses in odom; z, roll and pitch stay at the prediction.
 // Failure: too few points above the ground (find() returns false), or too few of them fit at any pose (`found` is
-// empty). Cost: 20 to 60 ms.
+// empty).
+// Cost: 20 to 60 ms.
 #pragma once
 
 #include <Eigen/Core>

@@ -2,9 +2,9 @@
 //
 // A point with at least `min_points` points within `eps_m` (itself included, distance <= eps_m) is a core point. Core
 // points within eps_m of each other share a cluster. A point within eps_m of a core point joins the cluster of the
-// nearest core point (the only choice that the definition leaves open). All other points are noise. Exact and
-// deterministic. Clusters are numbered in the order of their first core point. Cost: a grid of cells whose points are
-// all mutual neighbours; O(n log n) plus the comparisons in sparse cells.
+// nearest core point (the only choice that the definition leaves open). All other points are noise.
+// Exact and deterministic. Clusters are numbered in the order of their first core point.
+// Cost: a grid of cells whose points are all mutual neighbours; O(n log n) plus the comparisons in sparse cells.
 #pragma once
 
 #include <Eigen/Core>

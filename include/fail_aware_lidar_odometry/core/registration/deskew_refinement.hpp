@@ -7,8 +7,8 @@
 // rate is found in the same way, with zero rate as prior.
 //
 // Rates: rad/s about the axes of the centre of gravity, to be added to the motion that the sweep was deskewed for;
-// points measured at the sweep's middle do not move. Failure: nullopt, without times, planes or convergence. Cost: one
-// point-to-plane registration.
+// points measured at the sweep's middle do not move.
+// Failure: nullopt, without times, planes or convergence. Cost: one point-to-plane registration.
 #pragma once
 
 #include <Eigen/Core>

@@ -9,8 +9,9 @@
 //
 // Degenerate directions (along a tunnel) stay at the prediction, and R shows it (point_pairs.hpp).
 //
-// Failure: the status of the Measurement. Cost: (remaining seeds) * points * iterations nearest-point queries, on the
-// threads of the caller's TBB arena; the result is bit-identical for any number of threads.
+// Failure: the status of the Measurement.
+// Cost: (remaining seeds) * points * iterations nearest-point queries, on the threads of the caller's TBB arena; the
+// result is bit-identical for any number of threads.
 #pragma once
 
 #include <Eigen/Core>

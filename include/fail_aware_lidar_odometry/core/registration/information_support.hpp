@@ -2,8 +2,8 @@
 //
 // A vehicle ahead that keeps its distance may be the only surface that observes the motion along a smooth tunnel: its
 // information is precise and wrong. True information comes from several places. Therefore no place (a square of
-// `cell_m`) counts for more than `max_place_ratio` of all the information that counts. Cost: about 20 ns per point;
-// used only where a direction is weakly observed.
+// `cell_m`) counts for more than `max_place_ratio` of all the information that counts.
+// Cost: about 20 ns per point; used only where a direction is weakly observed.
 #pragma once
 
 #include <Eigen/Core>

@@ -5,9 +5,10 @@
 // - while no motion is known: search for the first motion (motion_initialization.hpp);
 // - after a gap: relocalization in the map (relocalization.hpp);
 // - where the point clouds contradict the stamps: the pose by another interval (clock_jump_detector.hpp);
-// - unless tracking is lost: deskew refinement (deskew_refinement.hpp). Frames: poses of the centre of gravity in odom.
-//   Failure: the prediction, or `lost`. Cost: one deskew refinement per sweep (a point-to-plane registration); the
-//   others only where needed (up to 200 ms).
+// - unless tracking is lost: deskew refinement (deskew_refinement.hpp).
+// Frames: poses of the centre of gravity in odom.
+// Failure: the prediction, or `lost`.
+// Cost: one deskew refinement per sweep (a point-to-plane registration); the others only where needed (up to 200 ms).
 #pragma once
 
 #include <optional>

@@ -4,8 +4,9 @@
 // The map belongs to one odom frame (FilterState::odom_reset_count counts the resets of odom); after a reset of odom
 // the map starts empty. FilterState::map_update decides which sweeps are inserted; an empty map takes any sweep. While
 // the map holds only its first sweep, that sweep can be deskewed again when the first motion is found
-// (motion_initialization.hpp). Frames: points in the frame of the centre of gravity; poses in odom. Cost: that of
-// reference_map.hpp, and one copy of the first sweep.
+// (motion_initialization.hpp).
+// Frames: points in the frame of the centre of gravity; poses in odom.
+// Cost: that of reference_map.hpp, and one copy of the first sweep.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/registration/above_ground_reference.hpp"

@@ -9,8 +9,9 @@
 // prepare(), measure, then place() with the filter's estimate. The inserted sweep keeps the turn rate that it was
 // measured with; a compensated sweep (sensor.timing.source none) is deskewed for that turn rate only. A sweep that
 // could not be registered is not inserted (FilterState::map_update). While no motion is known, sweep 0 is deskewed
-// again when the search between sweeps 0 and 1 finds the motion; a second later, another sweep becomes sweep 0. Frames:
-// points of the centre of gravity; poses in odom. Failure: the status of the Measurement. Cost: that of the stages.
+// again when the search between sweeps 0 and 1 finds the motion; a second later, another sweep becomes sweep 0.
+// Frames: points of the centre of gravity; poses in odom.
+// Failure: the status of the Measurement. Cost: that of the stages.
 #pragma once
 
 #include <vector>

@@ -7,10 +7,10 @@
 // - The scan line pattern on the ground, slopes included, moves with the sensor and fits best at standstill: only
 //   points at least `min_height_m` above the lowest point of their column are used.
 // - Walls and rails along the road fit at any speed but, if thinned, best at standstill: the sweeps stay dense.
-// - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle. Limit:
-//   where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins; first_motion.hpp
-//   inflates the covariance in this case (`standstill_ratio`). Failure: nullopt. Cost: about 150 ms, on the second
-//   sweep only.
+// - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle.
+// Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
+//   first_motion.hpp inflates the covariance in this case (`standstill_ratio`).
+// Failure: nullopt. Cost: about 150 ms, on the second sweep only.
 #pragma once
 
 #include <Eigen/Core>

@@ -3,7 +3,8 @@
 // Open country begins where planes hold little information and almost nothing stands above the ground. It ends with a
 // delay: in a sweep with a little more structure the planes determine the heading precisely and often wrongly. In open
 // country both ICPs start at the matched pose, inflate the covariance of what surfaces observe badly, and add the
-// match. The match and the ICPs share the points and the deskew. Cost: that of above_ground_matcher.hpp.
+// match. The match and the ICPs share the points and the deskew.
+// Cost: that of above_ground_matcher.hpp.
 #pragma once
 
 #include <optional>

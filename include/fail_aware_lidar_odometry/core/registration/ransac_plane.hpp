@@ -7,8 +7,9 @@
 // points instead of three, because walls are vertical: the draws needed depend on the inlier ratio squared, not cubed.
 // If the "quarter" were the size of each hypothesis' fit, the fit would average both walls of a corner; so it is not.
 //
-// Input: points in m. Failure: `found` is false (too few points, too few inliers, tilted). Cost: iterations x scored
-// points x 0.25 ns, plus a few passes over all points.
+// Input: points in m.
+// Failure: `found` is false (too few points, too few inliers, tilted).
+// Cost: iterations x scored points x 0.25 ns, plus a few passes over all points.
 #pragma once
 
 #include <Eigen/Core>

@@ -4,8 +4,9 @@
 // `map` (finest) goes into the reference; `plane` is registered point to plane, `point` point to point; both are
 // subsets of `map`. A compensated sweep has no times (sensor.timing.source none: KITTI's odometry scans). It is timed
 // by its azimuth, as if the revolution took 0.1 s, relative to its middle. These times serve to remove the remaining
-// turn, which is assumed to be zero at the middle. Deterministic: cloud/voxel_filter chooses one point per voxel. Cost:
-// about 10 ns per point.
+// turn, which is assumed to be zero at the middle.
+// Deterministic: cloud/voxel_filter chooses one point per voxel.
+// Cost: about 10 ns per point.
 #pragma once
 
 #include <Eigen/Core>

@@ -22,8 +22,8 @@ struct RegistrationParameters {
       true;  ///< the three measurements; each can be switched off (the paper's "2 measurements")
   bool use_icp_point_to_plane = true;
   bool use_corner_svd = true;
-  /// Deskew the inserted sweep again for the registered motion (for its turn rate only where deskew_refinement found none;
-  /// never if it came compensated).
+  /// Deskew the inserted sweep again for the registered motion (for its turn rate only where deskew_refinement found
+  /// none; never if it came compensated).
   bool refine_deskew = true;
   RegistrationCloudBuilder::Params cloud;
   ReferenceMap::Params reference;

@@ -1,8 +1,9 @@
 // A sweep as the two ICPs register it: its thinned clouds, and the motion that they are deskewed for.
 //
 // The builder corrects the ranges by the estimated beam range bias (beam_range_bias.hpp). The deskew motion of a
-// compensated sweep (sensor.timing.source none) is unknown. Frames: the centre of gravity's. Failure: `usable` is
-// false. Cost: that of registration_cloud.hpp and beam_range_bias.hpp.
+// compensated sweep (sensor.timing.source none) is unknown.
+// Frames: the centre of gravity's.
+// Failure: `usable` is false. Cost: that of registration_cloud.hpp and beam_range_bias.hpp.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/registration/beam_range_bias.hpp"

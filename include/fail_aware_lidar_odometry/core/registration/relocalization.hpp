@@ -6,8 +6,8 @@
 // above the ground for the search, the multiplex ICP runs alone with wider seeds; then the usual ratio of the sweep
 // must fit.
 //
-// Input: that of IcpPointToPoint::align. Failure: nullopt, if it does not converge or too few points fit. Cost: 60 to
-// 200 ms; only after a gap.
+// Input: that of IcpPointToPoint::align.
+// Failure: nullopt, if it does not converge or too few points fit. Cost: 60 to 200 ms; only after a gap.
 #pragma once
 
 #include <optional>

@@ -13,7 +13,8 @@
 //   comes from the odometry's estimates.
 //
 // Failure: nullopt, if there are too few sweeps, too little road or no profile (at standstill the profile is part of
-// the mean). Cost: about 2 ms per sweep; a search over all speeds about 30 ms, one near the last speed about 5 ms.
+// the mean).
+// Cost: about 2 ms per sweep; a search over all speeds about 30 ms, one near the last speed about 5 ms.
 #pragma once
 
 #include <Eigen/Core>

@@ -2,8 +2,8 @@
 // reckoning. Not in the paper.
 //
 // Input: every sweep, deskewed for the prediction. The first speed may show that the sweeps in the map were inserted at
-// a wrong speed. The speed and the measurement share the points and the predicted deskew. Cost: a few ms, only during
-// dead reckoning.
+// a wrong speed. The speed and the measurement share the points and the predicted deskew.
+// Cost: a few ms, only during dead reckoning.
 #pragma once
 
 #include <bitset>

@@ -1,8 +1,9 @@
 // The road in a sweep, as samples of its height, for road_profile_odometry.hpp. Not in the paper.
 //
 // A quadric is fitted robustly through the most common height below the lidar. A sample is the mean height above the
-// quadric of the points in one direction from the sensor, at the sensor's position when it fired. Frames: axes of the
-// vehicle, origin at the lidar. Failure: nullopt, if there is too little road. Cost: 2 ms.
+// quadric of the points in one direction from the sensor, at the sensor's position when it fired.
+// Frames: axes of the vehicle, origin at the lidar.
+// Failure: nullopt, if there is too little road. Cost: 2 ms.
 #pragma once
 
 #include <optional>

@@ -6,7 +6,9 @@
 // set sensor.lidar_in_base (tf) instead.
 //
 // The time at which the head passes an azimuth depends on the head's own zero: SensorParameters::correctedTiming()
-// returns the timing for corrected points. Points: m, lidar frame. Cost: about 0.1 ms for 120 000 points.
+// returns the timing for corrected points.
+// Points: m, lidar frame.
+// Cost: about 0.1 ms for 120 000 points.
 #pragma once
 
 #include <Eigen/Core>

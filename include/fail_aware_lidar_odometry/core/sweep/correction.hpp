@@ -6,10 +6,12 @@
 // the stamp becomes p' = Exp(s v) p, v = log(T_begin^-1 T_end) / dt, all in the lidar frame.
 //
 // Exp is a power series. Its order is the lowest with an error below the tolerance at 200 m (order 3 at usual rates of
-// a car); if order 8 is not enough, the closed form is used. Poses: of the centre of gravity. Points: m, sensor frame.
+// a car); if order 8 is not enough, the closed form is used.
+// Poses: of the centre of gravity.
+// Points: m, sensor frame.
 //
-// Failure: without times or a usable motion the points are copied unchanged, and the status gives the reason. Cost: 0.4
-// ms for 120 000 points at order 3; no allocation once `out` has grown.
+// Failure: without times or a usable motion the points are copied unchanged, and the status gives the reason.
+// Cost: 0.4 ms for 120 000 points at order 3; no allocation once `out` has grown.
 #pragma once
 
 #include <Eigen/Core>

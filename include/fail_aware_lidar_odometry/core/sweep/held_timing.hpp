@@ -3,7 +3,8 @@
 //
 // Works for a rotating head: the azimuth must follow the field's times. A cloud may hold a revolution or an integer
 // fraction of one (a half, a third, a quarter). Points within about one degree of the seam may get the time of the
-// other end. Failure: apply() returns false. Cost: keep() 0.05 ms, apply() as timesByAzimuth().
+// other end.
+// Failure: apply() returns false. Cost: keep() 0.05 ms, apply() as timesByAzimuth().
 #pragma once
 
 #include <optional>

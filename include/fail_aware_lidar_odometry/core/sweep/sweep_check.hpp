@@ -9,8 +9,9 @@
 //                 itself (a simulator without noise does the same while the vehicle stands: 0 switches this off)
 // repeats         the points are those of the last sweep: nothing new to register, the sweep counts as empty
 // time_jump       the stamp is more than max_gap_s after the last one, or before it
-// An empty sweep has none of the first three. Input: raw points in the lidar's frame, m. Cost: 0.5 ms for 120 000
-// points (coverage and range use every n-th point, about 20 000 in all).
+// An empty sweep has none of the first three.
+// Input: raw points in the lidar's frame, m.
+// Cost: 0.5 ms for 120 000 points (coverage and range use every n-th point, about 20 000 in all).
 #pragma once
 
 #include <cstdint>

@@ -11,11 +11,12 @@
 // - A clock that was set: three such stamps in a row with one offset. The offset is adopted.
 // - A changed spin rate: three such stamps in a row on a line of another period, or points' times with another period.
 // - Dropped sweeps: the interval is a whole number of periods. After three or more, with another phase, the head or its
-//   driver has restarted, and the stamp is believed. Until three intervals or the points' times give the period, the
-//   stamps are believed.
+//   driver has restarted, and the stamp is believed.
+// Until three intervals or the points' times give the period, the stamps are believed.
 //
-// Units: s. Failure: none; a stamp that is not after the last one gets an interval that is not positive while no period
-// is known. Cost: under 1 us per sweep.
+// Units: s.
+// Failure: none; a stamp that is not after the last one gets an interval that is not positive while no period is known.
+// Cost: under 1 us per sweep.
 #pragma once
 
 #include <cstddef>

@@ -4,9 +4,10 @@
 // One sweep is open at a time; sweeps that arrive meanwhile wait in a short queue. The queue absorbs an occasional slow
 // sweep. Each overflow reduces the queue by one sweep, until none waits: a node that is overloaded for long drops
 // sweeps in any case, and a short queue keeps its estimates recent. Refused and lost sweeps are counted by cause, and
-// count as dropped before the next estimate. Deadlines: `deadline_s` from opening. Sources that are still working get
-// more time: a late estimate is better than none. The time that a sweep has waited in the queue is subtracted;
-// otherwise the delay would grow under load. Failure: none. Cost: under 1 us per call.
+// count as dropped before the next estimate.
+// Deadlines: `deadline_s` from opening. Sources that are still working get more time: a late estimate is better than
+// none. The time that a sweep has waited in the queue is subtracted; otherwise the delay would grow under load.
+// Failure: none. Cost: under 1 us per call.
 #pragma once
 
 #include <cstddef>

@@ -3,8 +3,9 @@
 //
 // This works if the points are in the order of measurement (a driver's packets): consecutive blocks of points then lie
 // in consecutive directions, once around. Clouds in another order (beam by beam, organised, filtered) and parts of a
-// revolution give no answer and no warning. Input: points in the lidar's frame, m. Azimuths: deg, counter-clockwise
-// from the x axis, in (-180, 180]. Failure: nullopt. Cost: 20 us for 120 000 points (about 1500 of them are used).
+// revolution give no answer and no warning.
+// Input: points in the lidar's frame, m. Azimuths: deg, counter-clockwise from the x axis, in (-180, 180].
+// Failure: nullopt. Cost: 20 us for 120 000 points (about 1500 of them are used).
 #pragma once
 
 #include <Eigen/Core>

@@ -3,8 +3,9 @@
 // The period may be known beforehand, with a standard deviation: it counts as one more measurement. Otherwise the first
 // stamps give it: the median of their intervals gives the number of revolutions between two stamps. The numbers are
 // recomputed with each stamp, because an early number may be wrong. Residuals on one side of the line mean that the
-// spin rate has changed: the older half of the stamps is dropped. Units: s, revolutions ("turns"). Failure: none. Cost:
-// under 1 us per stamp.
+// spin rate has changed: the older half of the stamps is dropped.
+// Units: s, revolutions ("turns").
+// Failure: none. Cost: under 1 us per stamp.
 #pragma once
 
 #include <cstddef>

@@ -5,8 +5,8 @@
 // pitch. Each point p (m, sensor frame) is rotated by the angle about p x z, which raises its elevation and keeps range
 // and azimuth.
 //
-// Points on the z axis have no azimuth: they stay finite and move by at most the angle. Cost: one square root and one
-// division per point, about 0.15 ms for 120 000 points.
+// Points on the z axis have no azimuth: they stay finite and move by at most the angle.
+// Cost: one square root and one division per point, about 0.15 ms for 120 000 points.
 #pragma once
 
 #include <Eigen/Core>
