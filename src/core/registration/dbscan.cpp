@@ -91,7 +91,7 @@ class Grid {
       first_neighbour.push_back(static_cast<int>(neighbours.size()));
       for (int offset = -kReach; offset <= kReach; ++offset) {
         const std::int32_t row = cell(c).row + offset, column = cell(c).column - kReach;
-        // cppcheck-suppress containerOutOfBounds ; cppcheck takes the array size for two
+        // cppcheck-suppress containerOutOfBounds ; cppcheck assumes an array of two elements
         int& cursor = cursors[static_cast<std::size_t>(offset + kReach)];
         while (cursor < count &&
                (cell(cursor).row < row || (cell(cursor).row == row && cell(cursor).column < column))) {

@@ -12,7 +12,7 @@ namespace fail_aware {
 namespace {
 
 // The equations of the pose, and those of the turn rate w, odom's axes: a point measured tau after the middle moves
-// with w like with a rotation of tau w.
+// as under a rotation of tau w.
 struct TurningEquations {
   NormalEquations pose;
   Eigen::Matrix<double, 6, 3> H_pose_rate = Eigen::Matrix<double, 6, 3>::Zero();

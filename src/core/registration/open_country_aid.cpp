@@ -12,10 +12,11 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kStaysOpen = 2.0;  // open country ends above this many times the planes' ratio below which it began,
-// or after this many sweeps above that ratio; but only if the above-ground points are below
+// Hysteresis: in the kOpenSweeps sweeps after a clearly open one, the limit of the planes' ratio is kStaysOpen times as
+// large. Clearly open: the planes' ratio is below its limit, the above-ground ratio below kClearlyOpen of its limit.
+constexpr double kStaysOpen = 2.0;
 constexpr int kOpenSweeps = 5;
-constexpr double kClearlyOpen = 0.5;  // this part of the limit
+constexpr double kClearlyOpen = 0.5;
 
 }  // namespace
 

@@ -1,5 +1,5 @@
-// Inverse and solution of 6x6 systems, compiled once: each source that uses Eigen's decompositions compiles for
-// seconds.
+// Inverse and solution of 6x6 systems, compiled once: Eigen's decompositions add seconds to the compile time of each
+// source that uses them.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"

@@ -1,5 +1,5 @@
-// Weighted rigid alignment of paired points (Kabsch: SVD of the cross-covariance, reflection guarded). Paper, section
-// "SVD Cornering Algorithm", Equation (SVDDescription).
+// Weighted rigid alignment of paired points (Kabsch: SVD of the cross-covariance, reflection guarded).
+// Paper, section "SVD Cornering Algorithm", Equation (SVDDescription).
 //
 // Failure: too few or badly placed points leave `ok()` false and T the identity; `rank` says why.
 // Cost: one pass over the pairs and one 3x3 SVD.

@@ -1,5 +1,5 @@
-// Eigenvalues and eigenvectors of a covariance or information matrix. The sizes 2, 3 and 6 are compiled once: each
-// source that uses Eigen's solvers compiles for seconds.
+// Eigenvalues and eigenvectors of a covariance or information matrix. The sizes 2, 3 and 6 are compiled once:
+// Eigen's solvers add seconds to the compile time of each source that uses them.
 //
 // C: symmetric, finite; its lower triangle is read. Eigenvalues ascend. Cost of 6x6: ~2 us.
 #pragma once

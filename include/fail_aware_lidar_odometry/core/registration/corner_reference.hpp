@@ -3,6 +3,7 @@
 // `sweeps` = 1 is the paper: the corners of the last sweep alone. With more, a corner stays for that many sweeps after
 // its last sighting, at the mean of its sightings. The n-th sighting weighs 1/n: the first sightings fix the corner, so
 // it does not follow the odometry's drift.
+// Frames: new corners in the frame of the centre of gravity, the reference in odom; m.
 // Cost: microseconds.
 #pragma once
 

@@ -4,6 +4,8 @@
 // Call measure() and then place() once per sweep. Corners come from the sweep as deskewed for the prediction; a refined
 // motion would move them by millimetres only. While the motion is unknown, sweeps are distorted: no measurement and no
 // reference update.
+// Input: a corrected sweep (m, lidar frame) and poses of the centre of gravity in odom.
+// Failure: the status of the Measurement. Cost: that of corner_extraction.hpp.
 #pragma once
 
 #include <vector>

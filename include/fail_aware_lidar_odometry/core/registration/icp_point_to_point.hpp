@@ -1,11 +1,11 @@
 // Multiplex ICP, point to point (paper, section "Multiplex General ICP").
 //
-// The eight seeds are the off-centre sigma points of the predicted pose over body x, y, z and yaw, x~ +- spread *
-// sigma_i. All seeds descend in lockstep on a thinned cloud; seeds that converge to the same pose are merged. In the
-// usual case there is one minimum, and the seeds cost little more than one. The remaining seeds are refined on the
-// whole cloud and compared on the same points with the same cut-off and minimum inlier ratio; the smallest mean squared
-// error wins. R comes from the winner's information matrix and residual, and grows with the spread of the refined
-// seeds' results.
+// The eight seeds are the off-centre sigma points of the predicted pose over body x, y, z and yaw:
+//   x~ +- spread * sigma_i
+// All seeds descend in lockstep on a thinned cloud; seeds that converge to the same pose are merged. In the usual case
+// there is one minimum, and the seeds cost little more than one. The remaining seeds are refined on the whole cloud and
+// compared on the same points with the same cut-off and minimum inlier ratio; the smallest mean squared error wins. R
+// comes from the winner's information matrix and residual, and grows with the spread of the refined seeds' results.
 //
 // Degenerate directions (along a tunnel) stay at the prediction, and R shows it (point_pairs.hpp).
 //

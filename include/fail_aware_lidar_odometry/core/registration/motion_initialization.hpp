@@ -1,5 +1,5 @@
-// Search for the first motion. Before two sweeps have been registered the speed is unknown: a vehicle at 30 m/s moves 3
-// m between the first two sweeps, far beyond any correspondence distance. Not in the paper.
+// Search for the first motion (not in the paper). Before two sweeps have been registered the speed is unknown. At
+// 30 m/s the vehicle moves 3 m between the first two sweeps, far beyond any correspondence distance.
 //
 // The search tries forward speeds and yaw rates in steps: it moves the second sweep accordingly and scores it by the
 // distances of its points to the first sweep. Neither sweep is deskewed, so both are distorted alike. Misleading points
@@ -9,7 +9,7 @@
 // - Walls and rails along the road fit at any speed but, if thinned, best at standstill: the sweeps stay dense.
 // - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle.
 // Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
-//   first_motion.hpp inflates the covariance in this case (`standstill_ratio`).
+// first_motion.hpp inflates the covariance in this case (`standstill_ratio`).
 // Failure: nullopt. Cost: about 150 ms, on the second sweep only.
 #pragma once
 

@@ -3,8 +3,8 @@
 // After a gap the prediction may be farther off than a nearest-point search reaches: if a bend begins, two seconds
 // cause 20 deg and some metres. A search seen from above (correlative_search.hpp) gives a pose; the multiplex ICP
 // starts there, with narrowing correspondences, and gives the start pose of the measurements. If too few points are
-// above the ground for the search, the multiplex ICP runs alone with wider seeds; then the usual ratio of the sweep
-// must fit.
+// above the ground for the search, the multiplex ICP runs alone with wider seeds; then `min_inlier_ratio` of the points
+// must fit, as in a usual sweep.
 //
 // Input: that of IcpPointToPoint::align.
 // Failure: nullopt, if it does not converge or too few points fit. Cost: 60 to 200 ms; only after a gap.
@@ -29,7 +29,7 @@ class Relocalization {
     double max_distance_m = 1.5;  ///< cut-off of correspondences, at most the reach of the voxels
     /// least inlier ratio where no search confirmed the pose: higher than elsewhere (0.3)
     double min_inlier_ratio = 0.5;
-    double narrow_m = 0.3;  ///< kernel at the end of the search: better fits count
+    double narrow_m = 0.3;  ///< kernel at the end of the search: points that fit better than this count
     CorrelativeSearch::Params search;
 
     template <class Self, class Visitor>

@@ -4,13 +4,14 @@
 // the distance driven. It is far smaller than a point's noise and the errors of the beams, but
 // - tens of thousands of points see it, at grazing incidence, where range noise hardly affects the height;
 // - what travels with the sensor (errors of beams, a vehicle ahead, the crown of the road) is the same in every sweep
-//   in the same direction from the sensor; the mean of the last sweeps is subtracted, direction by direction. The
-//   remaining heights go onto a grid, minus their mean within `smoothing_m` to each side. The sweeps of the last two
-//   seconds are overlaid for speeds v and accelerations a: E(v, a) = sum over cells of (S^2 - sum_k S_k^2) / (W +
-//   1/s^2), with S_k, W_k: sums of w * height and w of sweep k, s: `profile_sigma_m`; only products of different sweeps
-//   count. The peak is accepted if it is distinct. Its sigma grows with the fit of the opposite motion: what changes
-//   slowly in the sensor's frame (a vehicle that pitches) fits both motions alike. The shape of the path (heading)
-//   comes from the odometry's estimates.
+//   in the same direction from the sensor; the mean of the last sweeps is subtracted, direction by direction.
+// The remaining heights go onto a grid, minus their mean within `smoothing_m` to each side. The sweeps of the last two
+// seconds are overlaid for speeds v and accelerations a:
+//   E(v, a) = sum over cells of (S^2 - sum_k S_k^2) / (W + 1/s^2)
+// with S_k, W_k: sums of w * height and w of sweep k, s: `profile_sigma_m`; only products of different sweeps count.
+// The peak is accepted if it is distinct. Its sigma grows with the fit of the opposite motion: what changes slowly in
+// the sensor's frame (a vehicle that pitches) fits both motions alike. The shape of the path (heading) comes from the
+// odometry's estimates.
 //
 // Failure: nullopt, if there are too few sweeps, too little road or no profile (at standstill the profile is part of
 // the mean).

@@ -1,5 +1,5 @@
-// Decides which cloud is processed next, and how long its measurements are waited for. Independent of ROS: times are
-// seconds of a steady clock, stamps are nanoseconds.
+// Decides which cloud is processed next, and how long the node waits for its measurements. Independent of ROS: times
+// are seconds of a steady clock, stamps are nanoseconds.
 //
 // One sweep is open at a time; sweeps that arrive meanwhile wait in a short queue. The queue absorbs an occasional slow
 // sweep. Each overflow reduces the queue by one sweep, until none waits: a node that is overloaded for long drops

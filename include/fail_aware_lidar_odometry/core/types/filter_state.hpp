@@ -18,7 +18,7 @@ struct FilterState {
   Pose T_odom_cog = Pose::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< the filter's P, of (x, y, z, roll, pitch, yaw)
   double sigma_yaw_rad = 0.0;                  ///< from P; the input of eta
-  bool measurement_applied = false;            ///< false: the estimate is the prediction (dead reckoning)
+  bool measurement_applied = false;            ///< false: the estimate is the prediction
   bool started = true;                         ///< false: no sweep had usable points yet, so the drive has not begun
   MotionStatus motion_status = MotionStatus::kUnknown;
   FusionResult fusion;

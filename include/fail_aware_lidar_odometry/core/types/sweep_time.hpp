@@ -13,8 +13,8 @@ struct SweepTime {
   double error_s = 0.0;           ///< of the stamp: stamp minus the sweep's time
   double interval_sigma_s = 0.0;  ///< standard deviation of the time since the last sweep; 0: negligible
   double period_s = 0.0;          ///< of the head; 0: not known yet
-  /// A stamp was refused since the last sweep because it was this much older, but not as a clock that was set back; 0:
-  /// none.
+  /// A stamp was refused since the last sweep because it was this much older, but not as a clock that was set back.
+  /// 0: none.
   double set_back_s = 0.0;
 
   double time_s() const { return stamp_s - error_s; }
