@@ -10,8 +10,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr VoxelKey kOutOfRange = ~VoxelKey{0};  // a voxel's has 63 bits
-constexpr std::size_t kAhead = 32;              // slots that are fetched before the first of them is needed
+constexpr VoxelKey kOutOfRange = ~VoxelKey{0};  // a voxel's key has 63 bits
+constexpr std::size_t kAhead = 32;              // slots that are prefetched before the first of them is needed
 
 VoxelKey keyOf(const Eigen::Vector3f& p, float inverse_size) {
   return packVoxel(fastFloor(p.x() * inverse_size), fastFloor(p.y() * inverse_size), fastFloor(p.z() * inverse_size));
@@ -63,7 +63,7 @@ void VoxelFilter::keepNew(const std::uint32_t* ahead, std::size_t count) {
 const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
                                                       double min_range_m, double max_range_m) {
   prepare();
-  constexpr double kLargest = std::numeric_limits<float>::max();  // whatever the limit, infinity is beyond it
+  constexpr double kLargest = std::numeric_limits<float>::max();  // infinity is beyond it for any max_range_m
   const auto min2 = static_cast<float>(min_range_m * min_range_m);
   const auto max2 = static_cast<float>(std::min(max_range_m * max_range_m, kLargest));
   const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);

@@ -8,26 +8,27 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kUnusual = 1.5;        // times longer than the usual interval, or shorter: may be wrong
+constexpr double kUnusual = 1.5;        // an interval this many times longer or shorter than usual may be wrong
 constexpr int kUsualEvery = 10;         // sweeps
-constexpr std::size_t kMaxUnusual = 3;  // each of so many is tried by itself
-// Shares of what is usual that a place must have at least.
-constexpr double kRatio = 0.7, kInformation = 0.4;  // where there is another place to compare with
-constexpr double kInformationNothingFits = 0.7;     // in place of that where nothing fits there, or:
-// Where there is none. In simulated drives the right place has 1.05 of share + 0.25 information and 0.39 of the
-// information or more; wrong ones that registration finds have 0.88 at most, and as much information where less fits.
+constexpr std::size_t kMaxUnusual = 3;  // up to this many unusual intervals, each is tried by itself
+// Least ratios of inliers and of information at a pose, relative to the usual values.
+constexpr double kRatio = 0.7, kInformation = 0.4;  // if there is another pose to compare with
+constexpr double kInformationNothingFits = 0.7;     // instead of kInformation if nothing fits at the other pose, or:
+// If there is no other pose. In simulated drives the right pose has an inlier ratio + 0.25 information of 1.05 and an
+// information of 0.39 or more; wrong poses that registration finds have at most 0.88, and as much information where
+// less fits.
 constexpr double kAlone = 0.97, kInformationWeight = 0.25, kInformationAlone = 0.35;
-constexpr double kClearlyMore = 1.5;  // times the information at the place that the stamps ask for
+constexpr double kClearlyMore = 1.5;  // times the information at the pose from the stamps
 constexpr double kSamePlace_m = 0.2;
-constexpr double kMaxMoved_m = 0.3;       // from the way of the right interval to where the sweep fits,
-constexpr double kDriver_mps2 = 3.0;      // and what the driver may have done meanwhile,
-constexpr double kMaxMovedAtAll_m = 1.0;  // but no farther
+constexpr double kMaxMoved_m = 0.3;       // from the distance driven in the right interval to the registered pose,
+constexpr double kDriver_mps2 = 3.0;      // plus the effect of an acceleration in the meantime,
+constexpr double kMaxMovedAtAll_m = 1.0;  // but not more than this
 
 double distance_m(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 
 }  // namespace
 
-// What may have been driven since the last placed pose, by the doubts about the stamps; without any: nothing.
+// Possible times since the last inserted pose, given the doubts about the stamps; empty without doubts.
 std::vector<double> ClockJumpDetector::otherTimes_s(const Interval& interval, double usual_s) {
   std::vector<Stamps> all = interval.unplaced;
   all.push_back(interval.stamps);
@@ -38,12 +39,13 @@ std::vector<double> ClockJumpDetector::otherTimes_s(const Interval& interval, do
     if (is_unusual) unusual_s.push_back(stamps.dt_s);
     by_the_stamps_s += stamps.dt_s;
     if_usual_s += is_unusual ? usual_s : stamps.dt_s;
-    // the stamp that was refused came a usual interval after the last one
+    // the refused stamp came one usual interval after the last one
     if (stamps.set_back_s > 0.0) if_set_back_s += usual_s + stamps.set_back_s;
   }
   std::vector<double> times_s;
   if (!unusual_s.empty()) times_s.push_back(if_usual_s);
-  if (unusual_s.size() > 1 && unusual_s.size() <= kMaxUnusual) {  // one is wrong, in the others sweeps were lost
+  // one interval is wrong; in the others sweeps were lost
+  if (unusual_s.size() > 1 && unusual_s.size() <= kMaxUnusual) {
     for (const double wrong_s : unusual_s) times_s.push_back(by_the_stamps_s - wrong_s + usual_s);
   }
   if (if_set_back_s > 0.0) times_s.push_back(by_the_stamps_s + if_set_back_s);
@@ -56,7 +58,7 @@ std::optional<Pose> ClockJumpDetector::findOther(const Interval& interval, const
   const std::vector<double> other_times_s =
       otherTimes_s(interval, intervals_s_.size() > 0 ? intervals_s_.median() : dt_s);
   const bool is_doubtful = !other_times_s.empty(), follows = interval.unplaced.empty();
-  if (!follows && is_doubtful && !usual_.observed) return std::nullopt;  // nothing to judge by
+  if (!follows && is_doubtful && !usual_.observed) return std::nullopt;  // no usual values to compare with
 
   std::optional<Place> by_the_stamps;
   if (interval.T_odom_cog_by_the_stamps && (is_doubtful || --sweeps_to_usual_ <= 0)) {

@@ -11,7 +11,7 @@ namespace fail_aware {
 
 namespace {
 
-// How two corners differ; distance_m is infinite where the normals do not agree either way round.
+// Difference between two corners; distance_m is infinite if the normals agree in neither order.
 struct Difference {
   double distance_m;
   bool planes_swapped;

@@ -15,7 +15,7 @@ namespace fail_aware {
 
 namespace {
 
-// A plane's offset where it ends, at the corner, has four times the variance of that at its middle.
+// At its end, the corner, a plane's offset has four times the variance of the offset at its middle.
 constexpr double kVarianceAtEnd = 4.0;
 
 Eigen::Vector2d horizontal(const Eigen::Vector3d& v) { return v.head<2>(); }
@@ -29,7 +29,7 @@ struct PlanarMotion {
   Eigen::Vector2d operator()(const Eigen::Vector3d& p) const { return R * horizontal(p) + t; }
 };
 
-// The motion that turns a -> b into c -> d and takes one middle to the other.
+// The motion that rotates a -> b onto c -> d and moves the midpoint of a, b to the midpoint of c, d.
 PlanarMotion motionOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
                       const Eigen::Vector3d& d) {
   const Eigen::Vector2d from = horizontal(b - a), to = horizontal(d - c);
@@ -128,7 +128,7 @@ std::vector<CornerAlignment::Pair> CornerAlignment::associate(const std::vector<
   return pairs;
 }
 
-// The most numerous set of pairs that one motion explains; on a tie the best explained.
+// The largest set of pairs that one motion explains; on a tie the set with the smallest residuals.
 std::vector<CornerAlignment::Pair> CornerAlignment::agreeing(const std::vector<Pair>& pairs) const {
   std::vector<Pair> best;
   double best_squares = std::numeric_limits<double>::infinity();
@@ -152,10 +152,11 @@ std::vector<CornerAlignment::Pair> CornerAlignment::agreeing(const std::vector<P
   return best;
 }
 
-// Least squares over v = (dx, dy, dyaw) about the vehicle: each of a corner's points q moves by A_q v = (dx, dy) +
-// dyaw (q - vehicle) turned left. M and J err together, by e_M; N errs by e_M + e_direction turned left along N - M:
-//   H = sum w A^T A,  g = sum w (A_M + A_J + A_N)^T e_M + w A_N^T (N - M turned left) e_direction,  Cov = H^-1 E[g g^T]
-//   H^-1
+// Least squares over v = (dx, dy, dyaw) about the vehicle: each point q of a corner moves by
+//   A_q v = (dx, dy) + dyaw (q - vehicle) turned left.
+// M and J share the error e_M; N has the error e_M + e_direction (N - M) turned left:
+//   H = sum w A^T A,  g = sum w (A_M + A_J + A_N)^T e_M + w A_N^T (N - M turned left) e_direction
+//   Cov = H^-1 E[g g^T] H^-1
 void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& T_correction,
                                     const Matrix6d& predicted_covariance, Measurement& measurement) const {
   using Jacobian = Eigen::Matrix<double, 2, 3>;
@@ -193,7 +194,8 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
   }
   measurement.degenerate_directions = 3;
   measurement.rms_residual_m = std::sqrt(squares_m2 / corners);
-  // Of good_corners all around at the mean weight: information about a horizontal direction = their summed weight.
+  // Information of good_corners in all directions at the mean weight; in one horizontal direction it is their summed
+  // weight.
   const Eigen::Vector2d variances = symmetricEigen(Eigen::Matrix2d(planar.topLeftCorner<2, 2>())).eigenvalues();
   const double good_information = total_weight / corners * static_cast<double>(params_.good_corners);
   measurement.min_information_ratio = std::min(1.0, 1.0 / (variances(1) * good_information));

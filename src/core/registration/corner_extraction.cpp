@@ -16,7 +16,7 @@ namespace fail_aware {
 namespace {
 
 constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
-constexpr float kMaxHeight = 1000.0F;  // m; above it a height is no measurement
+constexpr float kMaxHeight = 1000.0F;  // m; greater heights are not valid measurements
 
 int countBits(std::uint64_t bits) {
   int count = 0;
@@ -65,7 +65,7 @@ Corner::Rectangle rectangleOf(const std::vector<Eigen::Vector3f>& points, const 
   return {vertex(low), vertex(high)};
 }
 
-// The corners with most points first; none nearer than `distance_m` to a better one.
+// Corners with the most points first; a corner nearer than `distance_m` to a better one is dropped.
 std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distance_m) {
   std::stable_sort(corners.begin(), corners.end(),
                    [](const Corner& a, const Corner& b) { return a.points() > b.points(); });
@@ -107,7 +107,7 @@ void CornerExtractor::Params::validate() const {
 
 CornerExtractor::CornerExtractor(const Params& params) : params_(params) {
   params_.validate();
-  grid_width_ = 2 * (static_cast<int>(params_.max_range_m / params_.cell_m) + 2);  // a cell to spare for rounding
+  grid_width_ = 2 * (static_cast<int>(params_.max_range_m / params_.cell_m) + 2);  // one spare cell for rounding
   grid_.assign(static_cast<std::size_t>(grid_width_) * static_cast<std::size_t>(grid_width_), 0);
 }
 
@@ -153,12 +153,12 @@ void CornerExtractor::keepVerticalPoints(const Points& points) {
     grid_[cell] |= std::uint64_t{1} << (step & 63U);
   }
 
-  // The grid now takes, for each cell, 0 or the number of the kept cell + 1.
+  // From here a grid cell holds 0 or the index of the kept cell + 1.
   std::uint32_t kept_cells = 0;
   for (const std::uint32_t cell : touched_) {
     grid_[cell] = countBits(grid_[cell]) >= params_.min_beams_per_cell ? ++kept_cells : 0;
   }
-  kept_begin_.assign(kept_cells + 2, 0);  // the point count of kept cell k at k + 2, for now
+  kept_begin_.assign(kept_cells + 2, 0);  // for now, the point count of kept cell k is at k + 2
   for (std::uint32_t& cell : cell_of_point_) {
     if (cell == kNoCell) continue;
     cell = grid_[cell] == 0 ? kNoCell : static_cast<std::uint32_t>(grid_[cell] - 1);
@@ -258,7 +258,7 @@ bool CornerExtractor::makeCorner(const Plane& a, const Plane& b, const Eigen::Ma
     }
   }
 
-  // Horizontal directions of both planes; N goes into the more longitudinal one, along odom's x.
+  // Horizontal directions of both planes; N lies in the plane closer to odom's x axis.
   const Eigen::Vector3d forward = R_odom_frame.transpose().col(0);
   const Eigen::Vector3d along_a = up.cross(a.normal).normalized(), along_b = up.cross(b.normal).normalized();
   const bool first = std::abs(along_a.dot(forward)) >= std::abs(along_b.dot(forward));

@@ -8,7 +8,7 @@ namespace fail_aware {
 
 namespace {
 
-// The mean of `corner` with weight 1 - share and `seen` with weight share; both at one height, planes in one order.
+// The mean of `corner` (weight 1 - share) and `seen` (weight share); both at one height, planes in one order.
 Corner blended(const Corner& corner, const Corner& seen, double share) {
   const auto mix = [&](const auto& a, const auto& b) { return ((1.0 - share) * a + share * b).eval(); };
   Corner mean = corner;

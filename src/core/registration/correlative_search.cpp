@@ -13,18 +13,19 @@ namespace fail_aware {
 namespace {
 
 constexpr double kCell_m = 0.5;
-constexpr int kCoarse = 2;              // cells of the fine grid in one of the coarse one, each way
-constexpr std::size_t kEnough = 600;    // standing points of the sweep
-constexpr std::size_t kMinPlaces = 20;  // fewer are no picture
-constexpr std::size_t kRefined = 8;     // coarse candidates that are looked at again,
-constexpr int kRefineSteps = 2;         // that many steps to each side,
-constexpr double kRefineStep = 0.25;    // of this part of a coarse one
-constexpr double kSigmas = 3.0;         // of the prediction: that far it is searched,
-constexpr double kMinReach_m = 1.0;     // and at least that far
+constexpr int kCoarse = 2;              // cells of the fine grid per cell of the coarse grid, per axis
+constexpr std::size_t kEnough = 600;    // above-ground points of the sweep
+constexpr std::size_t kMinPlaces = 20;  // fewer cells do not define a pose
+constexpr std::size_t kRefined = 8;     // coarse candidates that are refined,
+constexpr int kRefineSteps = 2;         // by this many steps to each side,
+constexpr double kRefineStep = 0.25;    // each this part of a coarse step
+constexpr double kSigmas = 3.0;         // search range in sigma of the prediction,
+constexpr double kMinReach_m = 1.0;     // and the least search range
 constexpr double kMinReach_rad = 2.0 * kDegree;
-constexpr double kPriorRatio = 0.02;  // what a unit of the squared Mahalanobis distance from the prediction costs
+constexpr double kPriorRatio = 0.02;  // cost per unit of the squared Mahalanobis distance from the prediction
 
-// Cells of the horizontal plane around the predicted position: has the map been seen there, does something stand there.
+// Cells of the horizontal plane around the predicted position: whether the map saw the cell, whether it holds
+// above-ground points.
 class PlanGrid {
  public:
   PlanGrid(double half_m, double cell_m)
@@ -52,7 +53,7 @@ class PlanGrid {
   std::vector<std::uint8_t> cells_;
 };
 
-constexpr std::uint8_t kSeen = 1, kNear = 3, kStands = 5;  // bit 0: seen; value / 2: how well it fits, 0..2
+constexpr std::uint8_t kSeen = 1, kNear = 3, kStands = 5;  // bit 0: seen; value / 2: quality of the fit, 0..2
 
 void raise(PlanGrid& grid, int x, int y, std::uint8_t value) {
   if (x < 0 || y < 0 || x >= grid.size() || y >= grid.size()) return;
@@ -102,7 +103,7 @@ struct Candidate {
   double share = 0.0, value = 0.0;
 };
 
-// How much of what stands fits; 0..1.
+// Ratio of above-ground points that fit; 0..1.
 double ratioOf(const std::vector<Eigen::Vector2d>& points, const PlanGrid& grid, const Eigen::Vector2d& shift_m) {
   int fits = 0, seen = 0;
   for (const Eigen::Vector2d& p : points) {
@@ -110,7 +111,7 @@ double ratioOf(const std::vector<Eigen::Vector2d>& points, const PlanGrid& grid,
     seen += cell & 1;
     fits += cell >> 1;
   }
-  // what lies where the map has seen nothing may be there or, behind a wall, may not
+  // a point where the map is unseen counts half: it may be valid, for instance behind a wall
   return static_cast<double>(fits) / (seen + static_cast<int>(points.size()));
 }
 
@@ -122,10 +123,10 @@ std::vector<Eigen::Vector2d> turned(const std::vector<Eigen::Vector2d>& points, 
   return result;
 }
 
-// What a candidate is worth: what fits, less what the prediction has against it.
+// Score of a candidate: its ratio of fitting points minus its cost relative to the prediction.
 class Judge {
  public:
-  /// Of the predicted state.
+  /// Covariance of the predicted state.
   explicit Judge(const Matrix6d& covariance)
       : sigma_m_(std::sqrt(covariance.topLeftCorner<2, 2>().trace())),
         sigma_rad_(std::sqrt(covariance(5, 5))),
@@ -160,7 +161,7 @@ void tryAround(const Candidate& centre, double step_m, double step_rad, int shif
   }
 }
 
-// Seen from above about odom's axes; none if they are too few for a picture.
+// Horizontal positions along odom's axes; empty if they are too few for a search.
 std::vector<Eigen::Vector2d> aboveGroundPoints(const std::vector<Eigen::Vector3f>& points_cog,
                                                const Eigen::Matrix3d& R_odom_cog, double range_m) {
   std::vector<Eigen::Vector3f> level;
@@ -212,7 +213,7 @@ bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, con
     tryAround(candidate, kRefineStep * step_m, kRefineStep * step_rad, kRefineSteps, kRefineSteps, points, fine, judge,
               refined);
   }
-  // the first of the best, so that equal ones do not depend on the library
+  // the first of the best, so that the choice among equal ones does not depend on the library
   const Candidate& best = *std::min_element(refined.begin(), refined.end(), better);
   if (best.share < params_.min_ratio) return true;
   found = Found{T_odom_cog_predicted, best.share};

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kNoise = -1;
 constexpr double kCellRatioOfEps = 0.7071;  // just under 1 / sqrt(2): a cell's diagonal is below eps
-constexpr int kReach = 2;                   // cells further away than this are out of reach
+constexpr int kReach = 2;                   // in cells; farther cells hold no neighbours
 constexpr double kMaxCoordinateInEps = 1e8;
 
 struct Point {
@@ -27,12 +27,12 @@ struct Point {
 
 struct Cell {
   std::int32_t row, column;
-  int begin, end;  // of its points
+  int begin, end;  // range of its points
   long long weight;
   bool has_core;
 };
 
-// Occupied cells in row-major order, their points contiguous, their neighbours listed.
+// Occupied cells in row-major order, with contiguous points and a list of neighbours.
 class Grid {
  public:
   Grid(const std::vector<Eigen::Vector2f>& points_xy, double eps_m, const std::vector<int>& weights) {
@@ -65,7 +65,7 @@ class Grid {
 
   std::vector<Point> points;
   std::vector<Cell> cells;
-  std::vector<int> neighbours;  // of cell c: [first_neighbour[c], first_neighbour[c + 1]), c not among them
+  std::vector<int> neighbours;  // of cell c: [first_neighbour[c], first_neighbour[c + 1]), without c
   std::vector<int> first_neighbour;
 
  private:
@@ -81,7 +81,8 @@ class Grid {
     return static_cast<std::int32_t>(static_cast<std::int64_t>(k & 0xffffffffU) - kOffset);
   }
 
-  // As the cells come in order, so does the first cell in reach in each of the rows around: one cursor a row.
+  // Cells are visited in order, so the first cell in reach of each surrounding row also advances in order: one cursor
+  // per row.
   void findNeighbours() {
     const int count = static_cast<int>(cells.size());
     std::array<int, 2 * kReach + 1> cursors{};
@@ -90,7 +91,7 @@ class Grid {
       first_neighbour.push_back(static_cast<int>(neighbours.size()));
       for (int offset = -kReach; offset <= kReach; ++offset) {
         const std::int32_t row = cell(c).row + offset, column = cell(c).column - kReach;
-        // cppcheck-suppress containerOutOfBounds ; it takes the array for one of two
+        // cppcheck-suppress containerOutOfBounds ; cppcheck assumes an array of two elements
         int& cursor = cursors[static_cast<std::size_t>(offset + kReach)];
         while (cursor < count &&
                (cell(cursor).row < row || (cell(cursor).row == row && cell(cursor).column < column))) {
@@ -181,7 +182,7 @@ class Clusters {
   }
 
   void labelCores(std::vector<int>& labels) {
-    std::vector<int> first_core(parents_.size(), std::numeric_limits<int>::max());  // by root: in the input's order
+    std::vector<int> first_core(parents_.size(), std::numeric_limits<int>::max());  // by root: in input order
     for (std::size_t c = 0; c < grid_.cells.size(); ++c) {
       int& first = first_core[static_cast<std::size_t>(root(static_cast<int>(c)))];
       for (int p = grid_.cells[c].begin; p < grid_.cells[c].end; ++p) {
@@ -224,7 +225,7 @@ class Clusters {
   Grid& grid_;
   double eps2_;
   int min_points_;
-  std::vector<int> parents_;  // union-find over cells: the cores of one cell are always connected
+  std::vector<int> parents_;  // union-find over cells: the core points of one cell are always connected
 };
 
 }  // namespace

@@ -11,8 +11,8 @@ namespace fail_aware {
 
 namespace {
 
-// Beside the pose's equations those of the turn rate w, odom's axes: a point seen tau after the middle moves with w as
-// with a rotation tau w.
+// The equations of the pose, and those of the turn rate w, odom's axes: a point measured tau after the middle moves
+// as under a rotation of tau w.
 struct TurningEquations {
   NormalEquations pose;
   Eigen::Matrix<double, 6, 3> H_pose_rate = Eigen::Matrix<double, 6, 3>::Zero();
@@ -46,7 +46,8 @@ std::optional<Eigen::Vector3d> DeskewRefinement::find(const std::vector<Eigen::V
   if (!params_.enabled || map.empty() || times_s.size() != points_cog.size()) return std::nullopt;
   PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad);
   const double sigma_rad_s = params_.sigma_deg_s * kDegree;
-  const double prior = planes_.correlation_inflation / (sigma_rad_s * sigma_rad_s);  // in the pairs' weights
+  // in the units of the pairs' weights
+  const double prior = planes_.correlation_inflation / (sigma_rad_s * sigma_rad_s);
   Pose T = T_odom_cog_predicted;
   Eigen::Vector3d rate_odom = Eigen::Vector3d::Zero();
   double kernel_m = std::max(planes_.initial_kernel_m, planes_.kernel_m);
@@ -63,7 +64,7 @@ std::optional<Eigen::Vector3d> DeskewRefinement::find(const std::vector<Eigen::V
     NormalEquations& pose = equations.pose;
     if (static_cast<int>(pose.inliers) < planes_.min_inliers) return std::nullopt;
     pose.H = pose.H.selfadjointView<Eigen::Lower>();
-    // the rate eliminated: w = free - with_pose dx
+    // eliminate the rate: w = free - with_pose dx
     equations.H_rate.diagonal().array() += prior;
     equations.b_rate -= prior * rate_odom;
     const auto solver = equations.H_rate.ldlt();

@@ -17,7 +17,7 @@ EstimateTrack::Increment EstimateTrack::add(const FilterState& state) {
   speed_observed_ = state.measurement_applied && state.speed_error.variance_m2_s2 == 0.0;
   speed_was_observed_ = speed_was_observed_ || (speed_observed_ && state.dt_s > 0.0);
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
-  // where the clouds overrule it, a long interval may be one that the stamps only tell, found by nobody
+  // if the clouds contradict the prediction, a long interval may be an undetected clock jump
   const bool clock_jump_suspected =
       state.clock_jump || (state.fusion.prediction_overruled && state.dt_s > kLongInterval_s);
   Increment increment;

@@ -26,7 +26,7 @@ bool sameBasin(const Pose& a, const Pose& b, const IcpPointToPoint::Params& para
          logSo3(a.linear().transpose() * b.linear()).norm() < params.merge_rotation_deg * kDegree;
 }
 
-/// Descents that have met go on as one.
+/// Merges descents that have converged to the same pose.
 void mergeBasins(const IcpPointToPoint::Params& params, std::vector<IcpPointToPoint::Descent>& descents) {
   for (std::size_t i = 1; i < descents.size();) {
     const auto end = descents.begin() + static_cast<std::ptrdiff_t>(i);
@@ -180,7 +180,7 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2_m2 / 3.0;
   const Vector6d& step = best.step.dx;
   const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(step, result.covariance);  // wanders where little is observed
+                      isWithinSigma(step, result.covariance);  // the step may stay large where little is observed
   if (!best.converged) result.covariance += step * step.transpose();
   result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   return result;
@@ -197,7 +197,7 @@ Measurement IcpPointToPoint::align(const std::vector<Eigen::Vector3f>& points_co
   const PointPairs pairs(points_cog, map, {params_.max_distance_m, params_.surface_information, params_.support});
   const std::size_t stride =
       std::max<std::size_t>(1, points_cog.size() / static_cast<std::size_t>(params_.thinned_points));
-  PointPairs::Neighborhoods around_prediction;  // of the few points that the seeds descend on together
+  PointPairs::Neighborhoods around_prediction;  // of the thinned points of the joint descent
   const Weak weak = pairs.weakHorizontal(stride, T_odom_cog_predicted, params_.initial_kernel_m, around_prediction);
   std::vector<Descent> descents;
   for (const Pose& seed : seeds(T_odom_cog_predicted, predicted_covariance)) {
@@ -210,7 +210,7 @@ Measurement IcpPointToPoint::align(const std::vector<Eigen::Vector3f>& points_co
     keepBest(pairs, stride, descents);
   }
 
-  // each survivor on all points; the best mean squared error wins
+  // refine each remaining seed on all points; the smallest mean squared error wins
   std::optional<Refined> best;
   std::vector<std::size_t> winners;  // seeds
   std::vector<Pose> solutions;

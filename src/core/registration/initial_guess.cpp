@@ -6,7 +6,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kSurePlaces = 10.0;  // the search for the first motion is as good as its last step if so many agree
+// with this many agreeing cells the search for the first motion is as precise as its last step
+constexpr double kSurePlaces = 10.0;
 
 }  // namespace
 
@@ -55,7 +56,7 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
   InitialGuess found = guess;
   found.twist_cog = *twist_cog;
   found.twist_found = InitialGuess::Found::kFirstMotion;
-  // from the first sweep on: the last estimate may be a prediction at standstill
+  // from the first sweep: the last estimate may be a prediction at standstill
   found.T_odom_cog = map.first().T_odom_cog * expSe3(*twist_cog * since_first_s);
   const double step_m = first_motion_.params().step_mps * since_first_s;
   found.searched_sigma_m = (places_met >= kSurePlaces ? MotionInitialization::kFineStep : 1.0) * step_m;
@@ -65,7 +66,7 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
   return found;
 }
 
-// Without it the measurements would settle on whatever is near; a few sweeps later it may do.
+// Without relocalization the measurements would converge to a nearby minimum; a few sweeps later they may.
 InitialGuessResolver::Better InitialGuessResolver::relocalize(const RegistrationScan& scan, const LocalMap& map,
                                                               const EstimateTrack& track,
                                                               const InitialGuess& guess) const {

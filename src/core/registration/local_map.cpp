@@ -6,7 +6,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kOtherReference_s = 0.02;  // between sweeps' middles; less is what a driver adds to a revolution
+constexpr double kOtherReference_s = 0.02;  // between the sweeps' middles; a driver adds less to a revolution
 
 }  // namespace
 
@@ -35,7 +35,8 @@ void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, do
 void LocalMap::redeskewFirst(const Vector6d& twist_cog, double middle_s) {
   if (!only_first_ || first_cloud_.compensated) return;
   RegistrationCloud first = first_cloud_;
-  // one whose time field failed was timed with no other before it: a head's sweeps lie alike about their stamps
+  // if the time field of the first sweep failed, its timing had no earlier sweep to follow; all sweeps of a head have
+  // the same times relative to their stamps
   const double shift_s = first.middle_s - middle_s;
   first.redeskew(twist_cog, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
   reference_.clear();

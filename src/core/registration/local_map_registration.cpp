@@ -8,7 +8,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kMaxSearchTime_s = 1.0;  // since the first sweep; then it is out of sight
+constexpr double kMaxSearchTime_s = 1.0;  // since the first sweep; later the first sweep is out of sight
 
 Measurement withoutPose(MeasurementStatus status) {
   Measurement measurement;
@@ -46,7 +46,7 @@ void LocalMapRegistration::findRoadSpeed(const CorrectedSweep& sweep, const Swee
 void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
   guess_ = predictedGuess(scan_, prediction);
   if (!scan_.usable) return;
-  // a search for the first motion that failed would fail for good: this sweep is the first one now
+  // after a failed search for the first motion the next searches would fail too: this sweep becomes the first one
   const double since_first_s = secondsBetween(map_.first().time_s, prediction.time_s());
   if (!prediction.motionKnown() && since_first_s > kMaxSearchTime_s) map_.restart();
   guess_ = resolver_.resolve(sweep, scan_, map_, track_, prediction);
@@ -59,7 +59,7 @@ void LocalMapRegistration::applyGuess() {
     if (!scan_.cloud.compensated) scan_.redeskew(guess_.twist_cog, 0.0);
     if (params_.refine_deskew) map_.redeskewFirst(guess_.twist_cog, middle_s);
   }
-  if (guess_.clock_jump_suspected) {  // the road's relief goes by the stamps
+  if (guess_.clock_jump_suspected) {  // the road profile depends on the stamps
     road_speed_aid_.clear();
     road_speed_ = {};
   }
@@ -110,7 +110,7 @@ void LocalMapRegistration::place(const FilterState& state) {
   road_speed_aid_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
   if (params_.refine_deskew) refine(increment);
   if (increment.between_measured) builder_.observeBeams(scan_, map(), state.T_odom_cog);
-  // a prediction's error would be in the map for good, and the sweeps after it register to it
+  // a dead-reckoned pose would put its error into the map permanently, and later sweeps would register to it
   if (!state.inMap() && !map_.empty()) return;
   if (map_.empty()) track_.beginAt(state);
   map_.insert(scan_.cloud, state.T_odom_cog, state.time_s(), open_country_aid_.nearlyOpen());
@@ -119,7 +119,7 @@ void LocalMapRegistration::place(const FilterState& state) {
 void LocalMapRegistration::refine(const EstimateTrack::Increment& increment) {
   if (!increment.twist_cog || scan_.cloud.compensated) return;
   Vector6d twist_cog = *increment.twist_cog;
-  // for another turn than the one it was measured with, map and measurement would lead each other astray
+  // with another turn rate than that of the measurement, map and measurement would amplify each other's errors
   if (guess_.twist_found == InitialGuess::Found::kTurn) twist_cog.tail<3>() = scan_.twist_cog.tail<3>();
   scan_.redeskew(twist_cog, scan_.cloud.middle_s);
 }

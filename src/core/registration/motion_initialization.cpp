@@ -98,8 +98,8 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
       consider(params_.min_speed_mps + i * params_.step_mps, k * params_.step_yaw_rate_rps, params_.kernel_m);
     }
   }
-  if (best_votes <= 0.0) return std::nullopt;  // nothing stands, or nothing meets
-  // once more, finer, around the best
+  if (best_votes <= 0.0) return std::nullopt;  // no above-ground points, or no match
+  // refine around the best
   const Vector6d coarse = best;
   best_votes = 0.0;
   for (int i = -4; i <= 4; ++i) {

@@ -12,9 +12,11 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kStaysOpen = 2.0;    // open country ends above so many times the planes' share below which it began,
-constexpr int kOpenSweeps = 5;        // or after so many sweeps above that; but only where next to nothing stands:
-constexpr double kClearlyOpen = 0.5;  // less than that of the limit
+// Hysteresis: in the kOpenSweeps sweeps after a clearly open one, the limit of the planes' ratio is kStaysOpen times as
+// large. Clearly open: the planes' ratio is below its limit, the above-ground ratio below kClearlyOpen of its limit.
+constexpr double kStaysOpen = 2.0;
+constexpr int kOpenSweeps = 5;
+constexpr double kClearlyOpen = 0.5;
 
 }  // namespace
 
@@ -46,7 +48,7 @@ void OpenCountryAid::reset() {
 void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params,
                     const InitialGuess& guess, Measurement& measurement) {
   if (!found.open_country || !measurement.ok()) return;
-  // what travels with the sensor is off by no more than the way
+  // what travels with the sensor causes an error of at most the distance driven
   const double distance_m = guess.twist_cog.head<3>().norm() * guess.dt_s;
   const double surface_sigma_m = std::min(params.surface_sigma_m, 0.5 * distance_m);
   const double surface_sigma_rad = params.surface_sigma_deg * kDegree * surface_sigma_m / params.surface_sigma_m;
@@ -55,7 +57,7 @@ void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatche
   if (!found.pose) return;
   const Pose& T = found.pose->T_odom_cog;
   const auto eigen = symmetricEigen(found.pose->covariance);
-  for (int i = 0; i < 3; ++i) {  // along these the errors are independent
+  for (int i = 0; i < 3; ++i) {  // along the eigenvectors the errors are independent
     Vector6d direction = Vector6d::Zero();
     direction.head<2>() = eigen.eigenvectors().col(i).head<2>();
     direction[5] = eigen.eigenvectors()(2, i);

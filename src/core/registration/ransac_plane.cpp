@@ -21,13 +21,13 @@ struct Plane {
   double d_m;
 };
 
-// Uniform in [0, bound) by multiplication: unlike the standard's distributions the same on every platform.
+// Uniform in [0, bound) by multiplication: the same on every platform, unlike the standard's distributions.
 std::size_t drawBelow(std::mt19937& generator, std::size_t bound) {
   const std::uint64_t bits = static_cast<std::uint32_t>(generator());
   return static_cast<std::size_t>((bits * static_cast<std::uint64_t>(bound)) >> 32);
 }
 
-// Horizontal coordinates of one random point out of each of `count` equal stretches of the points.
+// Horizontal coordinates of one random point from each of `count` equal parts of the points.
 void drawSample(const std::vector<Eigen::Vector3f>& points, std::size_t count, const Eigen::Vector3f& axis_u,
                 const Eigen::Vector3f& axis_v, std::mt19937& generator, Eigen::ArrayXf& u, Eigen::ArrayXf& v) {
   u.resize(static_cast<Eigen::Index>(count));
@@ -40,7 +40,7 @@ void drawSample(const std::vector<Eigen::Vector3f>& points, std::size_t count, c
   }
 }
 
-// Draws needed so that, with the given confidence, one pair had inliers only.
+// Draws needed so that, with the given confidence, one pair holds inliers only.
 double drawsNeeded(double inlier_ratio, double confidence) {
   const double pair = inlier_ratio * inlier_ratio;
   if (pair >= 1.0) return 1.0;
@@ -109,7 +109,7 @@ RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen:
   drawSample(points, count, axis_u.cast<float>(), axis_v.cast<float>(), generator, u, v);
 
   // Score of a hypothesis: the mean of min((distance / inlier distance)^2, 1); 1 - score never exceeds the inlier
-  // share.
+  // ratio.
   const float inverse_distance = static_cast<float>(1.0 / params.inlier_distance_m);
   const double least_ratio = static_cast<double>(params.min_inliers) / static_cast<double>(points.size());
   float best_score = std::numeric_limits<float>::infinity();

@@ -10,7 +10,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr float kMinCorrected_m = 1.0f;  // of the range; nearer, an offset would be a large share of it
+constexpr float kMinCorrected_m = 1.0f;  // of the range; below it an offset would be a large part of the range
 
 void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& times,
             const std::vector<std::uint32_t>& indices, std::vector<Eigen::Vector3f>& out_points,
@@ -91,7 +91,7 @@ void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_
   for (std::uint32_t i = 0; i < all_.size(); ++i) all_[i] = i;
   const auto thinned = [&](double voxel_m) -> const std::vector<std::uint32_t>& {
     chosen_ = filter_.select(cloud.map_points_cog, all_, voxel_m);
-    // what is near in the map is met together, as the sweep has it
+    // in the sweep's order: consecutive points then access nearby parts of the map
     std::sort(chosen_.begin(), chosen_.end(), [&](auto a, auto b) { return of_sweep_[a] < of_sweep_[b]; });
     return chosen_;
   };

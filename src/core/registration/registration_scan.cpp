@@ -6,7 +6,7 @@ namespace fail_aware {
 
 namespace {
 
-// The turn that is left in them is looked for by the azimuth; without that search nobody asks for times.
+// Azimuth timing of compensated sweeps serves the deskew refinement only; without it no times are needed.
 std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& params,
                                                  const SweepTimingParams& timing) {
   if (timing.source != "none" || !params.deskew_refinement.enabled) return std::nullopt;

@@ -9,8 +9,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr int kNarrowingSteps = 3;    // times the usual ICP's iterations
-constexpr double kShortGap_s = 0.75;  // up to which the seeds around the prediction reach far enough
+constexpr int kNarrowingSteps = 3;    // factor on the usual ICP's iterations
+constexpr double kShortGap_s = 0.75;  // up to this gap the seeds around the prediction reach far enough
 constexpr double kTurn_rad_s2 = 0.2;  // standard deviations of a vehicle's yaw and forward acceleration
 constexpr double kAcceleration_mps2 = 0.5;
 
@@ -26,7 +26,7 @@ IcpPointToPoint::Params widened(const Relocalization::Params& params, const IcpP
   return wide;
 }
 
-// From the place that the search found: z, roll and pitch are the prediction's still, which takes its steps.
+// Starts from the pose of the search. z, roll and pitch still come from the prediction, so more iterations are needed.
 IcpPointToPoint::Params narrowing(const Relocalization::Params& params, const IcpPointToPoint::Params& usual) {
   IcpPointToPoint::Params one = widened(params, usual);
   one.seeds = 1;
@@ -46,12 +46,13 @@ IcpPointToPoint::Params strict(const Relocalization::Params& params, const IcpPo
   return one;
 }
 
-// What the driver may have done since the last sweep in the map. Of one long interval the prediction knows it already: then
-// the search reaches farther by half.
+// Covariance of the driver's possible actions since the last inserted sweep. For a single long interval the prediction
+// already contains it; the search range then grows by half.
 Matrix6d steered(const Relocalization::Gap& gap, const Eigen::Matrix3d& R_odom_cog) {
   const double yaw_rad = 0.5 * kTurn_rad_s2 * gap.duration_s * gap.duration_s;
   const double along_m = 0.5 * kAcceleration_mps2 * gap.duration_s * gap.duration_s;
-  const double across_m = gap.distance_m * yaw_rad / 3.0;  // the turn began with the gap and grew with its square
+  // the turn starts with the gap and grows with the square of its duration
+  const double across_m = gap.distance_m * yaw_rad / 3.0;
   const Eigen::Vector2d ahead = R_odom_cog.col(0).head<2>().normalized(), across(-ahead.y(), ahead.x());
   Matrix6d covariance = Matrix6d::Zero();
   covariance.topLeftCorner<2, 2>() =

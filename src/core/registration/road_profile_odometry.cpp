@@ -14,12 +14,12 @@ namespace {
 constexpr double kGateSigmas = 3.0;
 constexpr double kSmallestEnergy = 1e-12;
 
-// Takes the mean over a square of 2 half + 1 cells off every cell's height.
+// Subtracts the mean over a square of 2 half + 1 cells from every cell's height.
 void subtractLocalMean(const std::vector<float>& sums, const std::vector<float>& weights, int nx, int ny, int half,
                        std::vector<float>& heights) {
   const auto at = [ny](int x, int y) { return static_cast<std::size_t>(x * (ny + 1) + y); };
   std::vector<double> S(static_cast<std::size_t>((nx + 1) * (ny + 1)), 0.0), W(S);
-  // no cell, however many points it has, outweighs its neighbours
+  // limits the weight of a cell relative to its neighbours, however many points it has
   constexpr float kMaxWeight = 1.0f / (0.0015f * 0.0015f);
   for (int x = 0; x < nx; ++x) {
     for (int y = 0; y < ny; ++y) {
@@ -166,7 +166,7 @@ std::vector<RoadProfileOdometry::Layer> RoadProfileOdometry::layers() const {
 
 RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& layers, double speed_mps,
                                                       double acceleration_mps2) const {
-  // the newest sweep's frame; room for the path behind or ahead
+  // in the newest sweep's frame; with room for the path behind or ahead
   const auto place = [&](double age_s) { return -speed_mps * age_s + 0.5 * acceleration_mps2 * age_s * age_s; };
   double low = 0.0, high = 0.0, aside = 0.0;
   for (const Layer& layer : layers) {
@@ -202,7 +202,7 @@ RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& 
     }
   }
   Score score;
-  double largest = 0.0;  // were all sweeps alike
+  double largest = 0.0;  // the energy if all sweeps were equal
   const auto prior = static_cast<float>(1.0 / (params_.profile_sigma_m * params_.profile_sigma_m));
   for (std::size_t i = 0; i < grid_.size(); i += 4) {
     if (grid_[i + 3] < 2.0f) continue;
@@ -214,7 +214,7 @@ RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& 
   return score;
 }
 
-// The speed in the middle of the window, if one peak stands out.
+// The speed in the middle of the window, if one peak is distinct.
 std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Layer>& layers) const {
   constexpr double kStep_mps = 0.5;
   std::vector<double> energies;
@@ -223,7 +223,7 @@ std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Lay
   }
   const auto best = std::max_element(energies.begin(), energies.end());
   if (!(*best > 0.0)) return std::nullopt;
-  // beside the peak: where the sweeps at both ends of the window are more than a wave apart
+  // outside the peak: where the first and last sweep of the window are more than a wave apart
   const double beside_mps = 2.0 * params_.smoothing_m / std::max(layers.front().age_s, 0.1) * 1.5;
   const auto k = best - energies.begin();
   for (std::size_t i = 0; i < energies.size(); ++i) {
@@ -249,7 +249,7 @@ std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double 
     middle_mps = *found;
   }
   const auto scoreAt = [&](double middle, double a) { return score(all, middle + 0.5 * a * span_s, a); };
-  // by turns the speed in the middle of the window and the acceleration: they hardly depend on each other
+  // alternate between the speed in the middle of the window and the acceleration: they are nearly independent
   double speed_step = 0.5, acceleration_step = 1.0;
   for (int round = 0; round < 4; ++round) {
     for (double* value : {&middle_mps, &acceleration}) {
@@ -279,7 +279,8 @@ std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double 
   const double opposite = scoreAt(-middle_mps, -acceleration).energy;
   const double mirrored = std::max(0.0, opposite / std::max(here.energy, kSmallestEnergy));
   speed.sigma_mps = std::hypot(params_.speed_sigma_mps, params_.mirrored_sigma_mps * mirrored);
-  // Its own doubt does not excuse it: the same sweeps but one tell the next speed, and the filter would follow them all.
+  // The result's own sigma is not part of the tolerance: the next results share all sweeps but one, and the filter
+  // would follow them all.
   const double tolerance_mps = kGateSigmas * std::hypot(expected_sigma_mps, params_.speed_sigma_mps);
   if (speed.correlation < params_.min_correlation || std::abs(speed.speed_mps - expected_mps) > tolerance_mps) {
     last_.reset();

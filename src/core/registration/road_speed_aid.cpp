@@ -11,9 +11,9 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m a sweep
+constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m per sweep
 
-/// By bit: the eighths of the azimuth that hold points.
+/// Bit k: eighth k of the azimuth holds points.
 std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
   constexpr std::size_t kFewest = 20;
   std::array<std::size_t, 8> points{};
@@ -33,7 +33,7 @@ RoadSpeedAid::Result RoadSpeedAid::find(const CorrectedSweep& sweep, const Regis
   Result result;
   if (!odometry_.params().enabled) return result;
   const std::bitset<8> before = std::exchange(eighths_seen_, eighthsSeen(scan.cloud.map_points_cog));
-  // parts of a revolution show another road each
+  // different parts of a revolution show different roads
   const bool looks_elsewhere = 2 * (before & eighths_seen_).count() < (before | eighths_seen_).count();
   if (!scan.usable || track.speedObserved() || looks_elsewhere) {
     odometry_.clear();

@@ -13,8 +13,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kBelowLidar_m = 0.5;   // the road is at least that far below the lidar
-constexpr double kRangeNoise_m = 0.02;  // only the ratio to the relief's matters
+constexpr double kBelowLidar_m = 0.5;   // the road is at least this far below the lidar
+constexpr double kRangeNoise_m = 0.02;  // only its ratio to the profile's height matters
 constexpr std::size_t kMinSamples = 1000;
 
 struct RoadPoint {
@@ -28,7 +28,7 @@ Vector6d quadric(double x, double y) {
   return row;
 }
 
-// z = q(x, y) through the most common height, robustly.
+// Fits z = q(x, y) robustly around the most common height.
 Vector6d fitRoad(const std::vector<RoadPoint>& points) {
   constexpr double kBin_m = 0.1;
   constexpr int kBins = 60;
@@ -74,7 +74,7 @@ std::vector<RoadPoint> roadPoints(const CorrectedSweep& sweep, const Pose& T_cog
   return points;
 }
 
-// What was seen in one direction from the sensor as it was when it fired.
+// Points in one direction from the sensor, at the sensor's position when it fired.
 struct Direction {
   double x = 0.0, y = 0.0, time_s = 0.0, height = 0.0;
   int count = 0;

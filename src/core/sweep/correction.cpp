@@ -22,8 +22,8 @@ Eigen::Map<const Eigen::ArrayXf> asArray(const std::vector<float>& values) {
   return {values.data(), static_cast<Eigen::Index>(values.size())};
 }
 
-/// The smallest order whose remainder stays below the tolerance; kMaxOrder + 1 if none does. With a = |s w|, the term
-/// of order k is at most |s| (|w| r + |u|) a^(k-1) / k!, and all terms from the k-th on at most e^a times that.
+/// The lowest order with a remainder below the tolerance; kMaxOrder + 1 if there is none. With a = |s w|, the term of
+/// order k is at most |s| (|w| r + |u|) a^(k-1) / k!, and all terms from the k-th on sum to at most e^a times that.
 int seriesOrder(const Vector6d& twist, double longest_s, double tolerance_m) {
   const double a = longest_s * twist.tail<3>().norm();
   double bound = (a * kFarthestPoint_m + longest_s * twist.head<3>().norm()) * std::exp(a);
@@ -34,7 +34,7 @@ int seriesOrder(const Vector6d& twist, double longest_s, double tolerance_m) {
   return kMaxOrder + 1;
 }
 
-/// out = Exp(s twist) in for each point and its s; `in` and `out` may be the same.
+/// out = Exp(s twist) in for each point and its s; `in` and `out` may be the same array.
 void moveByTwist(const Eigen::Vector3f* in, const std::vector<float>& times_s, const Vector6d& twist,
                  double tolerance_m, Eigen::Vector3f* out) {
   const double longest_s = asArray(times_s).abs().maxCoeff();
@@ -47,7 +47,7 @@ void moveByTwist(const Eigen::Vector3f* in, const std::vector<float>& times_s, c
     return;
   }
 
-  // Horner on the homogeneous point: q <- p + (s/k) (w x q + u), for k = order .. 1.
+  // Horner's scheme on the homogeneous point: q <- p + (s/k) (w x q + u), for k = order .. 1.
   const Eigen::Vector3f u = twist.head<3>().cast<float>(), w = twist.tail<3>().cast<float>();
   PointBlock p, q;
   PointBlock::Array s = PointBlock::Array::Zero();

@@ -11,8 +11,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr std::size_t kPointsLookedAt = 256;  // points
-constexpr double kFollows = 0.98;             // mean resultant length; 1: each point lies where its time says
+constexpr std::size_t kPointsLookedAt = 256;
+constexpr double kFollows = 0.98;  // mean resultant length; 1: each point lies exactly where its time says
 constexpr int kMostCloudsARevolution = 4;
 
 }  // namespace
@@ -36,7 +36,7 @@ void HeldTiming::keep(const Sweep& sweep, const std::vector<float>& times_s, dou
     }
     for (const bool is_clockwise : {true, false}) {
       const std::complex<double>& sum = is_clockwise ? clockwise : counter_clockwise;
-      const double follows = std::abs(sum) / looked_at;  // NaN for none
+      const double follows = std::abs(sum) / looked_at;  // NaN without points
       if (!(follows > best)) continue;
       best = follows;
       head_ = Head{sweep.stamp_s, first_s, period_s, revolution_s, std::arg(sum), is_clockwise};
@@ -46,7 +46,7 @@ void HeldTiming::keep(const Sweep& sweep, const std::vector<float>& times_s, dou
 
 bool HeldTiming::apply(const Sweep& sweep, std::vector<float>& times_s) const {
   if (!head_) return false;
-  // clouds of half a revolution begin on alternating sides
+  // clouds of half a revolution start on alternating sides
   const double clouds = std::round(secondsBetween(head_->stamp_s, sweep.stamp_s) / head_->period_s);
   const double turned = std::remainder(2.0 * M_PI * clouds * head_->period_s / head_->revolution_s, 2.0 * M_PI);
   SweepTimingParams as_held;

@@ -1,4 +1,4 @@
-// Points in blocks of coordinate arrays, so that Eigen's packet arithmetic works on them whatever the compiler's flags.
+// Points in blocks of coordinate arrays, so that Eigen vectorizes the arithmetic with any compiler flags.
 #pragma once
 
 #include <Eigen/Core>

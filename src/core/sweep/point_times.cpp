@@ -8,15 +8,15 @@ namespace fail_aware {
 
 namespace {
 
-constexpr std::size_t kSample = 2000;       // values, of which the range is found
-constexpr double kSoundRatio = 0.9;         // of the values, at least, are times
-constexpr double kShortestSweep_s = 0.018;  // of kSoundRatio of a sweep: 50 Hz
+constexpr std::size_t kSample = 2000;       // number of values that the range is estimated from
+constexpr double kSoundRatio = 0.9;         // least ratio of the values that are times
+constexpr double kShortestSweep_s = 0.018;  // span of kSoundRatio of a sweep: 50 Hz
 constexpr double kLongestSweep_s = 1.0;
 constexpr double kCoarsestStep_s = 1e-3;
-constexpr double kLargestOwnTime_s = 2.0;  // a sweep's own times are below, a clock's above
-constexpr std::size_t kStragglers = 1000;  // one in so many, at each end
-constexpr double kSlack = 0.02;            // of the span: so far a straggler lies apart
-constexpr double kPeriodsInCloud = 1.25;   // a revolution, and what a driver adds to it
+constexpr double kLargestOwnTime_s = 2.0;  // times within a sweep are smaller, those of a clock larger
+constexpr std::size_t kStragglers = 1000;  // one point in this many, at each end
+constexpr double kSlack = 0.02;            // distance of an isolated straggler, as a ratio of the span
+constexpr double kPeriodsInCloud = 1.25;   // a revolution, plus what a driver adds to it
 
 struct Unit {
   const char* name;
@@ -24,7 +24,7 @@ struct Unit {
 };
 constexpr Unit kUnits[] = {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
 
-/// Sorted finite values at an odd stride (a column's beams are an even number), and how many were looked at.
+/// Sorted finite values at an odd stride (a column has an even number of beams), and the number of values read.
 struct Sample {
   std::vector<double> sorted;
   std::size_t looked_at = 0;
@@ -46,7 +46,7 @@ struct Interval {
   double low = 0.0, high = 0.0;
 };
 
-/// The shortest that holds kSoundRatio of what was looked at.
+/// The shortest interval that holds kSoundRatio of the values read.
 std::optional<Interval> coreOf(const Sample& sample) {
   const auto needed = static_cast<std::size_t>(std::ceil(kSoundRatio * static_cast<double>(sample.looked_at)));
   const std::vector<double>& v = sample.sorted;
@@ -73,7 +73,7 @@ std::string inShort(double number) {
   return text;
 }
 
-/// Null: no unit makes a sweep of that span.
+/// nullptr: in no unit the span is that of a sweep.
 const Unit* unitFor(double span, TimeNumber type) {
   for (const Unit& unit : kUnits) {
     if (span * unit.seconds >= kShortestSweep_s && span * unit.seconds <= kLongestSweep_s) return &unit;
@@ -101,7 +101,7 @@ bool readPointTimes(const std::vector<double>& numbers, TimeNumber type, const s
     field.refused = "its numbers span " + inShort(span) + ", in no unit (s, ms, us, ns) a sweep of 0.02 to 1 s";
     return false;
   }
-  // where all are alike, it is the field that a driver leaves empty
+  // if all values are equal, the driver does not fill the field
   if (span > 0.0 && stepOf(type, largest) * unit->seconds > kCoarsestStep_s) {
     field.refused = "its numbers are too coarse for their size (" + inShort(largest) + " " + unit->name + ")";
     return false;
@@ -134,7 +134,7 @@ std::optional<TimeRange> rangeOfTimes(const std::vector<float>& times_s, double 
   const double slack_s = kSlack * (high_s - low_s);
   const auto from = static_cast<float>(low_s - slack_s), to = static_cast<float>(high_s + slack_s);
   auto first = static_cast<float>(low_s), last = static_cast<float>(high_s);
-  for (const float time_s : times_s) {  // NaN is neither
+  for (const float time_s : times_s) {  // both comparisons are false for NaN
     if (time_s >= from && time_s < first) first = time_s;
     if (time_s <= to && time_s > last) last = time_s;
   }

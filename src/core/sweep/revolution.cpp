@@ -14,10 +14,11 @@ namespace {
 constexpr std::size_t kUsedPoints = 4000;
 constexpr std::size_t kBins = 36;
 constexpr std::size_t kLeastBins = 12;
-constexpr int kLeastPoints = 5;          // in a bin
-constexpr double kLeastResultant = 0.8;  // of the bin's directions: beams of one firing look nearly the same way
-constexpr double kUnsteady = 0.02;       // of a turn, standard deviation from the line
-constexpr float kOutside = 0.02f;        // share of the times at each end that is not used: single wrong ones
+constexpr int kLeastPoints = 5;  // per bin
+// of the bin's directions: the beams of one firing look in nearly the same direction
+constexpr double kLeastResultant = 0.8;
+constexpr double kUnsteady = 0.02;  // standard deviation from the line, in revolutions
+constexpr float kOutside = 0.02f;   // ratio of the times dropped at each end: single wrong times
 
 struct Bin {
   double cos_sum = 0.0, sin_sum = 0.0, time_sum_s = 0.0;

@@ -9,10 +9,11 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kBeams = 64;
-// In quarter turns: 14 to 28 deg, more than the step back at the rear, less than the one from beam to beam.
+// In quarter turns: 14 to 28 deg, more than the step back at the rear, less than the step from beam to beam.
 constexpr float kStepBack = 0.25f;
 
-/// Quarter turns counter-clockwise from straight ahead, [0, 4]; grows with the azimuth, though not evenly within a quarter.
+/// Quarter turns counter-clockwise from straight ahead, [0, 4]; monotonic in the azimuth, but not linear within a
+/// quarter.
 float quarterTurns(const Eigen::Vector3f& point) {
   const float share = point.y() / (std::abs(point.x()) + std::abs(point.y()));
   if (point.x() < 0.0f) return 2.0f - share;
@@ -27,7 +28,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Eigen::Vector3f>& poin
   std::array<float, kBeams> slope_sum{};  // tangent of the elevation
   std::array<float, kBeams> count{};
   std::size_t beam = 0;
-  bool left_the_front = false;  // straight ahead, azimuths come as 0 and as 360 deg, whichever beam they are of
+  bool left_the_front = false;  // straight ahead, any beam may have azimuths of 0 and of 360 deg
   float last = 0.0f;
   for (const Eigen::Vector3f& point : points_lidar) {
     const float turns = quarterTurns(point);

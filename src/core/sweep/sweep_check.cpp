@@ -22,7 +22,7 @@ std::size_t sectorOf(const Eigen::Vector3f& p) {
 
 void look(const std::vector<Eigen::Vector3f>& points, double visible_range_m, SweepFindings& findings) {
   const auto far = static_cast<float>(visible_range_m * visible_range_m);
-  // A stride that shares no factor with a column's beams would do as well; an odd one sees all of 64 or 128.
+  // An odd stride visits all beams of a column of 64 or 128; so does any stride without a common factor.
   const std::size_t stride = (points.size() / kComparedPoints) | 1u;
   std::array<int, kSectors> counts{};
   std::size_t looked_at = 0, beyond = 0;
@@ -36,7 +36,7 @@ void look(const std::vector<Eigen::Vector3f>& points, double visible_range_m, Sw
   findings.far_ratio = static_cast<double>(beyond) / static_cast<double>(looked_at);
 }
 
-// 64-bit multiplicative hash over all coordinates' bits.
+// 64-bit multiplicative hash over the bits of all coordinates.
 std::uint64_t fingerprint(const std::vector<Eigen::Vector3f>& points) {
   std::uint64_t hash = 0x9e3779b97f4a7c15u + points.size();
   for (const Eigen::Vector3f& p : points) {

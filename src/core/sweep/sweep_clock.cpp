@@ -12,28 +12,29 @@ namespace {
 
 constexpr double kShortestTurn_s = TurnLine::kShortestTurn_s, kLongestTurn_s = TurnLine::kLongestTurn_s;
 constexpr std::size_t kIntervalsNeeded = 3;
-constexpr std::size_t kDifferencesNeeded = 5, kQuietDifferencesNeeded = 2;  // jitter hardly hides in two
+constexpr std::size_t kDifferencesNeeded = 5, kQuietDifferencesNeeded = 2;  // two differences rarely hide jitter
 
 constexpr double kNegligible_s = 0.5e-3;    // 15 mm at 30 m/s: less than the vehicle model's noise in one sweep
-constexpr double kUnknownJitter_s = 3e-3;   // until the stamps tell: a usual host
-constexpr double kLeastJitter_s = 0.05e-3;  // no clock is believed to less
+constexpr double kUnknownJitter_s = 3e-3;   // of a usual host, until the stamps give it
+constexpr double kLeastJitter_s = 0.05e-3;  // lower limit for any clock
 
-constexpr double kTurnNoise_s = 0.03e-3;  // of one turn, an HDL-64E on a vehicle
-constexpr double kSurePeriod = 0.01;      // relative standard deviation of a period that point times tell
-constexpr double kOtherPeriod = 0.02;     // point times that differ by so much, twice, tell another spin rate
+constexpr double kTurnNoise_s = 0.03e-3;  // per revolution, an HDL-64E on a vehicle
+constexpr double kSurePeriod = 0.01;      // relative standard deviation of a period from point times
+constexpr double kOtherPeriod = 0.02;     // if point times differ by this ratio twice, the spin rate has changed
 
-constexpr double kLeastTolerance_s = 3e-3;  // a stamp that is farther off a quiet clock's model is wrong
+constexpr double kLeastTolerance_s = 3e-3;  // a stamp farther off the model of a quiet clock is wrong
 constexpr double kToleranceSigmas = 4.0;
-constexpr double kMostTolerance = 0.4;  // periods
-constexpr std::size_t kLine = 3;        // stamps in a row that must agree on another clock or on another period;
+constexpr double kMostTolerance = 0.4;  // in periods
+constexpr std::size_t kLine = 3;        // stamps in a row that must agree on another clock or on another period
 constexpr double kTurnsBetweenSets =
-    30.0;                            // a clock that is set more often is none: the period is wrong, and found anew
-constexpr double kSameSlope = 0.25;  // of the tolerance, for a period: jitter that sets in may look like one by chance
-constexpr double kTurnsOfGap = 3.0;  // after so many the head may have begun anew
+    30.0;  // if a clock seems to be set more often, the period is wrong and is estimated again
+// of the tolerance, for a period: the onset of jitter may look like a new period by chance
+constexpr double kSameSlope = 0.25;
+constexpr double kTurnsOfGap = 3.0;      // after a gap of this many revolutions the head may have restarted
 constexpr double kRightAfterAll = 0.05;  // probability that a stamp which contradicts the model is right
-constexpr double kPhaseFollowed = 0.1;   // of a correction of the phase, in one sweep
+constexpr double kPhaseFollowed = 0.1;   // ratio of a phase correction that is applied in one sweep
 
-// A whole number of turns, or a turn divided by one.
+// A whole number of revolutions, or the inverse of a whole number.
 double turnsPerCloud(double interval_s, double revolution_s) {
   const double turns = interval_s / revolution_s;
   return turns < 1.0 ? 1.0 / std::round(1.0 / turns) : std::round(turns);
@@ -72,7 +73,7 @@ SweepClock::SweepClock(double given_period_s) : given_period_s_(given_period_s) 
   period_sure_ = given_period_s_ > 0.0;
 }
 
-// Turns and times count from the last sweep.
+// Revolutions and times count from the last sweep.
 void SweepClock::setPeriod(double period_s, double sigma_s) {
   line_.restart(period_s, sigma_s);
   turn_ = time_s_ = 0.0;
@@ -81,7 +82,7 @@ void SweepClock::setPeriod(double period_s, double sigma_s) {
   deviations_.clear();
 }
 
-// What point times tell alone is true to a thousandth: enough to judge stamps, too little to time points by it.
+// A period from point times alone is accurate to a thousandth: enough to judge stamps, too little to time points.
 std::optional<double> SweepClock::period_s() const {
   if (!hasPeriod() || (!(given_period_s_ > 0.0) && intervals_ < kIntervalsNeeded)) return std::nullopt;
   return wholeMicroseconds(line_.period_s());
@@ -115,7 +116,7 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   return sweep;
 }
 
-// The stamp that was refused came one turn after the last sweep.
+// True if the refused stamp came one revolution after the last sweep.
 bool SweepClock::wasSetBack(double since_s, double set_back_s) const {
   if (!hasPeriod()) return false;
   const auto fits = [this](double interval_s) {
@@ -127,7 +128,8 @@ bool SweepClock::wasSetBack(double since_s, double set_back_s) const {
 
 SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s) {
   if (!hasPeriod() && new_revolution_s_ > 0.0 && stamps_apart_s >= kShortestTurn_s) {
-    turns_per_cloud_ = std::min(1.0, turnsPerCloud(stamps_apart_s, new_revolution_s_));  // more: a sweep may be lost
+    // a larger value may mean a lost sweep
+    turns_per_cloud_ = std::min(1.0, turnsPerCloud(stamps_apart_s, new_revolution_s_));
     followRevolution(new_revolution_s_);
   }
   const double stamp_s = time_s_ + since_s;
@@ -153,7 +155,7 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
   return advance(turns, isTrusted(deviation_s) ? std::optional<double>(since_s) : std::nullopt);
 }
 
-// Only intervals matter. Each correction of the phase corrects the last times as well, so it is taken over slowly.
+// Only intervals matter. A correction of the phase also applies to earlier times, so it is applied gradually.
 SweepClock::Interval SweepClock::advance(double turns, std::optional<double> trusted_s) {
   turn_ += turns;
   const double turning_s = turns * line_.period_s();
@@ -170,7 +172,7 @@ void SweepClock::observeRevolution(double revolution_s) {
   const auto differ = [](double a_s, double b_s) { return std::abs(a_s - b_s) > kOtherPeriod * b_s; };
   const double last_s = new_revolution_s_;
   new_revolution_s_ = revolution_s;
-  if (!hasPeriod()) return;  // the next interval tells how many turns a cloud holds
+  if (!hasPeriod()) return;  // the next interval gives the number of revolutions per cloud
   if (!(turns_per_cloud_ > 0.0)) turns_per_cloud_ = turnsPerCloud(line_.period_s(), revolution_s);
   if (!differ(turns_per_cloud_ * revolution_s, line_.period_s())) {
     new_revolution_s_ = 0.0;
@@ -186,7 +188,8 @@ void SweepClock::followRevolution(double revolution_s) {
   new_revolution_s_ = 0.0;
 }
 
-// Less than two whole ones is one whose stamp is wrong: rarer than a lost sweep, but not together with it.
+// An interval clearly below two periods counts as one period with a wrong stamp. A wrong stamp is rarer than a lost
+// sweep, but more likely than both together.
 double SweepClock::turnsIn(double since_s) const {
   const double turns = since_s / line_.period_s();
   if (turns < 2.0 - tolerance_s() / line_.period_s()) return 1.0;

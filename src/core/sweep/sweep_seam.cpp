@@ -11,17 +11,17 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kBlocks = 72;
-constexpr std::size_t kLooks = 20;            // a block
+constexpr std::size_t kLooks = 20;            // per block
 constexpr std::size_t kFirstRatio = 720;      // the first points: half a degree of the revolution
 constexpr double kMinLength = 0.8;            // of a block's mean direction: 1 if all its points lie in one direction
-constexpr double kLargestStep_deg = 60.0;     // between blocks: no returns in between
-constexpr double kMinRevolution_deg = 300.0;  // from the first block to the last; the ends may see nothing
+constexpr double kLargestStep_deg = 60.0;     // between blocks: larger if there are no returns in between
+constexpr double kMinRevolution_deg = 300.0;  // from the first block to the last; the ends may hold no points
 constexpr double kMaxRevolution_deg = 400.0;
-constexpr std::size_t kMaxStrange = 7;  // blocks, a tenth: points near the head lie anywhere
+constexpr std::size_t kMaxStrange = 7;  // blocks, a tenth: points near the head may lie in any direction
 
 double wrapped_deg(double angle_deg) { return std::remainder(angle_deg, 360.0); }
 
-/// Mean of the points' horizontal directions, [first, last); its length says how much they have in common.
+/// Mean of the points' horizontal directions, [first, last); its length is 1 if they are all equal.
 Eigen::Vector2d meanDirection(const std::vector<Eigen::Vector3f>& points, std::size_t first, std::size_t last) {
   const std::size_t step = std::max<std::size_t>(1, (last - first) / kLooks);
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -87,7 +87,7 @@ std::string SweepSeamCheck::contradiction() const {
     if (contradicts(seam)) contradicting.push_back(seam);
   }
   if (seams_.size() < kSweepsNeeded || 2 * contradicting.size() <= seams_.size()) return "";
-  // the one in the middle, counted from the newest one's azimuth
+  // the median, relative to the newest azimuth
   const double newest_deg = contradicting.back().start_azimuth_deg;
   const auto middle = contradicting.begin() + static_cast<std::ptrdiff_t>(contradicting.size() / 2);
   std::nth_element(contradicting.begin(), middle, contradicting.end(), [&](const SweepSeam& a, const SweepSeam& b) {

@@ -15,13 +15,13 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kShortestPeriod_s = 0.02;  // 50 Hz: no head that turns faster is known
+constexpr double kShortestPeriod_s = 0.02;  // 50 Hz: no known head rotates faster
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
-constexpr double kFieldLimitPeriods = 2.5;           // two revolutions in one cloud are still timed by their field
-constexpr double kCoarsestFieldResolution_s = 1e-3;  // an absolute time in a float
-constexpr double kZeroTolerance = 0.1;               // of the spread: a packet's points lie to both sides of its stamp
+constexpr double kFieldLimitPeriods = 2.5;           // the field still times two revolutions in one cloud
+constexpr double kCoarsestFieldResolution_s = 1e-3;  // of an absolute time in a float
+constexpr double kZeroTolerance = 0.1;               // of the spread: a packet's points lie on both sides of its stamp
 
-/// Of the sweep's period, counted from its start.
+/// As a ratio of the sweep's period, from its start.
 double positionInSweep(StampReference reference) {
   switch (reference) {
     case StampReference::kStart: return 0.0;
@@ -37,13 +37,13 @@ StampReference referenceFromSign(double low, double high) {
   return high <= tolerance ? StampReference::kEnd : StampReference::kMid;
 }
 
-/// atan on [-1, 1], minimax of degree 9, error 1.2e-5 rad.
+/// atan on [-1, 1], minimax polynomial of degree 9, error 1.2e-5 rad.
 PointBlock::Array atanUnit(const PointBlock::Array& r) {
   const PointBlock::Array r2 = r * r;
   return r * (0.999866329f + r2 * (-0.330304786f + r2 * (0.180159295f + r2 * (-0.0851563508f + r2 * 0.0208451142f))));
 }
 
-/// atan2(y, x) without a branch: with r = (|y| - |x|)/(|y| + |x|), atan2(|y|, |x|) = pi/4 + atan(r).
+/// atan2(y, x) without branches: with r = (|y| - |x|)/(|y| + |x|), atan2(|y|, |x|) = pi/4 + atan(r).
 PointBlock::Array atan2Fast(const PointBlock::Array& y, const PointBlock::Array& x) {
   const PointBlock::Array abs_x = x.abs(), abs_y = y.abs();
   const PointBlock::Array r = (abs_y - abs_x) / (abs_y + abs_x + 1e-30f);
@@ -142,12 +142,13 @@ std::string inMs(double time_s) {
 
 }  // namespace
 
-// The first sweep tells another clock, for good. Later on, a sweep that fits neither its stamp nor zero has a wrong stamp.
+// If the first sweep shows another clock, that clock is kept. Later, a sweep that fits neither its stamp nor zero has a
+// wrong stamp.
 SweepTiming::Clock SweepTiming::clockOf(double first_s, double last_s, double stamp_s, double limit_s) const {
   if (clock_ == Clock::kOther) return Clock::kOther;
   const auto near = [&](double zero_s, double limit) { return first_s - zero_s >= -limit && last_s - zero_s <= limit; };
   if (near(0.0, limit_s)) return Clock::kSweep;
-  // at the limit, jitter must not tell another clock each sweep
+  // near the limit, jitter must not change the clock from sweep to sweep
   return near(stamp_s, clock_ == Clock::kStamp ? 2.0 * limit_s : limit_s) ? Clock::kStamp : Clock::kOther;
 }
 
@@ -175,7 +176,7 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
   }
 
   const double origin_s = sweep.time_field.origin_s;
-  double offset = 0.0;  // from the sweep's times to those relative to the stamp
+  double offset = 0.0;  // from the sweep's times to times relative to the stamp
   const Clock clock = clockOf(origin_s + range->first_s, origin_s + range->last_s, sweep.stamp_s, limit);
   if (!clock_ || clock != Clock::kOther) clock_ = clock;
   switch (clock) {
@@ -215,7 +216,7 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
 
 void timesByAzimuth(const SweepTimingParams& params, const std::vector<Eigen::Vector3f>& points_lidar,
                     double zero_position, double period_s, std::vector<float>& times_s) {
-  // Turned (and mirrored, for a counter-clockwise head) so that the sweep runs from yaw pi down to -pi.
+  // Rotated (and mirrored, for a counter-clockwise head) so that the sweep runs from yaw pi down to -pi.
   const double turn = M_PI - params.start_azimuth_deg * kDegree;
   const float c = static_cast<float>(std::cos(turn)), s = static_cast<float>(std::sin(turn));
   const float mirror = params.clockwise ? 1.0f : -1.0f;

@@ -10,12 +10,13 @@ namespace fail_aware {
 
 namespace {
 
-constexpr std::size_t kStamps = 40;    // 4 s: a period to 0.014 of the jitter, a phase to 0.3 of it
-constexpr std::size_t kFirst = 16;     // stamps whose turns are counted anew, where no period is known
-constexpr std::size_t kIntervals = 3;  // that tell it,
-constexpr double kTwoTurns = 1.7;      // an interval of so many medians holds two turns: jitter is more usual than loss
-constexpr std::size_t kNewest = 5;     // residuals whose mean tells another rate,
-constexpr double kOtherRateSigmas = 4.0;  // where it is so far from 0
+constexpr std::size_t kStamps = 40;    // 4 s: the period is good to 0.014 of the jitter, the phase to 0.3 of it
+constexpr std::size_t kFirst = 16;     // stamps whose revolutions are counted again while no period is known
+constexpr std::size_t kIntervals = 3;  // needed for a period
+// an interval of this many medians holds two revolutions: jitter is more usual than loss
+constexpr double kTwoTurns = 1.7;
+constexpr std::size_t kNewest = 5;        // if the mean of these residuals
+constexpr double kOtherRateSigmas = 4.0;  // is this far from 0, the spin rate has changed
 
 }  // namespace
 
@@ -39,7 +40,7 @@ void TurnLine::add(double turn, double stamp_s, double noise_s) {
   const double limit_s = kOtherRateSigmas * noise_s / std::sqrt(static_cast<double>(kNewest));
   while (stamps_.size() >= 2 * kNewest && std::abs(meanResidual_s()) > limit_s) {
     stamps_.erase(stamps_.begin(), stamps_.begin() + static_cast<std::ptrdiff_t>(stamps_.size() / 2));
-    known_sigma_s_ = known_period_s_;  // it is another one now
+    known_sigma_s_ = known_period_s_;  // the period has changed
     fit(noise_s);
   }
 }
@@ -55,7 +56,7 @@ std::optional<double> TurnLine::medianInterval_s() const {
   return intervals_s[intervals_s.size() / 2];
 }
 
-/// Back from the newest stamp.
+/// Counts back from the newest stamp.
 void TurnLine::countTurns(double interval_s) {
   for (std::size_t i = stamps_.size() - 1; i > 0; --i) {
     const double turns = (stamps_[i].stamp_s - stamps_[i - 1].stamp_s) / interval_s;
@@ -70,7 +71,7 @@ void TurnLine::fit(double noise_s) {
     mean_turn_ += s.turn / count;
     mean_s_ += s.stamp_s / count;
   }
-  // Distances from the known line, so that a perfect head's period comes out without rounding.
+  // Distances from the known line, so that the period of a perfect head has no rounding error.
   double spread = 0.0, slope_s = 0.0;
   for (const Stamp& s : stamps_) {
     const double turns = s.turn - mean_turn_;

@@ -13,7 +13,7 @@ void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vect
   const float c = static_cast<float>(std::cos(angle_rad));
   const float s = static_cast<float>(std::sin(angle_rad));
 
-  // With the horizontal distance h: (h, z) turns by the angle, and (x, y) scales with h.
+  // With the horizontal distance h: (h, z) is rotated by the angle, and (x, y) scales with h.
   PointBlock p;
   forEachBlock(points_lidar.size(), [&](std::size_t first, std::size_t count) {
     p.load(&points_lidar[first], count);

@@ -1,8 +1,9 @@
-// Every index of [0, n) once, in an order as if shuffled, the same every time.
+// Visits every index of [0, n) once, in a fixed order that looks shuffled.
 //
-// A sweep's points come in the order in which the head turns. What takes the first point of a cell would take the one
-// on the side where the beam came in, always the same, and a map made of such points turns slowly against the sweeps:
-// some 0.2 deg per km. Cost: a counter through a bijective mix of its bits, at most twice n times.
+// A sweep's points come in the order of the head's rotation. A filter that keeps the first point of a cell would always
+// keep the one on the side where the beam enters, and a map of such points rotates slowly relative to the sweeps: about
+// 0.2 deg per km.
+// Cost: a counter through a bijective mix of its bits, at most 2 n times.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,7 @@ class ScatteredOrder {
     mask_ = static_cast<std::uint32_t>((std::uint64_t{1} << bits_) - 1);
   }
 
-  /// The next index; after n of them they repeat. n must not be 0.
+  /// The next index; the order repeats after n indices. n must not be 0.
   std::uint32_t next() {
     std::uint32_t index;
     do {

@@ -1,8 +1,9 @@
-// Downsampling: one point a voxel, the first met - of a sweep in an order that prefers no direction
+// Downsampling: one point per voxel, the first one visited. A sweep is visited in an order without preferred direction
 // (scattered_order.hpp).
 //
-// Keeping a measured point (no centroid) leaves surfaces unmixed and keeps the point's time. Cost: one probe of a flat
-// table a point, about 10 ns; nothing is allocated once the buffers have grown. Not thread-safe: one filter a thread.
+// A measured point (instead of a centroid) does not mix surfaces and keeps its time.
+// Cost: one probe of a flat table per point, about 10 ns; no allocation once the buffers have grown. Not thread-safe:
+// use one filter per thread.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +16,8 @@ namespace fail_aware {
 
 class VoxelFilter {
  public:
-  /// Indices of the points kept, in the order met. Points nearer than min_range_m or farther than max_range_m from the
-  /// origin, and points that are not finite, are left out. voxel_size_m <= 0 keeps every point in range.
+  /// Indices of the points kept, in the order visited. Points nearer than min_range_m or farther than max_range_m from
+  /// the origin, and points that are not finite, are left out. voxel_size_m <= 0 keeps every point in range.
   const std::vector<std::uint32_t>& select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
                                            double min_range_m, double max_range_m);
 
@@ -31,9 +32,9 @@ class VoxelFilter {
   };
   void prepare();
   void resize(std::size_t slots);
-  Slot* find(VoxelKey key);  ///< where the key is or belongs
+  Slot* find(VoxelKey key);  ///< the slot of the key, or the free slot for it
   bool insert(VoxelKey key);
-  /// Keeps of `ahead`, indices into keys_, those whose key is new.
+  /// Keeps the points with a new key among `ahead`, indices into keys_.
   void keepNew(const std::uint32_t* ahead, std::size_t count);
 
   std::vector<Slot> table_;  ///< at most half full; no larger, so that it stays in the cache

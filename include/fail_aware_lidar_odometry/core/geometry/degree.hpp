@@ -1,4 +1,4 @@
-// One degree. Parameters state angles in degrees, everything computes in radians.
+// One degree. Parameters are in degrees, computations in radians.
 #pragma once
 
 #include <cmath>

@@ -1,14 +1,15 @@
-// Inverse and solution of 6x6 systems, compiled once: Eigen's decompositions cost every source that names them seconds.
+// Inverse and solution of 6x6 systems, compiled once: Eigen's decompositions add seconds to the compile time of each
+// source that uses them.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 
 namespace fail_aware {
 
-/// By LU with partial pivoting; not finite if A is singular.
+/// By LU with partial pivoting; the result is not finite if A is singular.
 Matrix6d inverseOf(const Matrix6d& A);
 
-/// x of H x = b by LDL^T with pivoting; H symmetric, positive semidefinite, its lower triangle is read.
+/// Solves H x = b by LDL^T with pivoting; H symmetric, positive semidefinite, its lower triangle is read.
 Vector6d solutionOf(const Matrix6d& H, const Vector6d& b);
 Matrix6d solutionOf(const Matrix6d& H, const Matrix6d& B);
 

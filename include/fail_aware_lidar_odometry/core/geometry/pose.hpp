@@ -29,7 +29,7 @@ Vector6d stateDifference(const Vector6d& a, const Vector6d& b);
 /// J with (dt, dr about fixed axes) = J d(x, y, z, roll, pitch, yaw), at the given angles.
 Matrix6d poseFromStateJacobian(const Eigen::Vector3d& rpy_rad);
 
-/// A covariance of (x, y, z, roll, pitch, yaw) at that state in this file's convention.
+/// Converts a covariance of (x, y, z, roll, pitch, yaw), at that state, to this file's convention.
 Matrix6d poseCovarianceFromState(const Matrix6d& state_covariance, const Vector6d& state);
 
 /// Covariance of T_a_c = T_a_b T_b_c where only T_a_b is uncertain (covariance_ab in this file's convention).
@@ -38,16 +38,16 @@ Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b,
 /// Rotates a covariance into another frame of axes: blockdiag(R, R) C blockdiag(R, R)^T.
 Matrix6d rotateCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& R);
 
-/// The nearest rotation, so that products of thousands of poses stay rigid.
+/// The pose with the nearest rotation matrix, so that products of thousands of poses stay rigid.
 Pose orthonormalized(const Pose& T);
 
 bool isFinite(const Pose& T);
 
-/// The unit quaternion of T's rotation, w >= 0: what messages hold.
+/// The unit quaternion of T's rotation, w >= 0, as in messages.
 Eigen::Quaterniond quaternionOf(const Pose& T);
-/// From position and quaternion, which is normalized.
+/// From position and quaternion; the quaternion is normalized here.
 Pose poseOf(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation);
-/// T as it comes out of a message, to the last bit: offline and live the stages hand each other the same poses.
+/// T as it comes out of a message, bit for bit: offline and live stages then pass on the same poses.
 Pose quaternionRoundTrip(const Pose& T);
 
 }  // namespace fail_aware

@@ -9,12 +9,12 @@
 
 namespace fail_aware {
 
-/// Wraps an angle to [-pi, pi). A value that is not finite is returned as it is.
+/// Wraps an angle to [-pi, pi). Returns a value that is not finite unchanged.
 double wrapAngle(double angle_rad);
 
 Eigen::Matrix3d rotationFromRpy(double roll_rad, double pitch_rad, double yaw_rad);
 
-/// (roll, pitch, yaw) of a rotation matrix; at gimbal lock (|pitch| = pi/2) roll is taken as 0.
+/// (roll, pitch, yaw) of a rotation matrix; at gimbal lock (|pitch| = pi/2) roll is 0.
 Eigen::Vector3d rpyFromRotation(const Eigen::Matrix3d& R);
 
 /// w -> [w]x with [w]x v = w x v.

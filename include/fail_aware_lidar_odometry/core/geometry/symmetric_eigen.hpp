@@ -1,5 +1,5 @@
-// Eigenvalues and eigenvectors of a covariance or information matrix. Those of a plane, of space and of a pose are
-// compiled once: each of Eigen's solvers costs every source that names it seconds.
+// Eigenvalues and eigenvectors of a covariance or information matrix. The sizes 2, 3 and 6 are compiled once:
+// Eigen's solvers add seconds to the compile time of each source that uses them.
 //
 // C: symmetric, finite; its lower triangle is read. Eigenvalues ascend. Cost of 6x6: ~2 us.
 #pragma once
@@ -19,7 +19,7 @@ Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> symmetricEigen(const 
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>>(C);
 }
 
-/// The eigenvalues alone, in half the time.
+/// The eigenvalues only, in half the time.
 Vector6d symmetricEigenvalues(const Matrix6d& C);
 
 }  // namespace fail_aware

@@ -1,22 +1,22 @@
 // Corners of walls in a sweep (paper, section "SVD Cornering Algorithm", Plane Extraction to Synthetic Points).
 //
-//   points in cells of an (x, y) grid that >= min_beams_per_cell beams hit -> DBSCAN -> clusters with enough points
+//   points in cells of an (x, y) grid with >= min_beams_per_cell beams -> DBSCAN -> clusters with enough points
 //   -> RANSAC plane, again on its outliers -> pairs at an angle in [45, 135] deg -> intersection line -> M, J, N
-// Input: a corrected sweep in any frame fixed to the vehicle (lidar or CoG), z roughly up, m; and that frame's
-// predicted rotation in odom, which says what is vertical and, for N, what is longitudinal. Output: corners in the
-// points' frame.
+// Input: a corrected sweep in any frame fixed to the vehicle (lidar or CoG), z roughly up, m; and the predicted
+// rotation of this frame in odom, which defines the vertical and, for N, the longitudinal direction.
+// Output: corners in the points' frame.
 //
-// Beams: a cell's beams are its distinct heights, in steps of height_step_m (ground gives one or two however dense),
-// counted modulo 64.
-// DBSCAN over every kept point is the article's (`cluster_cells` false). By default it runs over the cells' mean
-// points, each weighted with its count: the same clusters where gaps and density are clear of the thresholds by a
-// cell's size, at a twentieth of the cost. Every other step sees all points. A cluster may hold a row of houses: up to
-// max_planes_per_cluster planes are looked for (article: 2), and a pair is a corner only where both planes have points
-// within max_corner_gap_m of their line, a corner and not two far walls.
+// Beams: the number of beams of a cell is the number of its distinct heights, in steps of height_step_m (ground gives
+// one or two at any density), counted modulo 64.
+// DBSCAN over every kept point is the paper's method (`cluster_cells` false). By default DBSCAN runs over the mean
+// point of each cell, weighted by its count. The clusters are the same if gaps and density differ from the thresholds
+// by more than the cell size; the cost is a twentieth. All other steps use all points. A cluster may hold a row of
+// houses: up to max_planes_per_cluster planes are searched (paper: 2). A pair is a corner only if both planes have
+// points within max_corner_gap_m of their line; this excludes two distant walls.
 //
-// Failure: no corner, an empty vector; never a corner that is not finite.
-// Cost: three passes over the points, a few more over those of walls: 2 ms for 125,000 points in a town, one core
-// (article's settings: 5..8 ms).
+// Failure: an empty vector; never a corner that is not finite.
+// Cost: three passes over the points and a few more over those of walls: 2 ms for 125,000 points in a town, one core
+// (paper's settings: 5..8 ms).
 #pragma once
 
 #include <Eigen/Core>
@@ -31,27 +31,27 @@ namespace fail_aware {
 class CornerExtractor {
  public:
   struct Params {
-    double cell_m = 0.4;  ///< side of a cell in the plane: a wall's points of all beams fall into one
-    /// nearest points used, horizontal, from the frame's origin: nearer ones are the vehicle's own
+    double cell_m = 0.4;  ///< side of a cell in the plane: the points of all beams on a wall fall into one cell
+    /// nearest points used, horizontal, from the frame's origin: nearer points belong to the vehicle
     double min_range_m = 2.0;
     double max_range_m = 50.0;
-    int min_beams_per_cell = 10;  ///< article: 20, which walls beyond some 20 m cannot reach
-    /// heights this far apart are different beams: less than the beams' spacing at 5 m
+    int min_beams_per_cell = 10;  ///< paper: 20, which walls beyond about 20 m cannot reach
+    /// points this far apart in height belong to different beams: less than the beams' spacing at 5 m
     double height_step_m = 0.03;
     double dbscan_eps_m = 0.7;   ///< distance of neighbours: a little more than the diagonal of a cell
-    int dbscan_min_points = 50;  ///< a point with fewer neighbours is no core of a cluster
+    int dbscan_min_points = 50;  ///< a point with fewer neighbours is no core point
     bool cluster_cells = true;
     int min_cluster_points = 300;  ///< smaller clusters hold no planes
     int max_planes_per_cluster = 6;
     double max_corner_gap_m = 1.0;
     int min_points_near_corner = 20;  ///< of each plane, within max_corner_gap_m of the line; 0: no such rule
     double min_plane_height_m = 1.2;  ///< from the lowest to the highest of a plane's points
-    double min_angle_deg = 45.0;      ///< smallest angle between two planes: article
-    double max_angle_deg = 135.0;     ///< largest angle between two planes: article
-    /// of two nearer corners the one with more points is kept: matching could not tell them apart
+    double min_angle_deg = 45.0;      ///< smallest angle between two planes: paper
+    double max_angle_deg = 135.0;     ///< largest angle between two planes: paper
+    /// of two corners nearer than this, the one with more points is kept: matching could not tell them apart
     double min_corner_distance_m = 1.0;
     double synthetic_height_m = 0.0;  ///< of M, above the frame's origin: a convention, see corner.hpp
-    int seed = 1;                     ///< seed of the random numbers: any; a constant so that runs repeat
+    int seed = 1;                     ///< seed of the random numbers: any constant, so that runs repeat
     RansacPlane::Params ransac;
 
     template <class Self, class Visitor>
@@ -70,7 +70,7 @@ class CornerExtractor {
 
   explicit CornerExtractor(const Params& params);
 
-  /// Not const: it reuses its buffers; each call's result depends on its arguments alone.
+  /// Not const: buffers are reused; each result depends on the arguments alone.
   std::vector<Corner> extract(const std::vector<Eigen::Vector3f>& points, const Eigen::Matrix3d& R_odom_frame);
 
  private:
@@ -93,7 +93,7 @@ class CornerExtractor {
   std::vector<std::uint32_t> touched_;  ///< cells with a point
   std::vector<std::uint32_t> cell_of_point_;
   Points kept_;                            ///< points of cells with enough beams, cell by cell
-  std::vector<std::uint32_t> kept_begin_;  ///< of each kept cell's points in kept_, and one past the last
+  std::vector<std::uint32_t> kept_begin_;  ///< start of each kept cell's points in kept_, and the end
 };
 
 }  // namespace fail_aware

@@ -1,8 +1,10 @@
-// The corners that a sweep's corners are aligned with, in odom.
+// The reference corners in odom that a sweep's corners are aligned with (paper, section "SVD Cornering Algorithm").
 //
-// `sweeps` = 1 is the article: the corners of the last sweep alone. With more, a corner stays for that many sweeps
-// after it was last seen, at the mean of where it was seen: the n-th sighting weighs 1/n, so the first ones hold it in
-// place and it does not creep along with the odometry's drift. Cost: microseconds.
+// `sweeps` = 1 is the paper: the corners of the last sweep alone. With more, a corner stays for that many sweeps after
+// its last sighting, at the mean of its sightings. The n-th sighting weighs 1/n: the first sightings fix the corner, so
+// it does not follow the odometry's drift.
+// Frames: new corners in the frame of the centre of gravity, the reference in odom; m.
+// Cost: microseconds.
 #pragma once
 
 #include <vector>
@@ -16,7 +18,7 @@ class CornerReference {
  public:
   struct Params {
     int sweeps = 20;
-    /// sightings nearer than this are one corner: the odometry drifts by less within `sweeps`
+    /// sightings nearer than this are one corner: the odometry drifts less than this within `sweeps`
     double merge_distance_m = 0.3;
     double max_normal_difference_deg = 15.0;  ///< largest angle between the normals of sightings of one corner
     /// corners farther from the vehicle are removed: corners are extracted up to 50 m
@@ -31,7 +33,7 @@ class CornerReference {
 
   explicit CornerReference(const Params& params);
 
-  /// Takes in a sweep's corners, placed by the estimate of its pose. An estimate that is not finite is passed over.
+  /// Adds a sweep's corners at the estimated pose. Ignores an estimate that is not finite.
   void update(const std::vector<Corner>& corners_cog, const Pose& T_odom_cog);
   void clear();
   const std::vector<Corner>& corners() const { return corners_odom_; }

@@ -1,8 +1,11 @@
-// The corner measurement as one object: extraction, alignment with the reference, keeping the reference. What the
-// CornerSvd nodelet holds.
+// The corner measurement of the CornerSvd nodelet: extraction, alignment, reference (paper, section "SVD Cornering
+// Algorithm").
 //
-// measure() and place() are called once a sweep, in this order. Corners are taken from the sweep as it was corrected;
-// the refined motion moves them by millimetres. While no motion is known sweeps are bent: no measurement, no reference.
+// Call measure() and then place() once per sweep. Corners come from the sweep as deskewed for the prediction; a refined
+// motion would move them by millimetres only. While the motion is unknown, sweeps are distorted: no measurement and no
+// reference update.
+// Input: a corrected sweep (m, lidar frame) and poses of the centre of gravity in odom.
+// Failure: the status of the Measurement. Cost: that of corner_extraction.hpp.
 #pragma once
 
 #include <vector>
@@ -25,7 +28,7 @@ class CornerSvd {
   Measurement measure(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void place(const FilterState& state);
   void reset();
-  /// From the next sweep on; the reference stays. Throws ParameterError.
+  /// Valid from the next sweep; the reference stays. Throws ParameterError.
   void setAlignment(const CornerAlignment::Params& params) { alignment_ = CornerAlignment(params); }
 
   const std::vector<Corner>& cornersCog() const { return corners_cog_; }

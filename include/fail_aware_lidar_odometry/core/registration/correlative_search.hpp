@@ -1,10 +1,13 @@
-// Where in the map a sweep was taken, searched for seen from above: correlative scan matching (Olson, "Real-Time Correlative
-// Scan Matching", ICRA 2009; not in the article). What stands above the ground is drawn into a grid around the predicted
-// position; every turn and shift within reach of the prediction is tried on a coarse grid, the best ones on a fine one.
-// It reaches metres and tens of degrees, where a nearest-point search ends in the next hedge.
+// Searches for the sweep's pose in the map, seen from above: correlative scan matching (Olson, "Real-Time Correlative
+// Scan Matching", ICRA 2009; not in the paper).
 //
-// Frames: points in the frame of the centre of gravity, poses in odom; z, roll and pitch stay those of the prediction.
-// Failure: too little stands in the sweep (false: it cannot be searched for), or too little of it fits anywhere.
+// The points above the ground are drawn into a grid around the predicted position. Every rotation and shift within the
+// search range is tried on a coarse grid, the best ones on a fine grid. The search covers metres and tens of degrees,
+// where a nearest-point search ends at the wrong hedge.
+//
+// Frames: points in the frame of the centre of gravity, poses in odom; z, roll and pitch stay at the prediction.
+// Failure: too few points above the ground (find() returns false), or too few of them fit at any pose (`found` is
+// empty).
 // Cost: 20 to 60 ms.
 #pragma once
 
@@ -21,11 +24,11 @@ class CorrelativeSearch {
  public:
   struct Params {
     bool enabled = true;
-    double range_m = 60.0;      ///< farthest points used: as the first motion's search
-    double max_shift_m = 15.0;  ///< farthest from the prediction, along each axis
-    /// largest turn from the prediction, to both sides: more than a car turns in a short gap
+    double range_m = 60.0;      ///< farthest points used: as in the search for the first motion
+    double max_shift_m = 15.0;  ///< largest shift from the prediction, along each axis
+    /// largest rotation from the prediction, to both sides: more than a vehicle turns in a short gap
     double max_turn_deg = 45.0;
-    /// ratio of what stands that must fit (half of it: what lies where nothing was seen)
+    /// least ratio of above-ground points that must fit (points in unseen areas count half)
     double min_ratio = 0.65;
 
     template <class Self, class Visitor>
@@ -38,13 +41,14 @@ class CorrelativeSearch {
 
   struct Found {
     Pose T_odom_cog = Pose::Identity();
-    double share = 0.0;  ///< of what stands, that fits: min_ratio ... 1
+    double share = 0.0;  ///< ratio of above-ground points that fit: min_ratio ... 1
   };
 
   /// Throws ParameterError.
   explicit CorrelativeSearch(const Params& params);
 
-  /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw); how far is searched. False: too little stands.
+  /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw); it sets the search range. False: too few points
+  /// above the ground.
   bool find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map, const Pose& T_odom_cog_predicted,
             const Matrix6d& covariance, std::optional<Found>& found) const;
 

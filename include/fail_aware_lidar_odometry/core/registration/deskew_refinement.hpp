@@ -1,14 +1,14 @@
-// How the vehicle turned while the head swept, from the sweep itself (not in the paper).
+// Deskew refinement: the turn rate during the sweep, from the sweep itself (not in the paper).
 //
-// A sweep is corrected for the motion that the filter predicts. Where a turn begins, that rate is wrong by some degrees
-// a second: the walls seen early in the sweep are turned against those seen late, and registration settles between
-// them. So the sweep is registered point to plane with pose and turn rate free, the rate with the prediction as prior;
-// the registered pose is thrown away. A sweep that came compensated was moved by somebody else's motion; what is left in it
-// is found likewise, with no turn as prior.
+// A sweep is deskewed for the predicted motion. At the start of a turn the predicted rate is wrong by some degrees per
+// second: walls seen early in the sweep are rotated against walls seen late, and registration settles in between. The
+// refinement registers the sweep point to plane with free pose and free turn rate; the prediction is the prior of the
+// rate. The registered pose is discarded. A compensated sweep was deskewed by an unknown motion; its remaining turn
+// rate is found in the same way, with zero rate as prior.
 //
-// Rates: rad/s about the axes of the centre of gravity, what is to be added to the motion that the sweep was corrected
-// for; what was measured at the sweep's middle stays where it is.
-// Failure: nothing, without times, planes or convergence. Cost: a point-to-plane registration.
+// Rates: rad/s about the axes of the centre of gravity, to be added to the motion that the sweep was deskewed for;
+// points measured at the sweep's middle do not move.
+// Failure: nullopt, without times, planes or convergence. Cost: one point-to-plane registration.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,8 +23,8 @@ class DeskewRefinement {
  public:
   struct Params {
     bool enabled = true;
-    /// sigma of the predicted turn rate, each axis (a compensated cloud: of no turn); at the start of a turn the
-    /// prediction is off by some degrees a second
+    /// sigma of the predicted turn rate, per axis (compensated sweep: of zero rate); at the start of a turn the
+    /// prediction is wrong by some degrees per second
     double sigma_deg_s = 4.0;
 
     template <class Self, class Visitor>
@@ -34,10 +34,10 @@ class DeskewRefinement {
     void validate() const;
   };
 
-  /// `planes`: pairs, weights and iterations as there. Throws ParameterError.
+  /// `planes`: pairs, weights and iterations are taken from it. Throws ParameterError.
   DeskewRefinement(const Params& params, const IcpPointToPlane::Params& planes);
 
-  /// times_s: one a point, relative to the stamp, as middle_s.
+  /// times_s: one per point, relative to the stamp; middle_s: likewise.
   std::optional<Eigen::Vector3d> find(const std::vector<Eigen::Vector3f>& points_cog, const std::vector<float>& times_s,
                                       double middle_s, const VoxelMap& map, const Pose& T_odom_cog_predicted,
                                       double sigma_yaw_rad) const;

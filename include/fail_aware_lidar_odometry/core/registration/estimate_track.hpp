@@ -1,5 +1,5 @@
-// What registration has to know of the filter's estimates so far: where the references took a sweep in last, which
-// intervals have passed since, and whether the speed is observed. Not in the paper.
+// What registration needs from the filter's estimates so far: the last inserted sweep, the intervals since then, and
+// whether the speed is observed. Not in the paper.
 //
 // Input: FilterState of every sweep, registered here or not, in order. Twists: m/s and rad/s, of the centre of gravity.
 #pragma once
@@ -16,31 +16,32 @@ class EstimateTrack {
  public:
   /// Of the newest estimate.
   struct Increment {
-    bool between_measured = false;  ///< it and the one before are no mere predictions
-    /// The motion between the two, where they tell one: an increment from a prediction holds the prediction's error.
+    bool between_measured = false;  ///< the newest and the previous estimate both come from measurements
+    /// The motion between the two, if known: an increment from a dead-reckoned estimate contains the error of dead
+    /// reckoning.
     std::optional<Vector6d> twist_cog;
   };
 
   Increment add(const FilterState& state);
 
-  /// The map begins with the sweep of the newest estimate: by definition it is where it is.
+  /// The map begins with the sweep of the newest estimate, so its pose is exact by definition.
   void beginAt(const FilterState& state);
 
-  /// The newest estimate is no mere prediction.
+  /// The newest estimate comes from a measurement.
   bool measured() const { return measured_; }
 
   bool speedObserved() const { return speed_observed_; }
   bool speedWasObserved() const { return speed_was_observed_; }
-  /// Of the speed, 0 where it is observed.
+  /// Sigma of the speed; 0 where the speed is observed.
   double speedSigma_mps() const { return speed_sigma_mps_; }
 
-  /// The newest estimate that references took in.
+  /// The newest estimate whose sweep was inserted into the references.
   const Pose& T_odom_cog_placed() const { return T_odom_cog_placed_; }
-  /// The motion then, if it is known.
+  /// The motion at that time, if known.
   const std::optional<Vector6d>& placedTwist() const { return placed_twist_cog_; }
-  /// The intervals since.
+  /// The intervals since then.
   const std::vector<ClockJumpDetector::Stamps>& unplaced() const { return unplaced_; }
-  /// After so many intervals what the car does now is not known well enough.
+  /// After this many intervals the current motion is not known well enough.
   bool tooManyUnplaced() const { return unplaced_.size() >= kMaxUnplaced; }
 
  private:
@@ -49,7 +50,7 @@ class EstimateTrack {
   void setPlaced(const Pose& T_odom_cog);
 
   bool measured_ = false;
-  bool speed_observed_ = false;  ///< the filter does not coast
+  bool speed_observed_ = false;  ///< the filter does not use dead reckoning
   bool speed_was_observed_ = false;
   double speed_sigma_mps_ = 0.0;
   Pose T_odom_cog_placed_ = Pose::Identity();

@@ -1,7 +1,7 @@
-// What the first measurements of a drive have to know beside the surfaces that they register
-// (motion_initialization.hpp).
+// Additions to the first measurements of a drive, beyond the registered surfaces (motion_initialization.hpp). Not in
+// the paper.
 //
-// Both leave a measurement without a pose as it is.
+// Both functions leave a measurement without a pose unchanged.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/registration/initial_guess.hpp"
@@ -9,12 +9,13 @@
 
 namespace fail_aware {
 
-/// The first motion was found by what stands out in both sweeps, which may be too little for surfaces: where a search
-/// gave the guess, its position counts as measured.
+/// Adds the position of the initial guess as measured, if the search for the first motion found it. The search uses
+/// points above the ground; surfaces alone may hold too little information.
 void addSearchedMotion(const InitialGuess& guess, Measurement& measurement);
 
-/// What is seen alike from sweep to sweep - a vehicle ahead, edges drawn by single beams - fits best at standstill. For
-/// as long as the speed is unknown: little information is no proof of it, the way is known no better than the fastest.
+/// Inflates the covariance along the track while the speed is unknown. Objects that look alike in every sweep (a
+/// vehicle ahead, edges drawn by single beams) fit best at standstill: with little information the sigma of the
+/// distance is that of the largest speed.
 void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement);
 
 }  // namespace fail_aware

@@ -1,9 +1,9 @@
-// How widely the information on one horizontal direction is spread. Not in the article.
+// How widely the information on one horizontal direction is spread in space. Not in the paper.
 //
-// A vehicle ahead that keeps its distance is the only thing that stands across a smooth tunnel: what it says of the
-// motion along it is firm and false. True information comes from several places. So no place, a square of `cell_m`,
-// counts for more than `max_place_ratio` of all that counts.
-// Cost: about 20 ns a point; used only where a direction is poorly observed.
+// A vehicle ahead that keeps its distance may be the only surface that observes the motion along a smooth tunnel: its
+// information is precise and wrong. True information comes from several places. Therefore no place (a square of
+// `cell_m`) counts for more than `max_place_ratio` of all the information that counts.
+// Cost: about 20 ns per point; used only where a direction is weakly observed.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,9 +16,9 @@ namespace fail_aware {
 class InformationSupport {
  public:
   struct Params {
-    double cell_m = 5.0;  ///< side of a place: about a vehicle
+    double cell_m = 5.0;  ///< side of a place: about the length of a vehicle
     double max_place_ratio = 0.2;
-    double below_ratio = 0.3;  ///< looked into where a horizontal direction has a smaller share of the information
+    double below_ratio = 0.3;  ///< applied where the ratio of information in a horizontal direction is below this
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -32,7 +32,7 @@ class InformationSupport {
 
   void add(const Eigen::Vector3d& position_m, double information);
 
-  /// The part of the information that counts, 0..1.
+  /// The ratio of the information that counts, 0..1.
   double countedRatio() const;
 
  private:

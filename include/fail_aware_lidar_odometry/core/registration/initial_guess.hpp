@@ -1,13 +1,14 @@
-// Where registration of a sweep starts: the prediction, or a better guess that is found in the sweep and the map before
-// anything is measured. It is resolved once a sweep and is constant then; whoever registers starts there.
+// The initial guess of a sweep's registration: the prediction, or a better guess from the sweep and the map. The guess
+// is resolved once per sweep, before any measurement; every registration starts from it. Not in the paper.
 //
-// In this order, each a function of scan, map and guess that may return a better guess:
-// - while no motion is known: a search for the first motion (motion_initialization.hpp);
-// - after a gap: a search for the place in the map (relocalization.hpp);
-// - where the clouds tell that the stamps are wrong: the place by another interval (clock_jump_detector.hpp);
-// - unless tracking is lost: the turn that the deskew missed (deskew_refinement.hpp).
-// Frames: poses of the centre of gravity in odom. Failure: the prediction, or `lost`.
-// Cost: a turn search a sweep (a point-to-plane registration), the others where they are needed (up to 200 ms).
+// Each of these functions of scan, map and guess may return a better guess, in this order:
+// - while no motion is known: search for the first motion (motion_initialization.hpp);
+// - after a gap: relocalization in the map (relocalization.hpp);
+// - where the point clouds contradict the stamps: the pose by another interval (clock_jump_detector.hpp);
+// - unless tracking is lost: deskew refinement (deskew_refinement.hpp).
+// Frames: poses of the centre of gravity in odom.
+// Failure: the prediction, or `lost`.
+// Cost: one deskew refinement per sweep (a point-to-plane registration); the others only where needed (up to 200 ms).
 #pragma once
 
 #include <optional>
@@ -23,29 +24,29 @@
 namespace fail_aware {
 
 struct InitialGuess {
-  /// What of twist_cog was found in the sweep.
+  /// The part of twist_cog that was found in the sweep.
   enum class Found { kNothing, kFirstMotion, kTurn };
 
   Pose T_odom_cog = Pose::Identity();
-  /// Of T_odom_cog: the prediction's, but as sure of the position as a search for the first motion.
+  /// Of T_odom_cog: the prediction's; with the position variance of the search if the first motion was found.
   Matrix6d covariance = Matrix6d::Identity();
-  Vector6d twist_cog = Vector6d::Zero();        ///< m/s and rad/s
-  Found twist_found = Found::kNothing;          ///< otherwise twist_cog is the prediction's
-  double searched_sigma_m = 0.0;                ///< of the position, if the search for the first motion gave it; else 0
-  bool clock_jump_suspected = false;            ///< the pose is that of another interval than the stamps'
-  bool lost = false;                            ///< tracking is lost after a gap
-  Pose T_odom_cog_previous = Pose::Identity();  ///< the last estimate,
-  double dt_s = 0.0;                            ///< so long ago; 0: there is none
+  Vector6d twist_cog = Vector6d::Zero();  ///< m/s and rad/s
+  Found twist_found = Found::kNothing;    ///< otherwise twist_cog is the prediction's
+  double searched_sigma_m = 0.0;          ///< sigma of the position from the search for the first motion; 0: no search
+  bool clock_jump_suspected = false;      ///< the pose follows another interval than the stamps'
+  bool lost = false;                      ///< tracking is lost after a gap
+  Pose T_odom_cog_previous = Pose::Identity();  ///< the last estimate
+  double dt_s = 0.0;                            ///< time since the last estimate; 0: there is none
 };
 
-/// As the filter predicts, and as the scan is deskewed.
+/// The prediction, and the twist that the scan is deskewed for.
 InitialGuess predictedGuess(const RegistrationScan& scan, const SweepPrediction& prediction);
 
 class InitialGuessResolver {
  public:
   explicit InitialGuessResolver(const RegistrationParameters& params);
 
-  /// `sweep`: the scan's, not thinned. track: the estimates before it.
+  /// `sweep`: the full sweep of the scan. track: the estimates before it.
   InitialGuess resolve(const CorrectedSweep& sweep, const RegistrationScan& scan, const LocalMap& map,
                        const EstimateTrack& track, const SweepPrediction& prediction);
 

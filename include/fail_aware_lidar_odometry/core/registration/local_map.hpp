@@ -1,10 +1,12 @@
-// The references of the two ICPs: the local map and what is kept for the above-ground match. The only place that clears
-// them, inserts a sweep and knows which one came first and last.
+// The references of the two ICPs: the local map and the points for the above-ground match. The only class that clears
+// the references, inserts sweeps and knows the first and the last inserted sweep.
 //
-// The map belongs to one odom (FilterState::odom_reset_count: odom was moved under the vehicle); in another one it begins anew.
-// Sweeps join as FilterState::map_update says; an empty map takes any sweep. As long as it holds one sweep alone that one
-// can be deskewed once more, when the first motion is found (motion_initialization.hpp).
-// Frames: points of the centre of gravity; poses odom. Cost: reference_map.hpp's; of the first sweep a copy.
+// The map belongs to one odom frame (FilterState::odom_reset_count counts the resets of odom); after a reset of odom
+// the map starts empty. FilterState::map_update decides which sweeps are inserted; an empty map takes any sweep. While
+// the map holds only its first sweep, that sweep can be deskewed again when the first motion is found
+// (motion_initialization.hpp).
+// Frames: points in the frame of the centre of gravity; poses in odom.
+// Cost: that of reference_map.hpp, and one copy of the first sweep.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/registration/above_ground_reference.hpp"
@@ -17,22 +19,22 @@ class LocalMap {
  public:
   LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& standing);
 
-  /// True: it is another odom, the map began anew.
+  /// True: odom was reset and the map was cleared.
   bool enterOdom(int epoch);
 
-  /// Empties the map for a restart; it begins anew with the next sweep.
+  /// Empties the map for a restart; the next sweep becomes the first one.
   void clear();
-  /// Empties the map without what stands.
+  /// Empties the map but keeps the above-ground points.
   void restart() { reference_.clear(); }
 
-  /// A sweep at its estimate. keep_above_ground: if it is time for it.
+  /// Inserts a sweep at its estimate. keep_above_ground: also keep its above-ground points, if they are due.
   void insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_above_ground);
 
-  /// The first sweep, if it is alone in the map and did not come compensated, moved for the motion that it was not
-  /// deskewed for. middle_s: of the second sweep's times.
+  /// Deskews the first sweep for the motion that was unknown, if it is alone in the map and was not compensated.
+  /// middle_s: middle of the second sweep's times.
   void redeskewFirst(const Vector6d& twist_cog, double middle_s);
 
-  /// Another drive; the number of odom goes on.
+  /// For a new drive; the reset count of odom is kept.
   void reset();
 
   bool empty() const { return map().empty(); }
@@ -43,7 +45,7 @@ class LocalMap {
     double time_s = 0.0;
     Pose T_odom_cog = Pose::Identity();
   };
-  /// The sweep that the map began with; stays known when the map is emptied.
+  /// The first sweep in the map; remains known after the map is emptied.
   Sweep first() const { return {first_cloud_.stamp_s, T_odom_cog_first_}; }
   /// The newest sweep in the map; likewise.
   const Sweep& newest() const { return newest_; }

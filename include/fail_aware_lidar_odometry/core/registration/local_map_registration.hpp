@@ -1,16 +1,17 @@
-// What the two ICPs share in a sweep: the scan, the local map, the initial guess, the aids. Their coordinator.
+// Coordinates what the two ICPs share in a sweep: the scan, the local map, the initial guess, the aids.
 //
 //   prepare: scan -> road speed -> initial guess (initial_guess.hpp) -> redeskew -> open country
-//   align:   an ICP from the start pose on, with what else is known taken in
+//   align:   one ICP from the start pose, with the aids added
 //   place:   redeskew for the estimated motion -> insert into the map (local_map.hpp)
 //
-// Offline one front serves both ICPs; on the vehicle each ICP nodelet holds its own and, since everything here is a
-// function of the corrected sweeps and the filter's states alone, both hold the same.
-// A sweep is prepare()d, measured, then place()d at the filter's estimate. It keeps the turn that it was measured with;
-// of sweeps that come compensated (sensor.timing.source none) that turn is all that is taken out. What could not be
-// registered does not join the map (FilterState::map_update).
-// While no motion is known sweep 0 is deskewed once more when the search between sweeps 0 and 1 finds it; a second later,
-// another sweep is sweep 0.
+// Offline one instance serves both ICPs. On the vehicle each ICP nodelet has its own instance; both instances hold the
+// same data because everything here depends only on the corrected sweeps and the filter's states. For each sweep call
+// prepare(), measure, then place() with the filter's estimate. The inserted sweep keeps the turn rate that it was
+// measured with; a compensated sweep (sensor.timing.source none) is deskewed for that turn rate only. A sweep that
+// could not be registered is not inserted (FilterState::map_update). While no motion is known, sweep 0 is deskewed
+// again when the search between sweeps 0 and 1 finds the motion; a second later, another sweep becomes sweep 0.
+// Frames: points of the centre of gravity; poses in odom.
+// Failure: the status of the Measurement. Cost: that of the stages.
 #pragma once
 
 #include <vector>
@@ -31,29 +32,29 @@ namespace fail_aware {
 
 class LocalMapRegistration {
  public:
-  /// timing: SensorParameters::correctedTiming(); says whether sweeps come compensated, and how the head turns.
+  /// timing: SensorParameters::correctedTiming(); tells whether sweeps come compensated, and how the head rotates.
   explicit LocalMapRegistration(const RegistrationParameters& params, const SweepTimingParams& timing);
 
-  /// Thins the sweep. False: too few points in range, the sweep cannot be registered (nor will it be placed).
+  /// Thins the sweep. False: too few points in range; the sweep cannot be registered and will not be inserted.
   bool prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
 
   const RegistrationCloud& cloud() const { return scan_.cloud; }
   const VoxelMap& map() const { return map_.map(); }
-  /// Where registration starts: the initial guess, or, in open country, the above-ground match.
+  /// The start pose of registration: the initial guess or, in open country, the above-ground match.
   const Pose& T_odom_cog_initial_guess() const {
     return open_country_.pose ? open_country_.pose->T_odom_cog : guess_.T_odom_cog;
   }
 
-  /// The prepared sweep against the map, from the start pose; kTooFewPoints if prepare() said false, kNotConverged as
-  /// long as tracking is lost after a gap.
+  /// Registers the prepared sweep against the map from the start pose. kTooFewPoints if prepare() returned false;
+  /// kNotConverged while tracking is lost after a gap.
   Measurement align(const IcpPointToPoint& icp, std::vector<SeedTrack>* tracks = nullptr) const;
   Measurement align(const IcpPointToPlane& icp, double sigma_yaw_rad) const;
 
-  /// Takes the prepared sweep into the map, at the estimate, deskewed for the motion that was estimated (but for one
-  /// that came compensated).
+  /// Inserts the prepared sweep into the map at the estimate, deskewed for the estimated motion (unless it came
+  /// compensated).
   void place(const FilterState& state);
 
-  /// In place of place(): the estimate of a sweep that was not prepared.
+  /// Call in place of place(), with the estimate of a sweep that was not prepared.
   void skip(const FilterState& state);
 
   void reset();

@@ -1,9 +1,10 @@
-// Open country: whether a sweep is in it, and the above-ground match (above_ground_matcher.hpp) as an aid to both ICPs there.
+// Detects open country and adds the above-ground match (above_ground_matcher.hpp) to both ICPs there. Not in the paper.
 //
-// Open country begins where planes hold little and next to nothing stands; it ends later: a sweep with a little more to
-// hold on to does not end it, as its planes are sure of the heading, and often wrong. Both ICPs start at the matched
-// pose, are less sure of what surfaces tell badly there, and take the match in. Shared with them: the points, the deskew.
-// Cost: above_ground_matcher.hpp's.
+// Open country begins where planes hold little information and almost nothing stands above the ground. It ends with a
+// delay: in a sweep with a little more structure the planes determine the heading precisely and often wrongly. In open
+// country both ICPs start at the matched pose, inflate the covariance of what surfaces observe badly, and add the
+// match. The match and the ICPs share the points and the deskew.
+// Cost: that of above_ground_matcher.hpp.
 #pragma once
 
 #include <optional>
@@ -19,27 +20,27 @@ class OpenCountryAid {
  public:
   struct Result {
     bool open_country = false;
-    std::optional<StandingPose> pose;  ///< of the match
+    std::optional<StandingPose> pose;  ///< from the above-ground match
   };
 
   OpenCountryAid(const AboveGroundMatcher::Params& params, const IcpPointToPlane::Params& planes)
       : match_(params, planes) {}
 
-  /// The scan, deskewed for the guess.
+  /// The scan must be deskewed for the guess.
   Result find(const RegistrationScan& scan, const LocalMap& map, const InitialGuess& guess, double sigma_yaw_rad);
 
-  /// What stands in the last sweep is worth keeping.
+  /// The above-ground points of the last sweep are worth keeping.
   bool nearlyOpen() const { return nearly_open_; }
 
   void reset();
 
  private:
   AboveGroundMatcher match_;
-  int open_sweeps_left_ = 0;  ///< in which planes may tell more than where open country begins
-  bool nearly_open_ = true;   ///< the last sweep's planes told little
+  int open_sweeps_left_ = 0;  ///< in which planes may hold more information than at the start of open country
+  bool nearly_open_ = true;   ///< the last sweep's planes held little information
 };
 
-/// Surfaces keep height, roll and pitch; of the rest they know little in open country, whatever their R says.
+/// Surfaces determine height, roll and pitch; in open country the rest gets a larger covariance, whatever R says.
 void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params,
                     const InitialGuess& guess, Measurement& measurement);
 

@@ -1,12 +1,13 @@
 // The point pairs of one sweep and one map, and their normal equations (paper, section "Multiplex General ICP").
 //
-// A pair is a point and the nearest point of the map within max_distance_m, weighted with a Geman-McClure kernel.
-// Information (not in the article): the nearest of a plane's points slides along the plane, so that a pair informs only
-// along the normal of its partner's plane, and horizontally where the partner stands on a post. Pairs whose surface is
-// unknown are taken to inform on all directions as the other pairs do together.
+// A pair is a point and the nearest map point within max_distance_m, weighted with a Geman-McClure kernel.
+// Information (not in the paper): the nearest point of a plane slides along the plane. A pair therefore informs only
+// along the normal of its partner's plane, and horizontally if the partner is on a post. Pairs with unknown surface
+// inform on the directions as the other pairs do together.
 //
-// Points: m, frame of the centre of gravity. The pose: of the centre of gravity in odom.
-// Cost: one nearest-point query a point, on the threads of the caller's TBB arena; the same bits for any number of them.
+// Points: m, frame of the centre of gravity. Pose: of the centre of gravity in odom.
+// Cost: one nearest-point query per point, on the threads of the caller's TBB arena; the result is bit-identical for
+// any number of threads.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,17 +23,17 @@ namespace fail_aware {
 
 class PointPairs {
  public:
-  using Neighborhoods = std::vector<VoxelMap::Neighborhood>;  ///< of the points that are used: every stride-th
+  using Neighborhoods = std::vector<VoxelMap::Neighborhood>;  ///< of the points used: every stride-th
 
   struct Params {
     double max_distance_m = 0.5;
-    bool surface_information = true;  ///< false: a pair informs alike in all directions
+    bool surface_information = true;  ///< false: a pair informs equally in all directions
     InformationSupport::Params support;
   };
 
   struct WeakHorizontal {
     Eigen::Vector2d direction;
-    double counted_ratio = 1.0;  ///< of the information on this direction
+    double counted_ratio = 1.0;  ///< ratio of the information on this direction that counts
   };
 
   /// Keeps references to the points and to the map.
@@ -41,15 +42,15 @@ class PointPairs {
 
   std::size_t size() const { return points_cog_.size(); }
 
-  /// Of every stride-th point.
+  /// Uses every stride-th point.
   NormalEquations linearize(std::size_t stride, const Pose& T_odom_cog, double kernel_m,
                             Neighborhoods& neighborhoods) const;
 
-  /// The weakest horizontal direction; nothing where every horizontal direction is well observed.
+  /// The weakest horizontal direction; nullopt where every horizontal direction is well observed.
   std::optional<WeakHorizontal> weakHorizontal(std::size_t stride, const Pose& T_odom_cog, double kernel_m,
                                                Neighborhoods& neighborhoods) const;
 
-  /// Of all points: the mean squared distance, where a point without a partner counts as max_distance_m away.
+  /// The mean squared distance over all points; a point without a partner counts as max_distance_m.
   double meanSquaredError(const NormalEquations& equations, double points) const {
     const double cut2 = params_.max_distance_m * params_.max_distance_m;
     return (equations.squared_error + (points - equations.weight_unscaled) * cut2) / points;

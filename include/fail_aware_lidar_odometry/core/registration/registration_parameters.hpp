@@ -1,4 +1,4 @@
-// The parameters of the three measurements and of what they share: the branch `registration` of the parameters' tree.
+// The parameters of the three measurements and of their shared stages: the branch `registration` of the parameter tree.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/registration/above_ground_matcher.hpp"
@@ -19,11 +19,12 @@ namespace fail_aware {
 
 struct RegistrationParameters {
   bool use_icp_point_to_point =
-      true;  ///< the three measurements, each can be left out (the article's "2 measurements")
+      true;  ///< the three measurements; each can be switched off (the paper's "2 measurements")
   bool use_icp_point_to_plane = true;
   bool use_corner_svd = true;
-  bool refine_deskew = true;  ///< correct once more, by the registered motion, what joins the reference
-                              ///< (its turn only where deskew_refinement found none; not what came compensated)
+  /// Deskew the inserted sweep again for the registered motion (for its turn rate only where deskew_refinement found
+  /// none; never if it came compensated).
+  bool refine_deskew = true;
   RegistrationCloudBuilder::Params cloud;
   ReferenceMap::Params reference;
   MotionInitialization::Params initialization;

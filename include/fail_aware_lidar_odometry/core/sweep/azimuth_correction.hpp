@@ -1,11 +1,14 @@
-// Corrects a constant error of the head's azimuth: its zero does not point where the lidar's x axis should.
+// Corrects a constant error of the head's azimuth: its zero does not point along the lidar's x axis. Not in the paper.
 //
-// A rotation about z: what is matched keeps its shape, and the lidar frame in which the odometry speaks is turned. Off by
-// one degree, each metre driven straight on ends 17 mm to the side. From drives alone it is found by
-// evaluation/azimuth_calibration.hpp. A head that is mounted at another yaw is for sensor.lidar_in_base (tf), not this.
+// The correction is a rotation about z. It keeps the shape of the scene and rotates the lidar frame of the odometry. An
+// error of one degree moves the end of each metre driven straight by 17 mm to the side.
+// evaluation/azimuth_calibration.hpp estimates the angle from drives alone. For a head that is mounted at another yaw
+// set sensor.lidar_in_base (tf) instead.
 //
-// The instant at which the head passes an azimuth is told by its own zero: SensorParameters::correctedTiming() gives
-// the timing for corrected points. Cost: about 0.1 ms for 120 000 points.
+// The time at which the head passes an azimuth depends on the head's own zero: SensorParameters::correctedTiming()
+// returns the timing for corrected points.
+// Points: m, lidar frame.
+// Cost: about 0.1 ms for 120 000 points.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,9 +1,10 @@
-// Times for a sweep whose time field fails, as its predecessors had them: by azimuth, but with the direction, the start
-// and the stamp's place in the sweep that their field showed.
+// Times for a sweep whose time field fails: by azimuth, with the direction, the start and the stamp reference that the
+// field of earlier sweeps showed. Not in the paper.
 //
-// It holds for a head that turns: the azimuth must follow the field's times. A cloud may hold a revolution or a whole
-// part of one (a half, a third, a quarter). Points within a degree or so of the seam may belong to the other end.
-// Cost: keep() 0.05 ms, apply() as timesByAzimuth().
+// Works for a rotating head: the azimuth must follow the field's times. A cloud may hold a revolution or an integer
+// fraction of one (a half, a third, a quarter). Points within about one degree of the seam may get the time of the
+// other end.
+// Failure: apply() returns false. Cost: keep() 0.05 ms, apply() as timesByAzimuth().
 #pragma once
 
 #include <optional>
@@ -16,7 +17,8 @@ namespace fail_aware {
 
 class HeldTiming {
  public:
-  /// A sweep that its field timed. times_s: relative to its stamp, may hold NaN; first_s: the first of them.
+  /// Keeps the timing of a sweep with a valid field. times_s: relative to its stamp, may hold NaN; first_s: the first
+  /// time.
   void keep(const Sweep& sweep, const std::vector<float>& times_s, double first_s, double period_s);
 
   /// False: no sweep was kept, or its azimuth did not follow its times. Times: relative to the stamp.
@@ -27,7 +29,7 @@ class HeldTiming {
  private:
   struct Head {
     double stamp_s = 0.0;  ///< of the sweep that shows it
-    double first_s = 0.0;  ///< of its points, relative to the stamp
+    double first_s = 0.0;  ///< first time of its points, relative to the stamp
     double period_s = 0.1;
     double revolution_s = 0.1;
     double start_azimuth_rad = 0.0;

@@ -1,9 +1,10 @@
-// How a sweep's stamp stands to the newest one's: the one rule of the live graph and of the offline runner.
+// Classifies a sweep's stamp relative to the newest stamp. The live graph and the offline runner use this one rule.
 //
-// A stamp that does not advance is refused; one that lies further back than what gets out of order on the way means
-// that the clock was set back, or that a recording begins again: there a drive begins. One that is far ahead is refused,
-// as a single wrong one would end the drive; if the next one follows on it the clock was set, and a drive begins. Far is
-// an hour: what is missing for less is bridged by the model, whose covariance says what that is worth. A difference that is no number is refused.
+// A stamp that does not advance is refused. A stamp further back than messages get out of order in transit means that
+// the clock was set back or that a recording restarts: a new drive begins. A stamp far ahead is refused, because a
+// single wrong stamp would otherwise end the drive; if the next stamp follows it, the clock was set and a new drive
+// begins. Far is one hour: for a shorter gap the vehicle model predicts, and its covariance shows how good that is. A
+// difference that is NaN is refused.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,7 @@ class StampSequence {
  public:
   void setMaxReorder(double max_reorder_s) { max_reorder_s_ = max_reorder_s; }
 
-  /// The next stamp, `since_newest_s` after the newest one that was taken (kAdvances, or the first of a drive).
+  /// Classifies the next stamp, `since_newest_s` after the newest accepted one (kAdvances, or the first of a drive).
   StampOrder next(double since_newest_s) {
     const double far_ahead_s = std::exchange(far_ahead_s_, kNone);
     if (since_newest_s > kFarAhead_s) {
@@ -40,8 +41,8 @@ class StampSequence {
     return StampOrder::kReordered;
   }
 
-  /// By how much at most the stamps were out of order that were refused before the newest one that was taken; 0: none
-  /// was. It tells a clock that was set back a little.
+  /// The largest step back among the stamps refused before the newest accepted one; 0: none was refused. It reveals a
+  /// clock that was set back a little.
   double setBack_s() const { return set_back_s_; }
 
   void beginDrive() {
@@ -53,9 +54,9 @@ class StampSequence {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   double max_reorder_s_ = kMaxReorder_s;
-  double far_ahead_s_ = kNone;  ///< since the newest one: the last stamp, if it was refused as that
+  double far_ahead_s_ = kNone;  ///< the last stamp relative to the newest one, if it was refused as far ahead
   double set_back_s_ = 0.0;
-  double refused_back_s_ = 0.0;  ///< since then
+  double refused_back_s_ = 0.0;  ///< since the newest accepted stamp
 };
 
 }  // namespace fail_aware

@@ -1,13 +1,13 @@
-// Which cloud becomes the sweep in work, and until when its measurements are waited for. Without ROS: times are seconds of
-// a clock that never jumps, stamps are nanoseconds.
+// Decides which cloud is processed next, and how long the node waits for its measurements. Independent of ROS: times
+// are seconds of a steady clock, stamps are nanoseconds.
 //
-// One sweep is open at a time; those that come meanwhile wait in a short queue. The queue is for a sweep that takes longer
-// now and then. Each overflow lets one sweep fewer wait, at last only the newest, until none waits: whoever cannot follow
-// for long skips sweeps in any case, and so his estimates are not late. What is refused or lost is counted by its cause,
-// and counts as dropped before the next estimate.
-// Deadlines: `deadline_s` from opening. More patience with those that are at work: a late estimate is better than none.
-// But what a sweep has waited for its turn is taken off it, or under load each would be later by that.
-// Failure: none. Cost: under 1 us a call.
+// One sweep is open at a time; sweeps that arrive meanwhile wait in a short queue. The queue absorbs an occasional slow
+// sweep. Each overflow reduces the queue by one sweep, until none waits: a node that is overloaded for long drops
+// sweeps in any case, and a short queue keeps its estimates recent. Refused and lost sweeps are counted by cause, and
+// count as dropped before the next estimate.
+// Deadlines: `deadline_s` from opening. Sources that are still working get more time: a late estimate is better than
+// none. The time that a sweep has waited in the queue is subtracted; otherwise the delay would grow under load.
+// Failure: none. Cost: under 1 us per call.
 #pragma once
 
 #include <cstddef>
@@ -23,14 +23,14 @@ class SweepScheduler {
   struct Params {
     std::size_t queue_size = 3;      ///< sweeps that may wait for the open one
     double deadline_s = 0.25;        ///< from opening to closing
-    double late_deadline_s = 0.6;    ///< from the cloud to closing, where a source is at work
-    double first_deadline_s = 10.0;  ///< from opening, while sources search the first motion
+    double late_deadline_s = 0.6;    ///< from the cloud's arrival to closing, while a source is working
+    double first_deadline_s = 10.0;  ///< from opening, while sources search for the first motion
   };
   struct Sweep {
     std::uint64_t stamp_ns = 0;
     std::string frame;
     double arrived_s = 0.0;
-    double set_back_s = 0.0;  ///< Estimator::Accepted's
+    double set_back_s = 0.0;  ///< from Estimator::Accepted
   };
   enum class Cause { kDuplicate, kReordered, kFarAhead, kUnusableStamp, kWrongFrame };
   struct Counts {
@@ -40,38 +40,38 @@ class SweepScheduler {
 
   void setParams(const Params& params);
 
-  /// A sweep whose stamp was accepted waits for its turn.
+  /// Queues a sweep whose stamp was accepted.
   void offer(const Sweep& sweep);
   void refuse(Cause cause);
 
-  /// The next sweep, which is open from now on; none: one is open already, or none waits.
+  /// Opens the next sweep; nullopt: a sweep is already open, or none waits.
   std::optional<Sweep> open(double now_s);
-  /// The open sweep is one of those that search the first motion.
+  /// The open sweep takes part in the search for the first motion.
   void setSearches(bool searches) { searches_ = searches; }
   const std::optional<Sweep>& current() const { return open_; }
   void close() { open_.reset(); }
 
-  /// `is_at_work`: of the sources that have not answered the open sweep, some are at work on it; while a motion is known,
-  /// some whose last answer was late.
+  /// `is_at_work`: at least one source without an answer is still working on the open sweep; while a motion is known,
+  /// at least one whose last answer was late.
   bool isOverdue(double now_s, bool is_at_work) const;
   bool searches() const { return searches_; }
-  /// From opening, if nothing came before the open sweep: an answer that takes longer gains nothing.
+  /// Longest time from opening if no sweep came before the open one: a slower answer gains nothing.
   double longest_s() const;
 
-  /// Sweeps lost since this was last asked.
+  /// Sweeps lost since the last call.
   int takeDropped();
-  /// A new drive: what waits and what is open is lost by it. The counts stay.
+  /// For a new drive: drops the waiting and the open sweeps. The counts stay.
   void clear();
 
   const Counts& counts() const { return counts_; }
-  /// Why the last cloud that was refused was; empty: none was.
+  /// Why the last refused cloud was refused; empty: none was refused.
   const std::string& lastRefused() const { return last_refused_; }
 
  private:
   void lose(std::size_t& cause);
 
   Params params_;
-  std::size_t may_wait_ = 3;  ///< now
+  std::size_t may_wait_ = 3;  ///< current limit of the queue
   std::deque<Sweep> waiting_;
   std::optional<Sweep> open_;
   double opened_s_ = 0.0;

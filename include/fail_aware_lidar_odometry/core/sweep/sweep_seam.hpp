@@ -1,11 +1,11 @@
-// Where a sweep begins and which way the head turns, as the cloud shows it: times that are taken from the azimuth
-// (timing.hpp) are wrong by a whole period between the true start and the parameters' one.
+// The start of a sweep and the head's direction of rotation, from the cloud. Times from the azimuth (timing.hpp) are
+// wrong by a whole period between the true start and the configured one. Not in the paper.
 //
-// Told where the points come in the order of their measurement (a driver's packets): then consecutive blocks of points
-// lie in consecutive directions, all around once. Clouds in another order (beam by beam, organised, filtered) and parts
-// of a revolution tell nothing: no answer, no warning.
+// This works if the points are in the order of measurement (a driver's packets): consecutive blocks of points then lie
+// in consecutive directions, once around. Clouds in another order (beam by beam, organised, filtered) and parts of a
+// revolution give no answer and no warning.
 // Input: points in the lidar's frame, m. Azimuths: deg, counter-clockwise from the x axis, in (-180, 180].
-// Cost: 20 us for 120 000 points (it looks at some 1500 of them).
+// Failure: nullopt. Cost: 20 us for 120 000 points (about 1500 of them are used).
 #pragma once
 
 #include <Eigen/Core>
@@ -19,19 +19,19 @@
 namespace fail_aware {
 
 struct SweepSeam {
-  double start_azimuth_deg = 0.0;  ///< of the first points; a head's lasers, which point to both sides of it, averaged
+  double start_azimuth_deg = 0.0;  ///< of the first points; mean over a head's lasers, which point to both sides of it
   bool clockwise = true;           ///< seen from above
 };
 
-/// Nothing: the points' order does not tell it.
+/// nullopt: the points' order does not show the seam.
 std::optional<SweepSeam> findSweepSeam(const std::vector<Eigen::Vector3f>& points_lidar);
 
-/// Compares what the last sweeps show with the parameters. Give it the seams of sweeps that are timed by their azimuth.
+/// Compares the last sweeps with the parameters. Pass the seams of sweeps that are timed by their azimuth.
 class SweepSeamCheck {
  public:
-  static constexpr double kTolerance_deg = 10.0;   ///< beyond it a 36th of the points is timed wrong
-  static constexpr std::size_t kSweepsKept = 11;   ///< of them most must contradict
-  static constexpr std::size_t kSweepsNeeded = 3;  ///< before anything is said
+  static constexpr double kTolerance_deg = 10.0;   ///< beyond it a 36th of the points gets wrong times
+  static constexpr std::size_t kSweepsKept = 11;   ///< most of them must contradict the parameters
+  static constexpr std::size_t kSweepsNeeded = 3;  ///< before a contradiction is reported
 
   explicit SweepSeamCheck(const SweepTimingParams& params) : params_(params) {}
 

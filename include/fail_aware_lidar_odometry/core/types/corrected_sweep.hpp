@@ -1,5 +1,6 @@
 // A sweep after the motion correction (sweep/correction.hpp): every point is where the sensor would have seen it at the
-// sweep's stamp. Points: m, sensor frame.
+// sweep's stamp.
+// Points: m, sensor frame.
 #pragma once
 
 #include <Eigen/Core>

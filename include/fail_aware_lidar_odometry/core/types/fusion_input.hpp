@@ -10,7 +10,7 @@ namespace fail_aware {
 struct FusionInput {
   std::string name;
   const Measurement* measurement = nullptr;  ///< null or not ok(): absent. Not owned
-  bool external = false;  ///< not made from the sweep: disagrees with another only beyond both covariances (3 sigma)
+  bool external = false;  ///< not from the sweep: disagrees with another input only beyond both covariances (3 sigma)
 };
 
 }  // namespace fail_aware

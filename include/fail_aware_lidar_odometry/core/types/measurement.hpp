@@ -9,17 +9,17 @@
 
 namespace fail_aware {
 
-/// The three algorithms' names as sources of the fusion: in topics, messages, parameters and files.
+/// The three algorithms' names as sources of the fusion: used in topics, messages, parameters and files.
 inline constexpr const char* kIcpPointToPoint = "icp_point_to_point";
 inline constexpr const char* kIcpPointToPlane = "icp_point_to_plane";
 inline constexpr const char* kCornerSvd = "corner_svd";
 
 enum class MeasurementStatus {
   kOk,            ///< pose and covariance may be used
-  kNoReference,   ///< nothing to register against yet (first sweep, after a reset)
+  kNoReference,   ///< nothing to register against yet (first sweep, or after a reset)
   kTooFewPoints,  ///< the sweep or its overlap with the reference is too small
   kNotConverged,  ///< iteration limit before step limit, or tracking is lost after a gap
-  kDegenerate,    ///< no direction was observable; corners too close to each other; no finite prediction
+  kDegenerate,    ///< no direction was observable; corners too close to each other; prediction not finite
   kTooFewCorners  ///< corner alignment only: fewer than the required associated corners
 };
 
@@ -36,10 +36,10 @@ struct Measurement {
   int iterations = 0;
   double seed_spread_m = 0.0;     ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
   int degenerate_directions = 0;  ///< directions left at the prediction, of 6
-  /// Information in the weakest horizontal direction. ICPs: share of the total weight, 0.5 if both directions are seen
-  /// equally well. Corners: relative to `good_corners` corners. 0: not known.
+  /// Information in the weakest horizontal direction. ICPs: ratio of the total weight, 0.5 if both directions are
+  /// observed equally well. Corners: relative to `good_corners` corners. 0: not known.
   double min_information_ratio = 0.0;
-  bool clock_jump_suspected = false;  ///< registered assuming a clock jump: does not give a speed
+  bool clock_jump_suspected = false;  ///< registered assuming a clock jump: the speed is unusable
 
   bool ok() const { return status == MeasurementStatus::kOk; }
 };

@@ -1,5 +1,5 @@
-// The monitor's input for one sweep of a recorded run: a row of monitor_log.csv (io/monitor_log.hpp), from which the
-// monitor can be run again (fail_aware/monitor_replay.hpp).
+// The monitor's input for one sweep of a recorded run: a row of monitor_log.csv (io/monitor_log.hpp). The monitor can
+// be run again from these rows (fail_aware/monitor_replay.hpp).
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace fail_aware {
 
 /// One call of FailAwareMonitor::update.
 struct MonitorInput {
-  std::size_t row = 0;  ///< of the sweep in the run's trajectory, counted from 0
+  std::size_t row = 0;  ///< row of the sweep in the run's trajectory, from 0
   FilterState state;
   SweepCondition condition;
 };

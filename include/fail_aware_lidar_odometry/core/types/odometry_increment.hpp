@@ -12,13 +12,13 @@ namespace fail_aware {
 /// Covariances about the previous body's axes.
 struct OdometryIncrement {
   Matrix6d covariance = Matrix6d::Zero();
-  Matrix6d unobserved = Matrix6d::Zero();  ///< the part of it that stays open (FilterState::unobserved_covariance)
+  Matrix6d unobserved = Matrix6d::Zero();  ///< the part of it that is not observed (FilterState::unobserved_covariance)
   double dt_s = 0.0;
   SpeedError speed_error;
-  bool predicted = false;  ///< the pose is no measurement
-  /// Of a measured pose in the map, about odom's axes, where at least two measurements agree on it.
+  bool predicted = false;  ///< the pose is not measured
+  /// Covariance of a measured pose in the map, about odom's axes, if at least two measurements agree on the pose.
   std::optional<Matrix6d> confirmed{};
-  bool map_restarted = false;  ///< with this sweep: measurements refer to the old map no longer
+  bool map_restarted = false;  ///< with this sweep: later measurements do not refer to the old map
 };
 
 }  // namespace fail_aware

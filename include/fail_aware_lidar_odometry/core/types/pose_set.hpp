@@ -1,4 +1,4 @@
-// What became of a pose that was set from outside, in one sweep. Not in the paper.
+// The result of a pose that was set from outside, in one sweep. Not in the paper.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 namespace fail_aware {
 
 struct PoseSet {
-  bool done = false;    ///< odom was moved under the vehicle
-  std::string refused;  ///< why it was not; empty: none waited, or it is done
+  bool done = false;    ///< odom was reset to the new pose
+  std::string refused;  ///< the reason for a refusal; empty: no pose was waiting, or it is done
 };
 
 }  // namespace fail_aware

@@ -1,12 +1,12 @@
-// The error of a speed that the measurements do not observe (filter/coasting.hpp).
+// The error of a speed that the measurements do not observe (filter/dead_reckoning.hpp).
 #pragma once
 
 namespace fail_aware {
 
-/// Of the speed along the vehicle's axis. Zero where the measurements observe the speed.
+/// Error of the speed along the vehicle's axis. Zero where the measurements observe the speed.
 struct SpeedError {
   double variance_m2_s2 = 0.0;  ///< after this sweep
-  double kept = 0.0;            ///< share of the last sweep's error that is still in it, 0..1
+  double kept = 0.0;            ///< ratio of the last sweep's error that remains in it, 0..1
 };
 
 }  // namespace fail_aware

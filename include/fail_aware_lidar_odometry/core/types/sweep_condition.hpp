@@ -1,4 +1,4 @@
-// The condition of a sweep: what the fail-aware monitor (fail_aware/monitor.hpp) gets beside the filter's state.
+// The condition of a sweep: input of the fail-aware monitor (fail_aware/monitor.hpp) in addition to the filter's state.
 #pragma once
 
 namespace fail_aware {
@@ -7,17 +7,17 @@ struct SweepCondition {
   bool empty = false;       ///< no usable point
   bool incomplete = false;  ///< part of the revolution is missing
   bool low_visibility = false;
-  bool frozen = false;              ///< the sensor repeats itself
-  bool time_jump = false;           ///< of the stamps, back or ahead
-  bool time_field_refused = false;  ///< the points are timed by a guess
-  bool no_answer = false;           ///< of a stage of the live graph, by the deadline
+  bool frozen = false;              ///< the sensor repeats the same cloud
+  bool time_jump = false;           ///< the stamps jumped, back or ahead
+  bool time_field_refused = false;  ///< the points' times are a guess
+  bool no_answer = false;           ///< a stage of the live graph missed the deadline
   int dropped_before = 0;           ///< sweeps lost since the last one
-  bool point_missing = false;       ///< the source is used and gave no usable measurement; likewise the next two
+  bool point_missing = false;       ///< the source is used but gave no usable measurement; likewise the next two
   bool plane_missing = false;
   bool corners_missing = false;
-  double min_information_ratio = 1.0;  ///< weakest horizontal direction, point to plane; 1: not known
+  double min_information_ratio = 1.0;  ///< weakest horizontal direction, point-to-plane ICP; 1: not known
 
-  /// Every field: what the monitor's log is made of.
+  /// Visits every field: the columns of the monitor's log.
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("empty", self.empty);

@@ -1,5 +1,6 @@
-// The filter's prediction for one sweep (filter/pose_filter.hpp): the sweep is corrected with it and registration
-// starts from it. Poses: of the centre of gravity in odom; m, rad, s.
+// The filter's prediction for one sweep (filter/pose_filter.hpp): the sweep is deskewed with it, and registration
+// starts from it.
+// Poses: of the centre of gravity in odom; m, rad, s.
 #pragma once
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
@@ -17,8 +18,8 @@ struct SweepPrediction {
   Matrix6d covariance = Matrix6d::Identity();   ///< of the prediction, geometry/pose.hpp's convention
   double sigma_yaw_rad = 0.0;
   MotionStatus motion_status = MotionStatus::kUnknown;  ///< of the last estimate
-  int odom_reset_count = 0;                             ///< as FilterState's
-  double set_back_s = 0.0;                              ///< SweepTime's
+  int odom_reset_count = 0;                             ///< as in FilterState
+  double set_back_s = 0.0;                              ///< from SweepTime
 
   bool motionKnown() const { return motion_status != MotionStatus::kUnknown; }
   double time_s() const { return stamp_s - stamp_error_s; }
