@@ -11,6 +11,9 @@
 
 namespace fail_aware {
 
+using Pose = Eigen::Isometry3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
 /// False: not finite, zero (no return), or farther than any lidar sees. Squares and rotations of usable points stay
 /// finite.
 inline bool isUsablePoint(const Eigen::Vector3f& point_m) {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#include "bridge/bag_sweep_source.hpp"
 
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
@@ -9,11 +9,12 @@
 #include <map>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/bridge/constant_transforms.hpp"
+#include "bridge/constant_transforms.hpp"
+#include "core/io/input_error.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 

@@ -1,13 +1,13 @@
-#include "fail_aware_lidar_odometry/bridge/constant_transforms.hpp"
+#include "bridge/constant_transforms.hpp"
 
 #include <tf2/buffer_core.h>
 
 #include <algorithm>
 #include <cstdio>
 
+#include "core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 
 namespace fail_aware {
 

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "bridge/graph_message_conversion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/fusion/external_pose.hpp"
+#include "core/sweep/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
+#include "bridge/marker_conversion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <string>
 
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,5 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "core/types/corrected_sweep.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -12,7 +13,7 @@
 
 #include "cloud_field.hpp"
 #include "cloud_layout.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
+#include "core/sweep/point_times.hpp"
 
 namespace fail_aware {
 

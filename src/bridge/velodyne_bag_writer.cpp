@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
+#include "bridge/velodyne_bag_writer.hpp"
 
 #include <tf2_msgs/TFMessage.h>
 

@@ -1,18 +1,18 @@
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/odometry_pipeline.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/arena_size.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/corner_svd.hpp"
-#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+#include "core/arena_size.hpp"
+#include "core/estimator.hpp"
+#include "core/parallel.hpp"
+#include "core/parameters/check.hpp"
+#include "core/registration/corner_svd.hpp"
+#include "core/registration/local_map_registration.hpp"
+#include "core/sweep/sweep_check.hpp"
+#include "core/sweep/sweep_corrector.hpp"
 
 namespace fail_aware {
 

@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/evaluation/azimuth_calibration.hpp"
+#include "evaluation/azimuth_calibration.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/input_error.hpp"
+#include "evaluation/quantile.hpp"
 
 namespace fail_aware {
 

@@ -10,11 +10,12 @@
 #include <string>
 
 #include "clock_check.hpp"
+#include "core/sweep/sweep_check.hpp"
+#include "core/sweep/sweep_corrector.hpp"
+#include "core/types/corrected_sweep.hpp"
+#include "core/types/sweep_findings.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
-#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
-#include "fail_aware_lidar_odometry/core/types/sweep_findings.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 #include "spoken_faults.hpp"
 #include "stamp_fault.hpp"
 #include "sweep_progress.hpp"

@@ -4,7 +4,7 @@
 // Failure and cost: those of FailAwareMonitor.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "core/fail_aware/monitor.hpp"
 
 namespace fail_aware {
 

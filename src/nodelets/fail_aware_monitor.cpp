@@ -3,7 +3,7 @@
 // FAILED (UNKNOWN if there never was one) with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each.
 // Service: ~start_redundant.
 // What silence means is measured on the clock of the graph: simulated time if that is used, otherwise the steady clock.
-#include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
+#include "fail_aware_lidar_odometry/FailAwareMonitorConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
@@ -14,12 +14,12 @@
 #include <optional>
 #include <string>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/marker_conversion.hpp"
+#include "bridge/parameter_server.hpp"
 #include "clock_check.hpp"
+#include "core/fail_aware/silence.hpp"
 #include "drive_monitor.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
 #include "fail_aware_monitor_params.hpp"
 #include "graph_nodelet.hpp"
 #include "private_parameters.hpp"

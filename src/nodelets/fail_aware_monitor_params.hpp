@@ -1,7 +1,7 @@
 // FailAwareMonitor's own parameters: those of its private namespace.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
+#include "core/fail_aware/silence.hpp"
 
 namespace fail_aware {
 

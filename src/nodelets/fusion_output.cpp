@@ -4,7 +4,7 @@
 
 #include <boost/make_shared.hpp>
 
-#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
+#include "bridge/odometry_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "topics.hpp"
 

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "bounded_path.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "bridge/graph_message_conversion.hpp"
+#include "core/estimator.hpp"
 #include "fusion_ukf_params.hpp"
 #include "trajectory_service.hpp"
 

@@ -5,7 +5,7 @@
 // One sweep is open at a time: predicted when its cloud comes, closed when every source that can answer has answered or
 // at its deadline; sweeps that come meanwhile wait in a short queue. Every opened sweep gives exactly one filter_state
 // and one odometry; every other cloud is counted in a diagnostic by its cause.
-#include <fail_aware_lidar_odometry/FusionUkfConfig.h>
+#include "fail_aware_lidar_odometry/FusionUkfConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -16,12 +16,12 @@
 #include <optional>
 #include <vector>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/parameter_server.hpp"
 #include "cloud_intake.hpp"
+#include "core/estimator.hpp"
+#include "core/sweep/sweep_scheduler.hpp"
 #include "deferred_call.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_scheduler.hpp"
 #include "fusion_diagnosis.hpp"
 #include "fusion_output.hpp"
 #include "fusion_ukf_params.hpp"

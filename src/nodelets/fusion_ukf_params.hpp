@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
+#include "core/parameters/check.hpp"
+#include "core/sweep/stamp_order.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {

@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "core/parameters/check.hpp"
+#include "core/parameters/mounting.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
 
 namespace fail_aware {
 

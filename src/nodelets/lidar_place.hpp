@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "core/geometry/pose.hpp"
 
 namespace fail_aware {
 

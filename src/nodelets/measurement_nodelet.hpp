@@ -15,9 +15,10 @@
 #include <memory>
 #include <string>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/parameter_server.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "deferred_call.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "graph_nodelet.hpp"
 #include "measurement_record.hpp"

@@ -2,12 +2,12 @@
 // Units m, s. No failure modes.
 #pragma once
 
+#include "fail_aware_lidar_odometry/PoseMeasurement.h"
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
-#include <fail_aware_lidar_odometry/PoseMeasurement.h>
 
 #include <cstddef>
 
-#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "core/types/measurement.hpp"
 #include "sweep_progress.hpp"
 
 namespace fail_aware {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "bridge/parameter_server.hpp"
+#include "core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {

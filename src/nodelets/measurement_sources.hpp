@@ -24,8 +24,8 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "bridge/graph_message_conversion.hpp"
+#include "core/estimator.hpp"
 #include "source_health.hpp"
 
 namespace fail_aware {

@@ -8,7 +8,7 @@
 
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/types/external_pose.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 
 namespace fail_aware {
 

@@ -3,7 +3,7 @@
 // Bounded: the oldest message gives way. Failure: none; a cloud without a prediction is counted once a later one has its.
 #pragma once
 
-#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include "fail_aware_lidar_odometry/SweepPrediction.h"
 #include <sensor_msgs/PointCloud2.h>
 
 #include <cstddef>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/parameter_server.hpp"
 
 namespace fail_aware {
 

@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/parameters/parameter_map.hpp"
 
 namespace fail_aware {
 

@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "core/estimator.hpp"
 #include "pose_message.hpp"
 #include "topics.hpp"
 

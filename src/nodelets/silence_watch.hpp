@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/fail_aware/silence.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

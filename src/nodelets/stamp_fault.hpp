@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "core/sweep/timing.hpp"
 
 namespace fail_aware {
 

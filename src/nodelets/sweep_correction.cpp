@@ -10,12 +10,13 @@
 #include <memory>
 #include <optional>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/parameter_server.hpp"
+#include "core/sweep/sweep_check.hpp"
+#include "core/sweep/sweep_corrector.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "correction_diagnosis.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 #include "graph_nodelet.hpp"
 #include "predicted_clouds.hpp"
 #include "private_parameters.hpp"

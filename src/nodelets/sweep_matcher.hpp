@@ -5,8 +5,8 @@
 // Only the newest predicted sweep is ever measured: who falls behind skips, the filter has closed the others already.
 #pragma once
 
-#include <fail_aware_lidar_odometry/FilterState.h>
-#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include "fail_aware_lidar_odometry/FilterState.h"
+#include "fail_aware_lidar_odometry/SweepPrediction.h"
 #include <sensor_msgs/PointCloud2.h>
 
 #include <cstddef>

@@ -2,7 +2,7 @@
 // the parameter structs that they stand for. A test compares names, types and defaults.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 #include "fusion_ukf_params.hpp"
 
 namespace fail_aware {

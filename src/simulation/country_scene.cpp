@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/country_scene.hpp"
+#include "simulation/country_scene.hpp"
 
 #include <cmath>
 

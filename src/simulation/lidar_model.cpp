@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/simulation/lidar_model.hpp"
+#include "simulation/lidar_model.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 

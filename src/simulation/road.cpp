@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/road.hpp"
+#include "simulation/road.hpp"
 
 #include <algorithm>
 #include <cmath>

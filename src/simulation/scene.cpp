@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/simulation/scene.hpp"
+#include "simulation/scene.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "fail_aware_lidar_odometry/simulation/country_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/highway_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/open_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/town_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/tunnel_scene.hpp"
+#include "simulation/country_scene.hpp"
+#include "simulation/highway_scene.hpp"
+#include "simulation/open_scene.hpp"
+#include "simulation/town_scene.hpp"
+#include "simulation/tunnel_scene.hpp"
 
 namespace fail_aware {
 

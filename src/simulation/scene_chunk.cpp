@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene_chunk.hpp"
+#include "simulation/scene_chunk.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene_kind.hpp"
+#include "simulation/scene_kind.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <limits>
 #include <sstream>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

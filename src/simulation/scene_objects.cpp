@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene_objects.hpp"
+#include "simulation/scene_objects.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/simulation/sweep_faults.hpp"
+#include "simulation/sweep_faults.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 

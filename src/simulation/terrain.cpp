@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/simulation/terrain.hpp"
+#include "simulation/terrain.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/tunnel_scene.hpp"
+#include "simulation/tunnel_scene.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/simulation/vehicle_drive.hpp"
+#include "simulation/vehicle_drive.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -17,10 +17,10 @@
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
 
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "core/io/kitti_directory.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "evaluation/quantile.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
 #include "tool_support.hpp"

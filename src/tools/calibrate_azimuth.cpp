@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/evaluation/azimuth_calibration.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
+#include "evaluation/azimuth_calibration.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"

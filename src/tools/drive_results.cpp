@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/fail_aware/monitor_replay.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/sweep_source.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/io/sweep_source.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/odometry_pipeline.hpp"
 #include "json.hpp"
 #include "sweep_log.hpp"
 

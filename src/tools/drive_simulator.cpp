@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "bridge/parameter_server.hpp"
+#include "bridge/velodyne_messages.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "simulation/fault_injector.hpp"
+#include "simulation/sweep_stamping.hpp"
 #include "simulation_options.hpp"
 
 namespace {

@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/evaluation/absolute_trajectory_error.hpp"
-#include "fail_aware_lidar_odometry/evaluation/kitti_metric.hpp"
-#include "fail_aware_lidar_odometry/evaluation/relative_step_error.hpp"
-#include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "evaluation/absolute_trajectory_error.hpp"
+#include "evaluation/kitti_metric.hpp"
+#include "evaluation/relative_step_error.hpp"
+#include "evaluation/time_to_failure.hpp"
+#include "evaluation/trajectory_pair.hpp"
 #include "json.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"

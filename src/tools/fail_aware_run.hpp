@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
+#include "core/io/measurement_log.hpp"
+#include "core/pipeline_parameters.hpp"
+#include "core/types/monitor_input.hpp"
 
 namespace fail_aware {
 

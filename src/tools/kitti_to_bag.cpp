@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_ground_truth.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "bridge/kitti_bag_writer.hpp"
+#include "core/io/kitti_directory.hpp"
+#include "core/io/kitti_ground_truth.hpp"
+#include "core/io/profile_files.hpp"
 #include "tool_support.hpp"
 
 namespace {

@@ -2,7 +2,7 @@
 //
 // Latency is measured here, from this node's receipt of a cloud to its receipt of the odometry with the same stamp, on
 // the steady clock, whatever use_sim_time says. For good figures run it on the machine of the graph.
-#include <fail_aware_lidar_odometry/FilterState.h>
+#include "fail_aware_lidar_odometry/FilterState.h"
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "cloud_answers.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
 #include "json.hpp"
 #include "process_monitor.hpp"
 #include "tool_support.hpp"

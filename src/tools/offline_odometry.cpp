@@ -11,20 +11,20 @@
 #include <utility>
 #include <vector>
 
+#include "core/fail_aware/monitor_replay.hpp"
+#include "core/io/kitti_sweep_source.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "core/parameters/mounting.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 #include "drive_results.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_sweep_source.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
 #include "poses_from_outside.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#include "bridge/bag_sweep_source.hpp"
 #endif
 
 namespace {

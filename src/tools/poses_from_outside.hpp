@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/external_pose_file.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/io/external_pose_file.hpp"
+#include "core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 #include "result_files.hpp"
 
 namespace fail_aware {

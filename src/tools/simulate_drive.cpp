@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "core/io/kitti_writer.hpp"
 #include "json.hpp"
+#include "simulation/fault_injector.hpp"
+#include "simulation/sweep_stamping.hpp"
 #include "simulation_options.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
-#include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
+#include "bridge/velodyne_bag_writer.hpp"
 #endif
 
 namespace {

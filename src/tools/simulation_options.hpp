@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault.hpp"
+#include "core/io/input_error.hpp"
+#include "simulation/drive_simulation.hpp"
+#include "simulation/fault.hpp"
 
 namespace fail_aware {
 

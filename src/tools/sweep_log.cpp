@@ -7,12 +7,12 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/measurement_log.hpp"
+#include "core/io/monitor_log.hpp"
+#include "core/sweep/sweep_check.hpp"
+#include "evaluation/quantile.hpp"
 #include "json.hpp"
 
 namespace fail_aware {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/odometry_pipeline.hpp"
 #include "json.hpp"
 
 namespace fail_aware {

@@ -11,8 +11,8 @@
 #include <ostream>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

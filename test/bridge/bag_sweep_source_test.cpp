@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#include "bridge/bag_sweep_source.hpp"
 
 #include <gtest/gtest.h>
 #include <std_msgs/Header.h>
@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
+#include "bridge/kitti_bag_writer.hpp"
+#include "core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

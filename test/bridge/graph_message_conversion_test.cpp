@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "bridge/graph_message_conversion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
+#include "bridge/kitti_bag_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -9,9 +9,10 @@
 #include <filesystem>
 #include <map>
 
+#include "core/io/input_error.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
+#include "bridge/marker_conversion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
+#include "bridge/odometry_conversion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 namespace {

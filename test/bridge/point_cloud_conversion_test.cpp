@@ -1,4 +1,5 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "core/types/corrected_sweep.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
+#include "bridge/velodyne_bag_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <rosbag/view.h>
@@ -7,8 +7,8 @@
 
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "bridge/bag_sweep_source.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,10 +1,11 @@
-#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
+#include "bridge/velodyne_messages.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 

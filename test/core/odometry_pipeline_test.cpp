@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/odometry_pipeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 
 #include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 namespace {

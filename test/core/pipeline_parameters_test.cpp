@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/parameter_map.hpp"
 #include "parameters/error_of.hpp"
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/stamp_difference.hpp"
 
 #include <gtest/gtest.h>
 

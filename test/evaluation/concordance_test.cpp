@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/concordance.hpp"
+#include "evaluation/concordance.hpp"
 
 #include <gtest/gtest.h>
 

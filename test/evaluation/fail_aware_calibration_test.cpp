@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_calibration.hpp"
+#include "evaluation/fail_aware_calibration.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
+#include "core/fail_aware/covariance_predictor.hpp"
 #include "made_up_episode.hpp"
 
 namespace fail_aware {

@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_episode.hpp"
+#include "evaluation/fail_aware_episode.hpp"
 
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/fail_aware/monitor_replay.hpp"
+#include "core/geometry/rotation.hpp"
 #include "made_up_episode.hpp"
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
+#include "evaluation/prediction_statistics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -21,7 +21,7 @@
 
 #include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 namespace {

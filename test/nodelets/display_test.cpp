@@ -19,6 +19,7 @@
 
 #include "../support/graph_recorder.hpp"
 #include "../support/synthetic_street.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 

@@ -17,9 +17,9 @@
 #include "../support/bus_links.hpp"
 #include "../support/driver_clouds.hpp"
 #include "../support/graph_driver.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 
 namespace fail_aware {
 namespace {

@@ -18,12 +18,12 @@
 
 #include "../support/graph_recorder.hpp"
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/bag_sweep_source.hpp"
+#include "bridge/kitti_bag_writer.hpp"
+#include "bridge/parameter_server.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 namespace {

@@ -16,11 +16,11 @@
 
 #include "../support/graph_driver.hpp"
 #include "../support/message_numbers.hpp"
-#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "bridge/velodyne_messages.hpp"
+#include "core/sweep/stamp_order.hpp"
+#include "simulation/drive_simulation.hpp"
+#include "simulation/fault_injector.hpp"
+#include "simulation/sweep_stamping.hpp"
 
 namespace fail_aware {
 namespace {

@@ -7,7 +7,7 @@
 #include "../../src/nodelets/fail_aware_monitor_params.hpp"
 #include "../../src/nodelets/fusion_ukf_params.hpp"
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/parameters/parameter_map.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {

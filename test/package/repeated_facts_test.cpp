@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
+#include "core/fail_aware/failure_state.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {
@@ -98,8 +98,8 @@ TEST(RepeatedFacts, VerticalAngleOfKitti) {
       {"doc/recorded_data.md", "\\| `vertical_angle_deg` \\| " + number},
       {"doc/results.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"cfg/sensors/hdl64e.yaml", "KITTI's scans need " + number},
-      {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", number + " deg too low"},
-      {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", "KITTI: " + number},
+      {"src/core/sweep/vertical_angle_correction.hpp", number + " deg too low"},
+      {"src/core/sweep/vertical_angle_correction.hpp", "KITTI: " + number},
       {"scripts/benchmark", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"scripts/benchmark", "beams " + number + " deg too low"},
       {"scripts/replay_benchmark", "\"--vertical-angle\", type=float, default=" + number},
@@ -122,8 +122,8 @@ TEST(RepeatedFacts, AlertLimit) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
   const std::multimap<std::string, std::string> places = {
-      {"include/fail_aware_lidar_odometry/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
-      {"include/fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
+      {"src/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
+      {"src/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
       {"scripts/fault_matrix", "ALERT_LIMIT_M = " + number},
       {"scripts/run_report/run.py", "alert_limit_m: float = " + number},
   };
@@ -157,7 +157,7 @@ void expectNoOther(const std::string& pattern, const std::set<std::string>& know
 }
 
 TEST(RepeatedFacts, TopicsOfKittisBags) {
-  const std::string writer = "include/fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp";
+  const std::string writer = "src/bridge/kitti_bag_writer.hpp";
   const std::string cloud = theOnly(writer, "kCloudTopic = \"([^\"]+)\"");
   const std::string ground_truth = theOnly(writer, "kGroundTruthTopic = \"([^\"]+)\"");
   const std::string transforms = theOnly("launch/kitti_replay.launch", "from=\"/tf\" to=\"([^\"]+)\"");
@@ -169,7 +169,7 @@ TEST(RepeatedFacts, TopicsOfKittisBags) {
 
 TEST(RepeatedFacts, TopicOfTheVelodynesDriver) {
   const std::string cloud =
-      "/" + theOnly("include/fail_aware_lidar_odometry/bridge/velodyne_messages.hpp", "cloud_topic = \"([^\"]+)\"");
+      "/" + theOnly("src/bridge/velodyne_messages.hpp", "cloud_topic = \"([^\"]+)\"");
   for (const char* file : {"launch/odometry.launch", "launch/velodyne_hdl64e.launch"}) {
     EXPECT_EQ(theOnly(file, "name=\"cloud\" default=\"([^\"]+)\""), cloud) << file;
   }

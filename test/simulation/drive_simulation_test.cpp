@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
+#include "simulation/drive_simulation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
+#include "simulation/fault_injector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/simulation/lidar_model.hpp"
+#include "simulation/lidar_model.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 namespace {

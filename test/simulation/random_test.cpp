@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/ray_caster.hpp"
+#include "simulation/ray_caster.hpp"
 
 #include <gtest/gtest.h>
 

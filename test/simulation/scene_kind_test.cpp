@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/simulation/scene_kind.hpp"
+#include "simulation/scene_kind.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene.hpp"
+#include "simulation/scene.hpp"
 
 #include <gtest/gtest.h>
 

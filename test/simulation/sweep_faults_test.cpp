@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/simulation/sweep_faults.hpp"
+#include "simulation/sweep_faults.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

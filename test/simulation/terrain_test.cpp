@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/terrain.hpp"
+#include "simulation/terrain.hpp"
 
 #include <gtest/gtest.h>
 

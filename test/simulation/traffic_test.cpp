@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/traffic.hpp"
+#include "simulation/traffic.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/vehicle_drive.hpp"
+#include "simulation/vehicle_drive.hpp"
 
 #include <gtest/gtest.h>
 

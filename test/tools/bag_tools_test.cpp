@@ -8,7 +8,7 @@
 
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/trajectory_io.hpp"
 
 namespace fail_aware {
 namespace {

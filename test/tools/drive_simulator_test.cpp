@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../support/graph_recorder.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 
 namespace fail_aware {

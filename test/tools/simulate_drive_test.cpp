@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault.hpp"
+#include "core/io/kitti_directory.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "simulation/fault.hpp"
 
 namespace fail_aware {
 namespace {

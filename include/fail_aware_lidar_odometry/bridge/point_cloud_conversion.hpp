@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
-#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 
 namespace fail_aware {
+
+struct CorrectedSweep;
 
 enum class CloudStatus {
   kOk,

@@ -7,7 +7,7 @@
 #include <boost/array.hpp>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 
 namespace fail_aware {
 

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
+#include "core/cloud/voxel_filter.hpp"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/cloud/scattered_order.hpp"
+#include "core/cloud/scattered_order.hpp"
 
 namespace fail_aware {
 

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
+#include "core/cloud/voxel_map.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/indicator.hpp"
+#include "core/fail_aware/indicator.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -1,13 +1,13 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "core/fail_aware/monitor.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/filter/pose_filter.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

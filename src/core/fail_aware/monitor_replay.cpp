@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "core/fail_aware/monitor_replay.hpp"
 
 namespace fail_aware {
 

@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
+#include "core/fail_aware/silence.hpp"
 
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

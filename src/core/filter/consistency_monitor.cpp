@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/filter/consistency_monitor.hpp"
+#include "core/filter/consistency_monitor.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/filter/increment_covariance.hpp"
+#include "core/filter/increment_covariance.hpp"
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

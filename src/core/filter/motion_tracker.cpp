@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/filter/motion_tracker.hpp"
+#include "core/filter/motion_tracker.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/fusion/largest_values.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 

@@ -1,17 +1,17 @@
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "core/filter/pose_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/filter/increment_covariance.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/filter/increment_covariance.hpp"
+#include "core/fusion/largest_values.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

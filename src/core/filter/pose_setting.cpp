@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/filter/pose_setting.hpp"
+#include "core/filter/pose_setting.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "core/fusion/odometry_covariance.hpp"
 
 namespace fail_aware {
 

@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
+#include "core/filter/ukf.hpp"
 
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -1,7 +1,7 @@
-#include "fail_aware_lidar_odometry/core/filter/unscented_transform.hpp"
+#include "core/filter/unscented_transform.hpp"
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

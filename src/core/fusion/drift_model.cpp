@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/fusion/drift_model.hpp"
+#include "core/fusion/drift_model.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
+#include "core/fusion/external_pose.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
+#include "core/fusion/odometry_covariance.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

@@ -1,15 +1,15 @@
-#include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
+#include "core/fusion/measurement_fusion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/fusion/largest_values.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/fusion/largest_values.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/rigid_alignment.hpp"
+#include "core/geometry/rigid_alignment.hpp"
 
 #include <Eigen/SVD>
 #include <algorithm>

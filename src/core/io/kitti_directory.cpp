@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "core/io/kitti_directory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@
 #include <optional>
 #include <sstream>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/text_lines.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/text_lines.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
+#include "core/io/kitti_writer.hpp"
 
 #include <cstdio>
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <locale>
 #include <stdexcept>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 

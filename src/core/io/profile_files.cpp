@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "core/io/profile_files.hpp"
 
 #include <dlfcn.h>
 
@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
 

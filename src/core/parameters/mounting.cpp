@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
+#include "core/parameters/mounting.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

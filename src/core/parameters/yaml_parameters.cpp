@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>

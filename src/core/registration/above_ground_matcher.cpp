@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/registration/above_ground_matcher.hpp"
+#include "core/registration/above_ground_matcher.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/parameters/check.hpp"
+#include "core/robust_kernel.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/above_ground_points.hpp"
+#include "core/registration/above_ground_points.hpp"
 
 #include <algorithm>
 #include <unordered_map>
 
-#include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/cloud/voxel_key.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 

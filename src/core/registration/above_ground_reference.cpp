@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/above_ground_reference.hpp"
+#include "core/registration/above_ground_reference.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

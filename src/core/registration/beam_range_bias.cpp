@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/registration/beam_range_bias.hpp"
+#include "core/registration/beam_range_bias.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {

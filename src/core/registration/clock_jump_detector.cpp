@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/clock_jump_detector.hpp"
+#include "core/registration/clock_jump_detector.hpp"
 
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/registration/corner.hpp"
+#include "core/registration/corner.hpp"
 
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 

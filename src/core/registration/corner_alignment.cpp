@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/corner_alignment.hpp"
+#include "core/registration/corner_alignment.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,10 +6,10 @@
 #include <cstddef>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rigid_alignment.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rigid_alignment.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

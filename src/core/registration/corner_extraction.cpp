@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/corner_extraction.hpp"
+#include "core/registration/corner_extraction.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <limits>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/dbscan.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/registration/dbscan.hpp"
 
 namespace fail_aware {
 

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/corner_reference.hpp"
+#include "core/registration/corner_reference.hpp"
 
 #include <cstddef>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

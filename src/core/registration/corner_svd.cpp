@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/corner_svd.hpp"
+#include "core/registration/corner_svd.hpp"
 
 namespace fail_aware {
 

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/core/registration/correlative_search.hpp"
+#include "core/registration/correlative_search.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/above_ground_points.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/registration/above_ground_points.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/dbscan.hpp"
+#include "core/registration/dbscan.hpp"
 
 #include <algorithm>
 #include <array>

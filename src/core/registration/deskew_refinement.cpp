@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/deskew_refinement.hpp"
+#include "core/registration/deskew_refinement.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {

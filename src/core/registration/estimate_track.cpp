@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/estimate_track.hpp"
+#include "core/registration/estimate_track.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/registration/first_motion.hpp"
+#include "core/registration/first_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/registration/measurement_update.hpp"
+#include "core/registration/measurement_update.hpp"
 
 namespace fail_aware {
 

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
+#include "core/registration/icp_point_to_plane.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {

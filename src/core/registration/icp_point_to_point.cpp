@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "core/registration/icp_point_to_point.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parallel.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

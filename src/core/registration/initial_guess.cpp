@@ -1,6 +1,6 @@
-#include "fail_aware_lidar_odometry/core/registration/initial_guess.hpp"
+#include "core/registration/initial_guess.hpp"
 
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/local_map.hpp"
+#include "core/registration/local_map.hpp"
 
 #include <cmath>
 

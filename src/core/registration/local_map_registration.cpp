@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
+#include "core/registration/local_map_registration.hpp"
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/registration/first_motion.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/registration/first_motion.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

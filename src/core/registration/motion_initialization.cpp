@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
+#include "core/registration/motion_initialization.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/cloud/voxel_filter.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

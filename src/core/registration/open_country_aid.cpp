@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/core/registration/open_country_aid.hpp"
+#include "core/registration/open_country_aid.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement_update.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/registration/measurement_update.hpp"
 
 namespace fail_aware {
 

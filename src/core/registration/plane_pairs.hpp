@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/registration/icp_point_to_plane.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/point_pairs.hpp"
+#include "core/registration/point_pairs.hpp"
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parallel.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 

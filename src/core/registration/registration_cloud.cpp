@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+#include "core/registration/registration_cloud.hpp"
 
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
+#include "core/sweep/correction.hpp"
 
 namespace fail_aware {
 

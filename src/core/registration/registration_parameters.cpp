@@ -1,7 +1,7 @@
-#include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
+#include "core/registration/registration_parameters.hpp"
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/validate_nested.hpp"
+#include "core/parameters/check.hpp"
+#include "core/parameters/validate_nested.hpp"
 
 namespace fail_aware {
 

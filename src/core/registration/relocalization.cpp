@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
+#include "core/registration/relocalization.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/registration/road_profile_odometry.hpp"
+#include "core/registration/road_profile_odometry.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

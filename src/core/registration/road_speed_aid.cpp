@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/registration/road_speed_aid.hpp"
+#include "core/registration/road_speed_aid.hpp"
 
 #include <array>
 #include <cmath>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/registration/measurement_update.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/registration/measurement_update.hpp"
 
 namespace fail_aware {
 

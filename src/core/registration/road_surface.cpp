@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/road_surface.hpp"
+#include "core/registration/road_surface.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
+#include "core/sweep/azimuth_correction.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+#include "core/sweep/correction.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/held_timing.hpp"
+#include "core/sweep/held_timing.hpp"
 
 #include <cmath>
 #include <complex>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/stamp_difference.hpp"
+#include "core/sweep/timing.hpp"
 
 namespace fail_aware {
 

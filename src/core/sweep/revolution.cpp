@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/revolution.hpp"
+#include "core/sweep/revolution.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 

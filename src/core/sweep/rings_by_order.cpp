@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/rings_by_order.hpp"
+#include "core/sweep/rings_by_order.hpp"
 
 #include <array>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
+#include "core/sweep/sweep_check.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

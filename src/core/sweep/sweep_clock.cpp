@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
+#include "core/sweep/sweep_clock.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+#include "core/sweep/sweep_corrector.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/revolution.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/rings_by_order.hpp"
+#include "core/stamp_difference.hpp"
+#include "core/sweep/revolution.hpp"
+#include "core/sweep/rings_by_order.hpp"
 
 namespace fail_aware {
 

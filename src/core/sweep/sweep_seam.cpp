@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_seam.hpp"
+#include "core/sweep/sweep_seam.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 

@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "core/sweep/timing.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
+#include "core/sweep/point_times.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/sweep/turn_line.hpp"
+#include "core/sweep/turn_line.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

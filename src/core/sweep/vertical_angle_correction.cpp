@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
+#include "core/sweep/vertical_angle_correction.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {

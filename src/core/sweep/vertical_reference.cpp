@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
+#include "core/sweep/vertical_reference.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/robust_kernel.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {

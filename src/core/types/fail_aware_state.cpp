@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/fail_aware_state.hpp"
+#include "fail_aware_lidar_odometry/monitor.hpp"
 
 #include <iterator>
 

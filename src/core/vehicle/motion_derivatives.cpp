@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
+#include "core/vehicle/motion_derivatives.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

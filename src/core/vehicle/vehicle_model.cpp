@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/vehicle/vehicle_model.hpp"
+#include "core/vehicle/vehicle_model.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

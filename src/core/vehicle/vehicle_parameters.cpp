@@ -1,6 +1,6 @@
-#include "fail_aware_lidar_odometry/core/vehicle/vehicle_parameters.hpp"
+#include "core/vehicle/vehicle_parameters.hpp"
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

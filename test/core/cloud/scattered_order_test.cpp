@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/cloud/scattered_order.hpp"
+#include "core/cloud/scattered_order.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
+#include "core/cloud/voxel_filter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <set>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/cloud/scattered_order.hpp"
+#include "core/cloud/scattered_order.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/cloud/voxel_key.hpp"
+#include "core/cloud/voxel_key.hpp"
 
 #include <gtest/gtest.h>
 

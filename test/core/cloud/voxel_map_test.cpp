@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
+#include "core/cloud/voxel_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <random>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
+#include "core/fail_aware/covariance_predictor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/fusion/odometry_covariance.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

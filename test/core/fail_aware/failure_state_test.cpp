@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
+#include "core/fail_aware/failure_state.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

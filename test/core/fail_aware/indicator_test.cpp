@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/indicator.hpp"
+#include "core/fail_aware/indicator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

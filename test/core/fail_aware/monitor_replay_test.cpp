@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
+#include "core/fail_aware/monitor_replay.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
+#include "core/fail_aware/silence.hpp"
 
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/filter/consistency_monitor.hpp"
+#include "core/filter/consistency_monitor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "../parameters/error_of.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/filter/increment_covariance.hpp"
+#include "core/filter/increment_covariance.hpp"
 
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/filter/map_update_policy.hpp"
+#include "core/filter/map_update_policy.hpp"
 
 #include <gtest/gtest.h>
 

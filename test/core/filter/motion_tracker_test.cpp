@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/filter/motion_tracker.hpp"
+#include "core/filter/motion_tracker.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/filter/pose_filter.hpp"
+#include "core/filter/pose_filter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 
 #include "../../support/poses.hpp"
 #include "../parameters/error_of.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 namespace {

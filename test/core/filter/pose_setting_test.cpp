@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/filter/pose_setting.hpp"
+#include "core/filter/pose_setting.hpp"
 
 #include <gtest/gtest.h>
 

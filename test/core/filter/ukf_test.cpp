@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
+#include "core/filter/ukf.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <random>
 
 #include "../../support/random_orthogonal.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/filter/unscented_transform.hpp"
+#include "core/filter/unscented_transform.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/fusion/drift_model.hpp"
+#include "core/fusion/drift_model.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <functional>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
+#include "core/fusion/external_pose.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "../../support/poses.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
+#include "core/fusion/measurement_fusion.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "core/io/kitti_directory.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <limits>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "core/io/input_error.hpp"
+#include "core/sweep/sweep_clock.hpp"
+#include "core/sweep/timing.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
+#include "core/io/kitti_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/kitti_directory.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "core/io/monitor_log.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <functional>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,5 +1,5 @@
 // FAIL_AWARE_SOURCE_CFG is the package's cfg folder (compile definition).
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "core/io/profile_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 #include <gtest/gtest.h>
 

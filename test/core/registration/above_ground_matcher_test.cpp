@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/above_ground_matcher.hpp"
+#include "core/registration/above_ground_matcher.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/above_ground_points.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "core/registration/above_ground_points.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/above_ground_reference.hpp"
+#include "core/registration/above_ground_reference.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/beam_range_bias.hpp"
+#include "core/registration/beam_range_bias.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <limits>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/registration/registration_cloud.hpp"
 #include "synthetic_drive.hpp"
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/clock_jump_detector.hpp"
+#include "core/registration/clock_jump_detector.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/corner_alignment.hpp"
+#include "core/registration/corner_alignment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "../../support/poses.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

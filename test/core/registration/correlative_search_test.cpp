@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/correlative_search.hpp"
+#include "core/registration/correlative_search.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

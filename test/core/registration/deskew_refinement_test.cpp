@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/deskew_refinement.hpp"
+#include "core/registration/deskew_refinement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/sweep/correction.hpp"
 #include "synthetic_drive.hpp"
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/estimate_track.hpp"
+#include "core/registration/estimate_track.hpp"
 
 #include <gtest/gtest.h>
 

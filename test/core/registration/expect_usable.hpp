@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/types/measurement.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/first_motion.hpp"
+#include "core/registration/first_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "core/registration/icp_point_to_point.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/parameters/check.hpp"
 #include "expect_usable.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

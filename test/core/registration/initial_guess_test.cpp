@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/initial_guess.hpp"
+#include "core/registration/initial_guess.hpp"
 
 #include <gtest/gtest.h>
 

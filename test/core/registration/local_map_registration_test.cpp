@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
+#include "core/registration/local_map_registration.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/sweep/correction.hpp"
 #include "synthetic_drive.hpp"
 
 namespace fail_aware {

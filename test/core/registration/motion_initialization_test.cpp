@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
+#include "core/registration/motion_initialization.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "synthetic_drive.hpp"
 
 namespace fail_aware {

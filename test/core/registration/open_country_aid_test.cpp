@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/open_country_aid.hpp"
+#include "core/registration/open_country_aid.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

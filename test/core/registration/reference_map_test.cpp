@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/registration/reference_map.hpp"
+#include "core/registration/reference_map.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

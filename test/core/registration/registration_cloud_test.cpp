@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
+#include "core/registration/registration_cloud.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

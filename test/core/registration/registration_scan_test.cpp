@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/registration_scan.hpp"
+#include "core/registration/registration_scan.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
+#include "core/registration/relocalization.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

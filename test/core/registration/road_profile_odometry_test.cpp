@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/road_profile_odometry.hpp"
+#include "core/registration/road_profile_odometry.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "../../support/synthetic_tunnel.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

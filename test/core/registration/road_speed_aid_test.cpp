@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/road_speed_aid.hpp"
+#include "core/registration/road_speed_aid.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/road_surface.hpp"
+#include "core/registration/road_surface.hpp"
 
 #include <gtest/gtest.h>
 

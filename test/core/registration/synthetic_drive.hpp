@@ -1,7 +1,7 @@
 // Sweeps of a spinning lidar on a vehicle that drives with a constant twist through a synthetic scene.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "synthetic_scene.hpp"
 
 namespace fail_aware {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 

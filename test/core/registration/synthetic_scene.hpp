@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "core/geometry/pose.hpp"
 
 namespace fail_aware {
 

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
+#include "core/sweep/azimuth_correction.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

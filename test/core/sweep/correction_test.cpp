@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
+#include "core/sweep/correction.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <string>
 
 #include "../../support/poses.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/sweep/timing.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/held_timing.hpp"
+#include "core/sweep/held_timing.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
+#include "core/sweep/point_times.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/revolution.hpp"
+#include "core/sweep/revolution.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/rings_by_order.hpp"
+#include "core/sweep/rings_by_order.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

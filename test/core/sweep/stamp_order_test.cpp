@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
+#include "core/sweep/stamp_order.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
+#include "core/sweep/sweep_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "../../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
+#include "core/sweep/sweep_clock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+#include "core/sweep/sweep_corrector.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "../../support/poses.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/pipeline_parameters.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_scheduler.hpp"
+#include "core/sweep/sweep_scheduler.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/sweep_seam.hpp"
+#include "core/sweep/sweep_seam.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

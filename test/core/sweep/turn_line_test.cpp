@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/sweep/turn_line.hpp"
+#include "core/sweep/turn_line.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 namespace {

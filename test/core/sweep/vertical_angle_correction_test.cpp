@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
+#include "core/sweep/vertical_angle_correction.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {

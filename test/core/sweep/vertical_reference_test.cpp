@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
+#include "core/sweep/vertical_reference.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/vehicle/lateral_dynamics.hpp"
+#include "core/vehicle/lateral_dynamics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/vehicle/motion_derivatives.hpp"
+#include "core/vehicle/motion_derivatives.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 
 #include "../../support/poses.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

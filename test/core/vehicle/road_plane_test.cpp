@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/core/vehicle/road_plane.hpp"
+#include "core/vehicle/road_plane.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/vehicle/suspension.hpp"
+#include "core/vehicle/suspension.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/vehicle/vehicle_parameters.hpp"
+#include "core/vehicle/vehicle_parameters.hpp"
 
 #include <gtest/gtest.h>
 
