@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/fusion/external_pose.hpp"
-#include "core/sweep/stamp_order.hpp"
+#include "core/estimation/external_pose.hpp"
+#include "core/estimation/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
 namespace fail_aware {

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "core/fail_aware/monitor.hpp"
+#include "core/integrity/monitor.hpp"
 #include "core/pipeline_parameters.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/measurement.hpp"

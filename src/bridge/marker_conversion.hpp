@@ -22,7 +22,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/registration/corner.hpp"
+#include "core/registration/corner_svd/corner.hpp"
 #include "core/registration/icp_point_to_point.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"
 

@@ -1,6 +1,6 @@
 // The filter's estimate -> nav_msgs/Odometry of base_link.
 //
-// pose: base_link in odom, covariance accumulated since the start (fusion/odometry_covariance.hpp). twist: in base_link
+// pose: base_link in odom, covariance accumulated since the start (estimation/odometry_covariance.hpp). twist: in base_link
 // at the stamp, the mean over the last sweep; its covariance is that of one increment.
 // A motion that is not known (dt_s is 0, or it is not finite) is a twist of 0 with kUnknownSpeed_mps and kUnknownRate_rps
 // as standard deviations: a filter that takes the message gives it no weight. A covariance of 0 would say standstill.

@@ -13,7 +13,7 @@
 
 #include "cloud_field.hpp"
 #include "cloud_layout.hpp"
-#include "core/sweep/point_times.hpp"
+#include "core/preprocessing/point_times.hpp"
 
 namespace fail_aware {
 

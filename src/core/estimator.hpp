@@ -14,13 +14,13 @@
 #include <string>
 #include <vector>
 
-#include "core/filter/pose_filter.hpp"
-#include "core/filter/pose_setting.hpp"
-#include "core/fusion/external_pose.hpp"
-#include "core/fusion/odometry_covariance.hpp"
+#include "core/estimation/external_pose.hpp"
+#include "core/estimation/odometry_covariance.hpp"
+#include "core/estimation/pose_filter.hpp"
+#include "core/estimation/pose_setting.hpp"
+#include "core/estimation/stamp_order.hpp"
+#include "core/estimation/sweep_clock.hpp"
 #include "core/pipeline_parameters.hpp"
-#include "core/sweep/stamp_order.hpp"
-#include "core/sweep/sweep_clock.hpp"
 #include "core/types/pose_set.hpp"
 
 namespace fail_aware {

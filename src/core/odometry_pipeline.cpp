@@ -7,12 +7,12 @@
 
 #include "core/arena_size.hpp"
 #include "core/estimator.hpp"
+#include "core/local_map_registration.hpp"
 #include "core/parallel.hpp"
 #include "core/parameters/check.hpp"
-#include "core/registration/corner_svd.hpp"
-#include "core/registration/local_map_registration.hpp"
-#include "core/sweep/sweep_check.hpp"
-#include "core/sweep/sweep_corrector.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
+#include "core/registration/corner_svd/corner_svd.hpp"
 
 namespace fail_aware {
 

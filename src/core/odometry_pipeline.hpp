@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
+#include "core/estimation/sweep_clock.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/pipeline_parameters.hpp"
-#include "core/sweep/sweep_clock.hpp"
-#include "core/sweep/vertical_reference.hpp"
+#include "core/preprocessing/vertical_reference.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/measurement.hpp"
 #include "core/types/pose_set.hpp"
@@ -72,11 +72,11 @@ class OdometryPipeline {
   /// Everything anew; the next sweep is the first.
   void reset();
 
-  /// Where base_link is in odom, said from outside; taken with the next sweep (filter/pose_setting.hpp). Why it is
+  /// Where base_link is in odom, said from outside; taken with the next sweep (estimation/pose_setting.hpp). Why it is
   /// refused; empty: it is not. SweepResult::pose_set tells what became of it.
   std::string setPose(const ExternalPose& pose);
 
-  /// A source of poses from elsewhere (fusion/external_pose.hpp), and its poses: no later than the sweep they are for.
+  /// A source of poses from elsewhere (estimation/external_pose.hpp), and its poses: no later than the sweep they are for.
   void addSource(const std::string& name, double tolerance_s);
   /// Why the pose cannot be used; empty: it waits for its sweep.
   std::string offer(const std::string& source, const ExternalPose& pose);

@@ -6,20 +6,20 @@
 
 #include <vector>
 
-#include "core/fail_aware/monitor.hpp"
-#include "core/filter/pose_filter.hpp"
-#include "core/fusion/measurement_fusion.hpp"
-#include "core/registration/registration_parameters.hpp"
-#include "core/sweep/azimuth_correction.hpp"
-#include "core/sweep/correction.hpp"
-#include "core/sweep/sweep_check.hpp"
-#include "core/sweep/timing.hpp"
-#include "core/sweep/vertical_angle_correction.hpp"
-#include "core/sweep/vertical_reference.hpp"
-#include "core/vehicle/motion_derivatives.hpp"
-#include "core/vehicle/road_plane.hpp"
-#include "core/vehicle/vehicle_model.hpp"
-#include "core/vehicle/vehicle_parameters.hpp"
+#include "core/estimation/measurement_fusion.hpp"
+#include "core/estimation/pose_filter.hpp"
+#include "core/estimation/vehicle/motion_derivatives.hpp"
+#include "core/estimation/vehicle/road_plane.hpp"
+#include "core/estimation/vehicle/vehicle_model.hpp"
+#include "core/estimation/vehicle/vehicle_parameters.hpp"
+#include "core/integrity/monitor.hpp"
+#include "core/preprocessing/azimuth_correction.hpp"
+#include "core/preprocessing/correction.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/timing.hpp"
+#include "core/preprocessing/vertical_angle_correction.hpp"
+#include "core/preprocessing/vertical_reference.hpp"
+#include "core/registration_parameters.hpp"
 
 namespace fail_aware {
 

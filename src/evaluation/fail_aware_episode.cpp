@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/fail_aware/monitor_replay.hpp"
+#include "core/integrity/monitor_replay.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {

@@ -1,7 +1,7 @@
 // A start of the redundancy (t1) together with all that the monitor said after it and what was true: the raw material
 // of every figure about the time to failure.
 //
-// The monitor is replayed for each t1 over the run's log (fail_aware/monitor_replay.hpp). Poses are of the centre of
+// The monitor is replayed for each t1 over the run's log (integrity/monitor_replay.hpp). Poses are of the centre of
 // gravity; failure as in evaluation/time_to_failure.hpp: horizontal error relative to the pose at t1 over the limit.
 #pragma once
 
@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/fail_aware/monitor.hpp"
-#include "core/fail_aware/silence.hpp"
+#include "core/integrity/monitor.hpp"
+#include "core/integrity/silence.hpp"
 #include "core/types/monitor_input.hpp"
 #include "evaluation/time_to_failure.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"

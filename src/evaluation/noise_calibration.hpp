@@ -2,8 +2,8 @@
 // scale variances, the NEES per degree of freedom over the data is 1 at the optimum; whether it is elsewhere is for
 // other data to say.
 //
-// Increments: error ~ N(0, scale * modelled + floors), floors as in filter/pose_filter.hpp.
-// Drift: horizontal errors since t1, `every_s` apart up to `until_s`, against fusion/odometry_covariance.hpp's
+// Increments: error ~ N(0, scale * modelled + floors), floors as in estimation/pose_filter.hpp.
+// Drift: horizontal errors since t1, `every_s` apart up to `until_s`, against estimation/odometry_covariance.hpp's
 // covariance; errors of one episode are treated as independent (a composite likelihood), which does not bias the
 // estimate.
 // Runs where the odometry is lost say nothing about either: leave them out.
@@ -15,8 +15,8 @@
 
 #include <vector>
 
-#include "core/filter/pose_filter.hpp"
-#include "core/fusion/drift_model.hpp"
+#include "core/estimation/drift_model.hpp"
+#include "core/estimation/pose_filter.hpp"
 #include "core/types/monitor_input.hpp"
 
 namespace fail_aware {

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "clock_check.hpp"
-#include "core/sweep/sweep_scheduler.hpp"
+#include "core/estimation/sweep_scheduler.hpp"
 #include "lidar_place.hpp"
 
 namespace fail_aware {

@@ -1,9 +1,9 @@
-// Corner alignment in the live graph (core/registration/corner_svd.hpp).
+// Corner alignment in the live graph (core/registration/corner_svd/corner_svd.hpp).
 #include "fail_aware_lidar_odometry/CornerSvdConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 
 #include "bridge/marker_conversion.hpp"
-#include "core/registration/corner_svd.hpp"
+#include "core/registration/corner_svd/corner_svd.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"

@@ -1,5 +1,5 @@
 // What SweepCorrection says of the clouds: the status `sweep_correction`, and its warnings in the log. It tells whether
-// they could be read, what the sweep's check found (core/sweep/sweep_check.hpp), and whether their stamps and the points'
+// they could be read, what the sweep's check found (core/preprocessing/sweep_check.hpp), and whether their stamps and the points'
 // times agree with the parameters. Units s. No failure modes. One thread.
 #pragma once
 
@@ -10,8 +10,8 @@
 #include <string>
 
 #include "clock_check.hpp"
-#include "core/sweep/sweep_check.hpp"
-#include "core/sweep/sweep_corrector.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
 #include "core/types/corrected_sweep.hpp"
 #include "core/types/sweep_findings.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"

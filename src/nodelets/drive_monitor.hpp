@@ -1,10 +1,10 @@
-// The fail-aware monitor (core/fail_aware/monitor.hpp) over several drives: with each drive, odom and the monitor begin
+// The fail-aware monitor (core/integrity/monitor.hpp) over several drives: with each drive, odom and the monitor begin
 // anew. Whoever relied on the last drive's odometry must ask again; a request that still waits for an observed motion
 // stays, as does one that came after the last filter state. Where it always serves (start_redundant), nobody has to ask.
 // Failure and cost: those of FailAwareMonitor.
 #pragma once
 
-#include "core/fail_aware/monitor.hpp"
+#include "core/integrity/monitor.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-// The fail-aware monitor in the live graph (core/fail_aware/monitor.hpp).
+// The fail-aware monitor in the live graph (core/integrity/monitor.hpp).
 // In: filter_state. Out: time_to_failure, one for every filter state and, when there is none for stale_sweeps periods,
 // FAILED (UNKNOWN if there never was one) with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each.
 // Service: ~start_redundant.
@@ -18,7 +18,7 @@
 #include "bridge/marker_conversion.hpp"
 #include "bridge/parameter_server.hpp"
 #include "clock_check.hpp"
-#include "core/fail_aware/silence.hpp"
+#include "core/integrity/silence.hpp"
 #include "drive_monitor.hpp"
 #include "fail_aware_monitor_params.hpp"
 #include "graph_nodelet.hpp"

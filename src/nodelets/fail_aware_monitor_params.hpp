@@ -1,7 +1,7 @@
 // FailAwareMonitor's own parameters: those of its private namespace.
 #pragma once
 
-#include "core/fail_aware/silence.hpp"
+#include "core/integrity/silence.hpp"
 
 namespace fail_aware {
 

@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "cloud_intake.hpp"
+#include "core/estimation/sweep_scheduler.hpp"
 #include "core/estimator.hpp"
-#include "core/sweep/sweep_scheduler.hpp"
 #include "measurement_sources.hpp"
 #include "published_type.hpp"
 #include "spoken_faults.hpp"

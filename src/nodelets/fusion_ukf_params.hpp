@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "core/estimation/stamp_order.hpp"
 #include "core/parameters/check.hpp"
-#include "core/sweep/stamp_order.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {

@@ -4,8 +4,8 @@
 #include "fail_aware_lidar_odometry/IcpPointToPlaneConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 
+#include "core/local_map_registration.hpp"
 #include "core/registration/icp_point_to_plane.hpp"
-#include "core/registration/local_map_registration.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"

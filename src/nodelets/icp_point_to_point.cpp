@@ -3,8 +3,8 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include "bridge/marker_conversion.hpp"
+#include "core/local_map_registration.hpp"
 #include "core/registration/icp_point_to_point.hpp"
-#include "core/registration/local_map_registration.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"

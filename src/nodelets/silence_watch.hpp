@@ -1,11 +1,11 @@
-// Is the silence of the filter states long enough to be a failure (core/fail_aware/silence.hpp), and is it time to say so
+// Is the silence of the filter states long enough to be a failure (core/integrity/silence.hpp), and is it time to say so
 // (again)? Times: s of one clock, which may jump back where simulated time begins anew: silence then counts from there.
 // No failure modes.
 #pragma once
 
 #include <algorithm>
 
-#include "core/fail_aware/silence.hpp"
+#include "core/integrity/silence.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {

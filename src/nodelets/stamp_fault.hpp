@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "core/sweep/timing.hpp"
+#include "core/preprocessing/timing.hpp"
 
 namespace fail_aware {
 

@@ -1,7 +1,7 @@
-// Sweep correction in the live graph (core/sweep/sweep_corrector.hpp).
+// Sweep correction in the live graph (core/preprocessing/sweep_corrector.hpp).
 // In: points (any PointCloud2), sweep/prediction of the same stamp. Out: sweep/points, one for every prediction whose
 // cloud is there; without points where the cloud could not be read, so that the sweep still closes; and sweep/check,
-// what the raw sweep looks like (core/sweep/sweep_check.hpp).
+// what the raw sweep looks like (core/preprocessing/sweep_check.hpp).
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -12,8 +12,8 @@
 
 #include "bridge/graph_message_conversion.hpp"
 #include "bridge/parameter_server.hpp"
-#include "core/sweep/sweep_check.hpp"
-#include "core/sweep/sweep_corrector.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
 #include "core/types/corrected_sweep.hpp"
 #include "correction_diagnosis.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"

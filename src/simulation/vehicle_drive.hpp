@@ -12,8 +12,8 @@
 
 #include <cstdint>
 
+#include "core/estimation/vehicle/vehicle_parameters.hpp"
 #include "core/geometry/pose.hpp"
-#include "core/vehicle/vehicle_parameters.hpp"
 #include "simulation/road.hpp"
 #include "simulation/speed_profile.hpp"
 #include "simulation/terrain.hpp"

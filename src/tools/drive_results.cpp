@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "core/fail_aware/monitor_replay.hpp"
+#include "core/integrity/monitor_replay.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <utility>
 
-#include "core/fail_aware/monitor_replay.hpp"
+#include "core/integrity/monitor_replay.hpp"
 #include "core/types/measurement.hpp"
 #include "evaluation/alarm_statistics.hpp"
 #include "evaluation/concordance.hpp"

@@ -11,7 +11,7 @@
 #include "core/io/input_error.hpp"
 #include "core/io/measurement_log.hpp"
 #include "core/io/monitor_log.hpp"
-#include "core/sweep/sweep_check.hpp"
+#include "core/preprocessing/sweep_check.hpp"
 #include "evaluation/quantile.hpp"
 #include "json.hpp"
 

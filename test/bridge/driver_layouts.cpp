@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/sweep/timing.hpp"
+#include "core/preprocessing/timing.hpp"
 #include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "../support/synthetic_tunnel.hpp"
-#include "core/fusion/odometry_covariance.hpp"
+#include "core/estimation/odometry_covariance.hpp"
 #include "core/odometry_pipeline.hpp"
 
 namespace fail_aware {

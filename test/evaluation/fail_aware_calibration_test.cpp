@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/fail_aware/covariance_predictor.hpp"
+#include "core/integrity/covariance_predictor.hpp"
 #include "made_up_episode.hpp"
 
 namespace fail_aware {

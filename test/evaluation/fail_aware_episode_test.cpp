@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/fail_aware/monitor_replay.hpp"
 #include "core/geometry/rotation.hpp"
+#include "core/integrity/monitor_replay.hpp"
 #include "made_up_episode.hpp"
 
 namespace fail_aware {

@@ -17,7 +17,7 @@
 #include "../support/graph_driver.hpp"
 #include "../support/message_numbers.hpp"
 #include "bridge/velodyne_messages.hpp"
-#include "core/sweep/stamp_order.hpp"
+#include "core/estimation/stamp_order.hpp"
 #include "simulation/drive_simulation.hpp"
 #include "simulation/fault_injector.hpp"
 #include "simulation/sweep_stamping.hpp"

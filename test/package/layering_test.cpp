@@ -63,18 +63,23 @@ const std::vector<CoreFolder> kCoreFolders = {
     {"geometry", {}},
     {"types", {"geometry"}},
     {"parameters", {"geometry"}},
-    {"cloud", {"geometry", "types", "parameters"}},
-    {"vehicle", {"geometry", "types", "parameters"}},
-    {"sweep", {"geometry", "types", "parameters", "cloud"}},
-    {"registration", {"geometry", "types", "parameters", "cloud", "sweep"}},
-    {"fusion", {"geometry", "types", "parameters"}},
-    {"filter", {"geometry", "types", "parameters", "vehicle", "fusion"}},
-    {"fail_aware", {"geometry", "types", "parameters", "fusion", "filter"}},
+    {"preprocessing", {"geometry", "types", "parameters"}},
+    {"map", {"geometry", "types", "parameters", "preprocessing"}},
+    {"registration", {"geometry", "types", "parameters", "preprocessing", "map"}},
+    {"initial_guess", {"geometry", "types", "parameters", "preprocessing", "map", "registration"}},
+    {"aiding", {"geometry", "types", "parameters", "preprocessing", "map", "registration", "initial_guess"}},
+    {"registration_parameters",
+     {"geometry", "types", "parameters", "preprocessing", "map", "registration", "initial_guess", "aiding"}},
+    {"local_map_registration",
+     {"geometry", "types", "parameters", "preprocessing", "map", "registration", "initial_guess", "aiding",
+      "registration_parameters"}},
+    {"estimation", {"geometry", "types", "parameters"}},
+    {"integrity", {"geometry", "types", "parameters", "estimation"}},
     {"pipeline_parameters",
-     {"geometry", "types", "parameters", "vehicle", "sweep", "registration", "fusion", "filter", "fail_aware"}},
-    {"estimator", {"geometry", "types", "parameters", "vehicle", "sweep", "fusion", "filter", "pipeline_parameters"}},
+     {"geometry", "types", "parameters", "preprocessing", "registration_parameters", "estimation", "integrity"}},
+    {"estimator", {"geometry", "types", "parameters", "estimation", "pipeline_parameters"}},
     {"odometry_pipeline",
-     {"geometry", "types", "parameters", "cloud", "vehicle", "sweep", "registration", "fusion", "filter", "fail_aware",
+     {"geometry", "types", "parameters", "preprocessing", "registration", "local_map_registration", "integrity",
       "pipeline_parameters", "estimator"}},
     {"io", {"geometry", "types", "parameters", "pipeline_parameters"}},
     {"odometry", {"io", "parameters", "odometry_pipeline"}},
@@ -132,16 +137,16 @@ TEST(Layering, AFolderOfTheCoreMayIncludeEarlierOnesOnly) {
 }
 
 TEST(Layering, RulesTellForwardsFromBackwards) {
-  EXPECT_EQ(coreFolderOf("sweep/timing.hpp"), "sweep");
+  EXPECT_EQ(coreFolderOf("preprocessing/timing.hpp"), "preprocessing");
   EXPECT_EQ(coreFolderOf("odometry_pipeline.cpp"), "odometry_pipeline");
-  EXPECT_TRUE(coreFolderMayInclude("sweep", "sweep"));
-  EXPECT_TRUE(coreFolderMayInclude("sweep", "types"));
-  EXPECT_TRUE(coreFolderMayInclude("filter", "fusion"));
-  EXPECT_FALSE(coreFolderMayInclude("fusion", "filter"));
-  EXPECT_FALSE(coreFolderMayInclude("sweep", "filter"));
-  EXPECT_FALSE(coreFolderMayInclude("fusion", "registration"));
-  EXPECT_FALSE(coreFolderMayInclude("types", "filter"));
-  EXPECT_TRUE(coreFolderMayInclude("sweep", "moving_median"));
+  EXPECT_TRUE(coreFolderMayInclude("map", "map"));
+  EXPECT_TRUE(coreFolderMayInclude("map", "types"));
+  EXPECT_TRUE(coreFolderMayInclude("integrity", "estimation"));
+  EXPECT_FALSE(coreFolderMayInclude("estimation", "integrity"));
+  EXPECT_FALSE(coreFolderMayInclude("preprocessing", "estimation"));
+  EXPECT_FALSE(coreFolderMayInclude("estimation", "registration"));
+  EXPECT_FALSE(coreFolderMayInclude("types", "estimation"));
+  EXPECT_TRUE(coreFolderMayInclude("preprocessing", "moving_median"));
   EXPECT_FALSE(coreFolderMayInclude("moving_median", "parallel"));
   EXPECT_FALSE(coreFolderMayInclude("no_such_folder", "types"));
 }

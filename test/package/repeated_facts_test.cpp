@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/fail_aware/failure_state.hpp"
+#include "core/integrity/failure_state.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {
@@ -98,15 +98,15 @@ TEST(RepeatedFacts, VerticalAngleOfKitti) {
       {"doc/recorded_data.md", "\\| `vertical_angle_deg` \\| " + number},
       {"doc/results.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"cfg/sensors/hdl64e.yaml", "KITTI's scans need " + number},
-      {"src/core/sweep/vertical_angle_correction.hpp", number + " deg too low"},
-      {"src/core/sweep/vertical_angle_correction.hpp", "KITTI: " + number},
+      {"src/core/preprocessing/vertical_angle_correction.hpp", number + " deg too low"},
+      {"src/core/preprocessing/vertical_angle_correction.hpp", "KITTI: " + number},
       {"scripts/benchmark", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"scripts/benchmark", "beams " + number + " deg too low"},
       {"scripts/replay_benchmark", "\"--vertical-angle\", type=float, default=" + number},
       {"scripts/replay_benchmark", "made-up drives \\(default " + number},
       {"scripts/soak", "\"--vertical-angle\", type=float, default=" + number},
       {"scripts/soak", "made-up drives \\(default " + number},
-      {"test/core/sweep/vertical_angle_correction_test.cpp", "kKittiAngle_deg = " + number},
+      {"test/core/preprocessing/vertical_angle_correction_test.cpp", "kKittiAngle_deg = " + number},
       {"test/package/check_launch_files.py", "vertical_angle/angle_deg\"\\] == " + number},
   };
   for (const auto& [file, pattern] : places) {
@@ -123,7 +123,7 @@ TEST(RepeatedFacts, AlertLimit) {
   const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
   const std::multimap<std::string, std::string> places = {
       {"src/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
-      {"src/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
+      {"src/core/integrity/covariance_predictor.hpp", "alert_limit_m = " + number},
       {"scripts/fault_matrix", "ALERT_LIMIT_M = " + number},
       {"scripts/run_report/run.py", "alert_limit_m: float = " + number},
   };
@@ -168,8 +168,7 @@ TEST(RepeatedFacts, TopicsOfKittisBags) {
 }
 
 TEST(RepeatedFacts, TopicOfTheVelodynesDriver) {
-  const std::string cloud =
-      "/" + theOnly("src/bridge/velodyne_messages.hpp", "cloud_topic = \"([^\"]+)\"");
+  const std::string cloud = "/" + theOnly("src/bridge/velodyne_messages.hpp", "cloud_topic = \"([^\"]+)\"");
   for (const char* file : {"launch/odometry.launch", "launch/velodyne_hdl64e.launch"}) {
     EXPECT_EQ(theOnly(file, "name=\"cloud\" default=\"([^\"]+)\""), cloud) << file;
   }

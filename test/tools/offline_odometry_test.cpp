@@ -18,7 +18,7 @@
 #include "../../src/tools/run_folder.hpp"
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
-#include "core/fail_aware/monitor_replay.hpp"
+#include "core/integrity/monitor_replay.hpp"
 #include "core/io/input_error.hpp"
 #include "core/io/monitor_log.hpp"
 #include "core/io/trajectory_io.hpp"

@@ -5,7 +5,7 @@
 // are left out and counted. A ring that is none: 65535. row_step is not looked at where it has no meaning (one row, or
 // rows without padding).
 // Time: time | t | timestamp | offset_time | time_stamp | ts, else a field whose name holds "time", "stamp" or "nsec".
-// Of several, the first whose numbers are times of a sweep and differ. Unit and clock: core/sweep/point_times.hpp.
+// Of several, the first whose numbers are times of a sweep and differ. Unit and clock: core/preprocessing/point_times.hpp.
 // Failure: status and a reason; the sweep is then empty. Never reads out of bounds. Cost: one pass over the cloud.
 #pragma once
 

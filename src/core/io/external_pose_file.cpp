@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/pose.hpp"
 #include "core/io/number_table.hpp"
 
 namespace fail_aware {

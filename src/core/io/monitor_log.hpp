@@ -1,5 +1,5 @@
 // monitor_log.csv: all that the fail-aware monitor hears in a run, so that it can be run again for any start (t1) and
-// any parameters without running the odometry (fail_aware/monitor_replay.hpp).
+// any parameters without running the odometry (integrity/monitor_replay.hpp).
 //
 // One row a monitored sweep, one column a number of MonitorInput (io/number_table.hpp); lists have one entry a measurement
 // source. Poses are the upper 3x4 of the matrix, row by row; units m, s, rad.

@@ -16,8 +16,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/cloud/voxel_map.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/map/voxel_map.hpp"
 #include "core/registration/information_support.hpp"
 #include "core/registration/normal_equations.hpp"
 #include "core/types/measurement.hpp"

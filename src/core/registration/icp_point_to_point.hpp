@@ -18,8 +18,8 @@
 #include <optional>
 #include <vector>
 
-#include "core/cloud/voxel_map.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/map/voxel_map.hpp"
 #include "core/registration/normal_equations.hpp"
 #include "core/registration/point_pairs.hpp"
 #include "core/types/measurement.hpp"

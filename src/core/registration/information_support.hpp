@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <unordered_map>
 
-#include "core/cloud/voxel_key.hpp"
+#include "core/preprocessing/voxel_key.hpp"
 
 namespace fail_aware {
 

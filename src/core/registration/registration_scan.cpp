@@ -7,9 +7,9 @@ namespace fail_aware {
 namespace {
 
 // Azimuth timing of compensated sweeps serves the deskew refinement only; without it no times are needed.
-std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& params,
+std::optional<SweepTimingParams> compensatedHead(const RegistrationScanBuilder::Params& params,
                                                  const SweepTimingParams& timing) {
-  if (timing.source != "none" || !params.deskew_refinement.enabled) return std::nullopt;
+  if (timing.source != "none" || !params.times_compensated_sweeps) return std::nullopt;
   return timing;
 }
 
@@ -20,7 +20,7 @@ void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s)
   twist_cog = other_twist_cog;
 }
 
-RegistrationScanBuilder::RegistrationScanBuilder(const RegistrationParameters& params, const SweepTimingParams& timing)
+RegistrationScanBuilder::RegistrationScanBuilder(const Params& params, const SweepTimingParams& timing)
     : builder_(params.cloud, compensatedHead(params, timing)),
       beam_range_bias_(params.beam_range_bias, params.icp_point_to_plane) {}
 

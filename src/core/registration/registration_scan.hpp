@@ -6,9 +6,8 @@
 // Failure: `usable` is false. Cost: that of registration_cloud.hpp and beam_range_bias.hpp.
 #pragma once
 
+#include "core/preprocessing/registration_cloud.hpp"
 #include "core/registration/beam_range_bias.hpp"
-#include "core/registration/registration_cloud.hpp"
-#include "core/registration/registration_parameters.hpp"
 #include "core/types/corrected_sweep.hpp"
 #include "core/types/sweep_prediction.hpp"
 
@@ -27,8 +26,15 @@ struct RegistrationScan {
 
 class RegistrationScanBuilder {
  public:
+  struct Params {
+    RegistrationCloudBuilder::Params cloud;
+    BeamRangeBias::Params beam_range_bias;
+    IcpPointToPlane::Params icp_point_to_plane;  ///< pairs of the beam range bias
+    bool times_compensated_sweeps = true;        ///< by the azimuth: the deskew refinement asks for the times
+  };
+
   /// timing: SensorParameters::correctedTiming(); tells whether sweeps come compensated, and how the head rotates.
-  RegistrationScanBuilder(const RegistrationParameters& params, const SweepTimingParams& timing);
+  RegistrationScanBuilder(const Params& params, const SweepTimingParams& timing);
 
   /// Builds the scan, deskewed for the prediction. `scan` is reused.
   void build(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,

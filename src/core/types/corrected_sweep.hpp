@@ -1,4 +1,4 @@
-// A sweep after the motion correction (sweep/correction.hpp): every point is where the sensor would have seen it at the
+// A sweep after the motion correction (preprocessing/correction.hpp): every point is where the sensor would have seen it at the
 // sweep's stamp.
 // Points: m, sensor frame.
 #pragma once

@@ -1,4 +1,4 @@
-// The filter's estimate for one sweep (filter/pose_filter.hpp), with the fusion's result and the increment since the
+// The filter's estimate for one sweep (estimation/pose_filter.hpp), with the fusion's result and the increment since the
 // last estimate.
 // Poses: of the centre of gravity in odom; m, rad, s.
 #pragma once
@@ -27,7 +27,7 @@ struct FilterState {
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
   /// The part of increment_covariance that the measurements do not observe: the part of the prediction's error that
   /// remains after this sweep's measurement (rotation: that also remains after a second measurement of this quality),
-  /// plus the inflation for an implausible motion, which does not depend on R (filter/consistency_monitor.hpp).
+  /// plus the inflation for an implausible motion, which does not depend on R (estimation/consistency_monitor.hpp).
   Matrix6d unobserved_covariance = Matrix6d::Zero();
   SpeedError speed_error;  ///< along the vehicle's axis, during dead reckoning
   /// The interval of the stamps since the last inserted sweep is not the time driven: the increment is not a motion

@@ -1,4 +1,4 @@
-// One input of the fusion (fusion/measurement_fusion.hpp): a measurement and the name of its source.
+// One input of the fusion (estimation/measurement_fusion.hpp): a measurement and the name of its source.
 #pragma once
 
 #include <string>

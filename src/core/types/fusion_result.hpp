@@ -1,4 +1,4 @@
-// The fused measurement of one sweep, with the weight, NIS and agreement of its inputs (fusion/measurement_fusion.hpp).
+// The fused measurement of one sweep, with the weight, NIS and agreement of its inputs (estimation/measurement_fusion.hpp).
 // State vector: (x, y, z, roll, pitch, yaw) of the centre of gravity in odom; m, rad.
 #pragma once
 

@@ -1,5 +1,5 @@
 // What the references (local map, corners) do with a sweep. Only the estimator decides it
-// (filter/map_update_policy.hpp).
+// (estimation/map_update_policy.hpp).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // The monitor's input for one sweep of a recorded run: a row of monitor_log.csv (io/monitor_log.hpp). The monitor can
-// be run again from these rows (fail_aware/monitor_replay.hpp).
+// be run again from these rows (integrity/monitor_replay.hpp).
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The uncertainty of one sweep's motion: the input of the accumulated covariance (fusion/odometry_covariance.hpp).
+// The uncertainty of one sweep's motion: the input of the accumulated covariance (estimation/odometry_covariance.hpp).
 // Units: m, rad, s.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The error of a speed that the measurements do not observe (filter/dead_reckoning.hpp).
+// The error of a speed that the measurements do not observe (estimation/dead_reckoning.hpp).
 #pragma once
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-// The condition of a sweep: input of the fail-aware monitor (fail_aware/monitor.hpp) in addition to the filter's state.
+// The condition of a sweep: input of the fail-aware monitor (integrity/monitor.hpp) in addition to the filter's state.
 #pragma once
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-// Results of the checks of a raw sweep (explained in sweep/sweep_check.hpp), and what its correction shows about the
+// Results of the checks of a raw sweep (explained in preprocessing/sweep_check.hpp), and what its correction shows about the
 // head.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The filter's prediction for one sweep (filter/pose_filter.hpp): the sweep is deskewed with it, and registration
+// The filter's prediction for one sweep (estimation/pose_filter.hpp): the sweep is deskewed with it, and registration
 // starts from it.
 // Poses: of the centre of gravity in odom; m, rad, s.
 #pragma once

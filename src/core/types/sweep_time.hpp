@@ -1,4 +1,4 @@
-// The time of a sweep: its stamp and the stamp's error from the sweep clock (sweep/sweep_clock.hpp).
+// The time of a sweep: its stamp and the stamp's error from the sweep clock (estimation/sweep_clock.hpp).
 // Units: s.
 #pragma once
 

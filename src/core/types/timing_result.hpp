@@ -1,4 +1,4 @@
-// How a sweep's points were timed, and whether the driver's time field was usable (sweep/timing.hpp).
+// How a sweep's points were timed, and whether the driver's time field was usable (preprocessing/timing.hpp).
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace fail_aware {
 
-/// Where the points' times come from; kHeld: as in earlier sweeps (sweep/held_timing.hpp).
+/// Where the points' times come from; kHeld: as in earlier sweeps (preprocessing/held_timing.hpp).
 enum class TimingSource { kNone, kField, kAzimuth, kHeld };
 /// The instant of the sweep that its stamp means.
 enum class StampReference { kStart, kMid, kEnd };

@@ -9,9 +9,9 @@
 #include <limits>
 #include <string>
 
+#include "core/estimation/sweep_clock.hpp"
 #include "core/io/input_error.hpp"
-#include "core/sweep/sweep_clock.hpp"
-#include "core/sweep/timing.hpp"
+#include "core/preprocessing/timing.hpp"
 
 namespace fail_aware {
 namespace {

@@ -8,10 +8,10 @@
 #include <limits>
 #include <vector>
 
+#include "../../support/synthetic_drive.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
-#include "core/registration/registration_cloud.hpp"
-#include "synthetic_drive.hpp"
+#include "core/preprocessing/registration_cloud.hpp"
 
 namespace fail_aware {
 namespace {

@@ -7,12 +7,12 @@
 #include <random>
 #include <vector>
 
+#include "../../support/expect_usable.hpp"
+#include "../../support/synthetic_scene.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
-#include "expect_usable.hpp"
-#include "synthetic_scene.hpp"
 
 namespace fail_aware {
 namespace {
