@@ -54,8 +54,7 @@ class Estimator {
   /// Finishes the sweep of the last predict(). `middle_s`, `revolution_s`: from SweepCorrectorReport.
   const FilterState& update(const std::vector<FusionInput>& measurements, double middle_s, double revolution_s);
 
-  /// Adds a source of poses whose stamps differ from the sweeps'. A pose farther than `tolerance_s` from a sweep is not
-  /// used.
+  /// Adds a source of poses whose stamps differ from the sweeps'. A pose is used within `tolerance_s` of a sweep.
   void addSource(const std::string& name, double tolerance_s);
   /// Returns why the pose cannot be used; empty: the pose waits for its sweep.
   std::string offer(const std::string& source, const ExternalPose& pose);

@@ -63,8 +63,8 @@ class OdometryPipeline {
   ~OdometryPipeline();
 
   /// A stamp that jumped (stamp_order.hpp) begins a new drive at the last pose: reference, motion and t1 are reset.
-  /// `sweep` may be empty (a dropped or unreadable scan): then the vehicle model predicts the pose. step() moves from
-  /// it.
+  /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model then predicts the pose. step()
+  /// moves from `sweep`.
   SweepResult step(Sweep& sweep);
 
   /// Starts the time t1 at the next accepted sweep that is not before `from_stamp_s`; from t1 on the odometry serves as

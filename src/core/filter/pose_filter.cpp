@@ -50,8 +50,7 @@ bool isUsableStart(const std::vector<FusionInput>& inputs) {
   return std::none_of(inputs.begin(), inputs.end(), is_icp) || std::any_of(inputs.begin(), inputs.end(), has_points);
 }
 
-/// The covariance P of the state `from` after odom is turned by R_new_old; `to` is the state of the same body
-/// afterwards.
+/// The covariance P of the state `from` after odom is turned by R_new_old; then the same body has the state `to`.
 Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
   const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
   const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));

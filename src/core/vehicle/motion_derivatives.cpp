@@ -79,8 +79,7 @@ void MotionHistory::move(const Pose& T_new_old) {
   for (const Sample& sample : samples) push(sample.stamp_s, orthonormalized(T_new_old * sample.T_odom_cog));
 }
 
-// Slope of the weighted least-squares line through the newest `samples` mean rates, over the middles of their
-// intervals.
+// Slope of the weighted least-squares line through the newest `samples` mean rates at their intervals' middles.
 Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
   const double newest_s = fromNewest(0).stamp_s;
   double weight_sum = 0.0, time_mean = 0.0, time_spread = 0.0;
