@@ -71,7 +71,7 @@ MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
 void MeasurementSources::listen() {
   check_subscriber_ = node_.subscribe<messages::SweepCheck>(
       topics::kSweepCheck, topics::kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
-  for (Source& source : sources_) {  // they stay where they are
+  for (Source& source : sources_) {  // the sources do not move in memory
     if (source.exact) {
       source.subscriber = node_.subscribe<messages::PoseMeasurement>(
           source.params.topic, topics::kQueue,
@@ -87,7 +87,7 @@ void MeasurementSources::listen() {
 
 MeasurementSources::~MeasurementSources() { stopListening(); }
 
-// Each waits for a call that is under way, which needs all the members.
+// Each shutdown() waits for a running callback, which needs all the members.
 void MeasurementSources::stopListening() {
   check_subscriber_.shutdown();
   for (Source& source : sources_) source.subscriber.shutdown();
@@ -135,7 +135,7 @@ bool MeasurementSources::isAtWork(bool late_only) const {
   const auto patience = [&](const SourceHealth& record) {
     return record.isAtWork() && (record.isLate() || !late_only);
   };
-  if (checkAwaited()) return patience(check_record_);  // the others wait for it, too
+  if (checkAwaited()) return patience(check_record_);  // the other sources wait for the check, too
   return std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
     return !source.measurement && awaited(source) && patience(source.record);
   });
@@ -167,10 +167,10 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
   const std::string frame = withoutSlash(message.header.frame_id);
   if (source.built_in || frame == odom_frame_) {
     source.measurement = fromMessage(message);
-    if (!source.built_in) source.measurement->clock_jump_suspected = false;  // what is not made here cannot say that
+    if (!source.built_in) source.measurement->clock_jump_suspected = false;  // only built-in sources can detect it
   } else {
     refuse(source, "its frame is " + frame + ", must be " + odom_frame_);
-    source.measurement = Measurement();  // an answer all the same: nobody waits for another
+    source.measurement = Measurement();  // still an answer: no further waiting
   }
   source.last_status = toString(source.measurement->status);
   source.last_duration_s = message.duration;

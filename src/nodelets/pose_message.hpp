@@ -1,4 +1,4 @@
-// A message of set_pose as a pose from elsewhere. Refused, with a reason: another frame, no unit quaternion.
+// Converts a set_pose message into an external pose. Refused, with a reason: another frame, no unit quaternion.
 #pragma once
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -12,7 +12,7 @@
 
 namespace fail_aware {
 
-/// `reason`: why there is none.
+/// `reason`: set if the pose is refused.
 inline std::optional<ExternalPose> poseInOdom(const geometry_msgs::PoseWithCovarianceStamped& message,
                                               const std::string& odom_frame, std::string& reason) {
   const std::string frame = withoutSlash(message.header.frame_id);
