@@ -72,8 +72,8 @@ void declareOptions(CLI::App& app, Options& options) {
       ->excludes(times);
 }
 
-/// Where the estimate is the trajectory of a run: the rows of the ground truth that its poses belong to. Otherwise none:
-/// row by row.
+/// If the estimate is the trajectory of a run: the rows of the ground truth that belong to its poses. Otherwise none:
+/// the trajectories match row by row.
 std::optional<std::vector<std::size_t>> truthRowsOfRun(const Options& options, std::size_t truth_rows) {
   const fs::path estimate = options.estimate, folder = estimate.parent_path();
   std::error_code error;
@@ -116,7 +116,7 @@ Trajectories load(const Options& options) {
   return in;
 }
 
-/// The metric as asked for; with no lengths asked for and none of the usual ones fitting, that for short runs.
+/// The metric for the requested lengths. Without a request, and if no usual length fits: the metric for short runs.
 std::pair<KittiMetric, KittiMetric::Params> kittiMetricFor(const Trajectories& in, const Options& options) {
   KittiMetric::Params params;
   if (!options.lengths_m.empty()) params.lengths_m = options.lengths_m;
@@ -143,7 +143,7 @@ void addAbsoluteError(Json& json, const std::string& prefix, const AbsoluteTraje
   json[prefix + "_yaw_rmse_deg"] = error.yaw_rmse_rad / kDegree;
 }
 
-/// Turns summed up with their sign, left positive: two rounds of a block are 720.
+/// Sum of the signed turns, left positive: two rounds of a block are 720.
 double headingChange(const std::vector<Pose>& poses) {
   double heading_rad = 0.0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -199,7 +199,7 @@ Json evaluate(const Trajectories& in, const Options& options, const AbsoluteTraj
   return json;
 }
 
-/// Positions in the frame of the first pose, the estimate's laid on the truth there.
+/// Positions in the frame of the first pose; the two trajectories coincide there.
 void writeCsv(const fs::path& path, const Trajectories& in, const AbsoluteTrajectoryError& ate,
               const AbsoluteTrajectoryError& ate_aligned) {
   std::ofstream file = createFile(path);

@@ -1,4 +1,4 @@
-// kitti_to_bag: a drive in KITTI's folder layout -> a bag as kitti2bag makes it.
+// kitti_to_bag: a drive in KITTI's folder layout -> a bag in kitti2bag's layout.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -20,9 +20,9 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "kitti_to_bag";
-constexpr double kClockTime_s = 1e8;                // stamps above are of a clock, below of a stopwatch
+constexpr double kClockTime_s = 1e8;                // larger stamps are from a clock, smaller ones from a stopwatch
 constexpr double kStopwatchStart_s = 1317000000.0;  // late September 2011, when KITTI was recorded
-constexpr double kLatest_s = 4294967295.0;          // ros::Time's end
+constexpr double kLatest_s = 4294967295.0;          // end of ros::Time's range
 
 struct Options {
   std::string directory, bag;
@@ -65,7 +65,7 @@ ros::Time bagTime(double stamp_s) {
   return ros::Time(static_cast<std::uint32_t>(whole_s), 0) + ros::Duration(0, static_cast<std::int32_t>(nanoseconds));
 }
 
-/// Seconds to add to the stamps, so that all of them are times that a bag can have.
+/// Seconds to add to the stamps, so that a bag can store all of them.
 double startOf(const Options& options, const std::vector<double>& stamps_s) {
   const double start_s = options.start_s.value_or(stamps_s.front() < kClockTime_s ? kStopwatchStart_s : 0.0);
   if (!(stamps_s.front() + start_s >= 1.0) || !(stamps_s.back() + start_s <= kLatest_s)) {

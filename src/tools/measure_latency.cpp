@@ -1,7 +1,7 @@
-// measure_latency: from cloud to odometry in the running graph, and what its process uses.
+// measure_latency: time from cloud to odometry in the running graph, and CPU and memory of its process.
 //
-// Latency is measured here, from this node's receipt of a cloud to its receipt of the odometry with the same stamp, on
-// the steady clock, whatever use_sim_time says. For good figures run it on the machine of the graph.
+// Latency is the time from this node's receipt of a cloud to its receipt of the odometry with the same stamp, on the
+// steady clock, whatever use_sim_time is. For accurate figures run it on the graph's machine.
 #include <fail_aware_lidar_odometry/FilterState.h>
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
@@ -57,7 +57,7 @@ void addOptions(CLI::App& app, Options& options) {
 
 double steadyNow_s() { return ros::SteadyTime::now().toSec(); }
 
-/// What came from the graph. Callbacks run in several threads.
+/// Records the graph's messages. Callbacks run in several threads.
 class Observer {
  public:
   Observer(ros::NodeHandle& node, const Options& options)
@@ -76,7 +76,7 @@ class Observer {
     const std::lock_guard<std::mutex> lock(mutex_);
     return view_;
   }
-  /// 0: nothing yet.
+  /// Time of the first message; 0: no message yet.
   double firstAt() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return view_.first_s;
@@ -117,10 +117,10 @@ class Observer {
   ros::Subscriber cloud_, odometry_, state_;
 };
 
-/// The manager's process, sampled while clouds come.
+/// The manager's process, sampled while clouds arrive.
 class ProcessWatch {
  public:
-  /// An empty node: the one that publishes `topic`.
+  /// `node` empty: the node that publishes `topic`.
   ProcessWatch(std::string node, std::string topic) : node_(std::move(node)), topic_(std::move(topic)) {}
 
   void update() {
@@ -254,7 +254,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
-    ros::init(argc, argv, kName, ros::init_options::AnonymousName);  // takes its own arguments away
+    ros::init(argc, argv, kName, ros::init_options::AnonymousName);  // removes ROS's arguments
     CLI::App app(
         "Measures the time from cloud to odometry in the running graph, counts what was dropped, and watches CPU "
         "and memory of the nodelet manager. Prints a table at the end.\n"

@@ -1,5 +1,4 @@
-// offline_odometry: runs the odometry over a recorded drive, every sweep in order, and writes trajectory and
-// statistics.
+// offline_odometry: runs the odometry over every sweep of a recorded drive and writes trajectory and statistics.
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -119,7 +118,7 @@ Json levelSummary(const VerticalReference::Report& report) {
           {"curvature_deg_per_m", report.curvature_deg_per_m}};
 }
 
-/// Null: not found.
+/// Unknown values are null.
 Json clockSummary(const SweepClock& clock) {
   const auto orNull = [](std::optional<double> value) { return value ? Json(*value) : Json(nullptr); };
   return {{"period_s", orNull(clock.period_s())},
@@ -127,8 +126,7 @@ Json clockSummary(const SweepClock& clock) {
           {"stamps_left_out", clock.outliers()}};
 }
 
-/// Whether the command line says where the lidar sits. The sensor's file has no say in it over a bag: it always holds some
-/// place.
+/// Whether the command line gives the lidar's mounting. The sensor file does not count: it always contains one.
 bool saysWhereLidarSits(const Options& options) {
   const std::string key = "sensor.lidar_in_base";
   const auto sets = [&](const std::string& assignment) { return assignment.rfind(key + '=', 0) == 0; };
@@ -143,7 +141,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Opens the drive, and gives the sensor what the drive knows of it.
+/// Opens the drive and sets the sensor parameters that the drive contains.
 std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters& sensor) {
 #ifdef FAIL_AWARE_WITH_BAGS
   if (options.kitti.empty() && options.bags.empty()) throw InputError("--kitti or --bag is needed (see --help)");

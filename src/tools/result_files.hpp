@@ -1,4 +1,4 @@
-// Files that tools write: made or refused with a line that says why, and known to be complete.
+// Output files of the tools: created or refused with a line that says why, and checked for completeness.
 #pragma once
 
 #include <cerrno>
@@ -31,7 +31,7 @@ inline void finishFile(std::ofstream& file, const std::filesystem::path& path) {
   if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
 }
 
-/// On the standard output, and in the file if one is named.
+/// Writes to the standard output and, if `path` is not empty, to the file.
 inline void printAndKeep(const std::string& text, const std::filesystem::path& path) {
   std::cout << text << std::flush;
   if (path.empty()) return;

@@ -1,4 +1,4 @@
-// simulate_drive: a made-up drive with an HDL-64E, as a KITTI folder or a bag, with the truth and, if wanted, faults.
+// simulate_drive: a simulated drive with an HDL-64E, as a KITTI folder or a bag, with ground truth and optional faults.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -105,7 +105,7 @@ std::unique_ptr<Output> openOutput(const Options& options) {
 #endif
 }
 
-/// Beside a bag, or in the folder.
+/// A file beside the bag, or in the KITTI folder.
 std::string sideFile(const Options& options, const std::string& name) {
   if (!isBag(options.output)) return (fs::path(options.output) / name).string();
   return (fs::path(options.output).replace_extension("").string() + "_" + name);
