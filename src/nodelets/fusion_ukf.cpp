@@ -165,7 +165,7 @@ class FusionUkfNodelet : public GraphNodelet {
     estimator_->update(inputs, found.middle_s, found.revolution_s);
     sources_->addPoses(estimator_->externalMeasurements(), account);
     if (!estimator_->covarianceIsWhole()) {
-      NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: odometry's covariance goes without it");
+      NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: the odometry's covariance leaves it out");
     }
     set_pose_->report();
     const ros::Time stamp = ros::Time().fromNSec(sweep.stamp_ns);

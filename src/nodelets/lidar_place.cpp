@@ -18,7 +18,7 @@ std::string withoutStop(std::string text) {
 }
 
 Pose asMounting(const std::optional<Pose>& T) {
-  if (!T) throw ParameterError("the transform's numbers are no pose");
+  if (!T) throw ParameterError("the transform is not a valid pose");
   const Vector6d place = vectorFromPose(*T);
   const std::vector<double> numbers(place.data(), place.data() + place.size());
   requireMounting("the transform in m and rad", numbers);

@@ -188,8 +188,8 @@ void MeasurementSources::onPose(Source& source, const geometry_msgs::PoseWithCov
     pose.stamp_s = message.header.stamp.toSec();
     pose.covariance = rotateCovariance(fromMessage(message.pose.covariance), T_odom_frame->linear());
     if (T_frame_base) pose.T_odom_base = *T_odom_frame * *T_frame_base;
-    reason =
-        T_frame_base ? estimator_.offer(source.name, pose) : "the pose is none (orientation must be a unit quaternion)";
+    reason = T_frame_base ? estimator_.offer(source.name, pose)
+                          : "the pose is not valid (orientation must be a unit quaternion)";
     if (reason.empty()) return;
   }
   refuse(source, reason);
@@ -212,7 +212,7 @@ std::optional<Pose> MeasurementSources::odomFrom(const std::string& frame_id, st
   try {
     std::optional<Pose> T_odom_frame =
         fromMessage(tf_buffer_->lookupTransform(odom_frame_, frame, ros::Time(0)).transform);
-    if (!T_odom_frame) reason = "tf's transform from its frame " + frame + " to " + odom_frame_ + " is none";
+    if (!T_odom_frame) reason = "tf's transform from its frame " + frame + " to " + odom_frame_ + " is not valid";
     return T_odom_frame;
   } catch (const tf2::TransformException& error) {
     reason = "its frame is " + frame + ", not " + odom_frame_ + ", and tf does not know it: " + error.what();

@@ -22,7 +22,7 @@ inline std::optional<ExternalPose> poseInOdom(const geometry_msgs::PoseWithCovar
     return std::nullopt;
   }
   if (!T_odom_base) {
-    reason = "the pose is none (orientation must be a unit quaternion)";
+    reason = "the pose is not valid (orientation must be a unit quaternion)";
     return std::nullopt;
   }
   return ExternalPose{message.header.stamp.toSec(), *T_odom_base, fromMessage(message.pose.covariance)};

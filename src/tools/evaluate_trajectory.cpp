@@ -45,11 +45,11 @@ void declareOptions(CLI::App& app, Options& options) {
   app.add_option("--ground-truth", options.ground_truth, "true poses, KITTI rows (12 numbers)")->required();
   app.add_option(
          "--estimate", options.estimate,
-         "estimated poses, KITTI rows, lidar frame: one a true pose; or trajectory_kitti.txt in the folder of a "
+         "estimated poses, KITTI rows, lidar frame: one per true pose; or trajectory_kitti.txt in the folder of a "
          "run of offline_odometry, which says which scans they are")
       ->required();
   app.add_option("--calib", options.calib,
-                 "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' brings it to the lidar's");
+                 "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' converts it to the lidar's");
   app.add_option("--output", options.output,
                  "folder for evaluation.json and trajectory.csv; plot_trajectory draws them");
   app.add_option("--lengths", options.lengths_m,
@@ -59,14 +59,14 @@ void declareOptions(CLI::App& app, Options& options) {
       ->check(positiveNumber());
   app.add_option("--step", options.step, "segments begin at every n-th pose (default 10)")
       ->check(wholeNumber(1, std::numeric_limits<int>::max()));
-  app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that is a failure, m")
+  app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that counts as a failure, m")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between the starts of episodes, s")
       ->check(positiveNumber())
       ->capture_default_str();
   auto* times = app.add_option("--times", options.times, "stamps of the poses, one a row, s");
-  app.add_option("--period", options.period_s, "time between poses where --times is not given, s")
+  app.add_option("--period", options.period_s, "time between poses if --times is not given, s")
       ->check(positiveNumber())
       ->capture_default_str()
       ->excludes(times);

@@ -71,7 +71,7 @@ std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
 
 void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m) {
   app.add_option("--alert-limit", alert_limit_m,
-                 "horizontal error that is a failure, m (default: that of the monitor, "
+                 "horizontal error that counts as a failure, m (default: that of the monitor, "
                  "monitor.predictor.alert_limit_m of the runs or of --set)")
       ->check(positiveNumber());
 }

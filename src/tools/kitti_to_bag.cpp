@@ -45,7 +45,7 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--with-tf", options.with_tf,
                "the true pose also as /tf world -> base_link, as kitti2bag does; the "
                "odometry must then not publish odom -> base_link");
-  app.add_option("--period", options.period_s, "s between scans where there is no times.txt")
+  app.add_option("--period", options.period_s, "s between scans if there is no times.txt")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--start", options.start_s, "s added to the stamps (default: 1317000000 if they begin near zero)")
@@ -69,7 +69,8 @@ ros::Time bagTime(double stamp_s) {
 double startOf(const Options& options, const std::vector<double>& stamps_s) {
   const double start_s = options.start_s.value_or(stamps_s.front() < kClockTime_s ? kStopwatchStart_s : 0.0);
   if (!(stamps_s.front() + start_s >= 1.0) || !(stamps_s.back() + start_s <= kLatest_s)) {
-    throw InputError("--start " + std::to_string(start_s) + ": the stamps must end up between 1 s and 4294967295 s");
+    throw InputError("--start " + std::to_string(start_s) +
+                     ": the resulting stamps must be between 1 s and 4294967295 s");
   }
   return start_s;
 }

@@ -41,15 +41,15 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("--cloud", options.cloud, "the topic that the odometry reads")->capture_default_str();
-  app.add_option("--namespace", options.graph, "of the graph: its odometry and filter_state are read")
+  app.add_option("--namespace", options.graph, "namespace of the graph whose odometry and filter_state are read")
       ->capture_default_str();
   app.add_option("--manager", options.manager,
                  "node whose process is watched (default: the one that publishes NAMESPACE/odometry)");
   app.add_option("--duration", options.duration_s, "s from the first cloud (default: until Ctrl-C)")
       ->check(positiveNumber());
-  app.add_option("--idle", options.idle_s, "ends when nothing came for so many s after the first cloud")
+  app.add_option("--idle", options.idle_s, "ends after this many s without a message, after the first cloud")
       ->check(positiveNumber());
-  app.add_option("--skip", options.skip, "answered sweeps at the start that the latency leaves out")
+  app.add_option("--skip", options.skip, "number of answered sweeps at the start that the latency leaves out")
       ->check(wholeNumber(0));
   app.add_option("--json", options.json, "file for the figures");
   app.add_option("--trajectory", options.trajectory, "file for the odometry, TUM format");
@@ -207,7 +207,7 @@ void printTable(const Json& json) {
   } else {
     const std::string node = process["node"].get<std::string>();
     std::printf("CPU and memory           not measured: %s\n",
-                node.empty() ? "no node publishes the odometry" : (node + " is no node on this machine").c_str());
+                node.empty() ? "no node publishes the odometry" : (node + " is not a node on this machine").c_str());
   }
   std::fflush(stdout);
 }

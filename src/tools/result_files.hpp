@@ -28,7 +28,7 @@ inline std::ofstream createFile(const std::filesystem::path& path) {
 
 inline void finishFile(std::ofstream& file, const std::filesystem::path& path) {
   file.close();
-  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+  if (!file) throw std::runtime_error(path.string() + ": could not be written completely");
 }
 
 /// Writes to the standard output and, if `path` is not empty, to the file.
