@@ -12,7 +12,7 @@ namespace fail_aware {
 namespace {
 
 constexpr int kBeams = 64;
-// The weakest detected return: the sensor's data sheet gives asphalt (0.1) at 50 m and a car (0.8) at 120 m.
+// The weakest detected return: the sensor's data sheet gives asphalt (0.1) up to 50 m, a car (0.8) up to 120 m.
 constexpr float kWeakestReturn = 1.25e-5f;
 constexpr float kIncidenceFloor = 0.3f;  // ratio of the return that does not depend on the angle
 

@@ -114,7 +114,7 @@ double Road::project(const Eigen::Vector2d& p, double s_guess_m) const {
 }
 
 double Road::distance(const Eigen::Vector2d& p, double s_m, double reach_m) const {
-  constexpr std::int64_t kStride = 4;  // 2 m: an error of a few cm at most
+  constexpr std::int64_t kStride = 4;  // 2 m: an error of a few cm at most where it matters
   const auto index = [&](double s) {
     return std::clamp(static_cast<std::int64_t>(s / kStep_m) - first_index_, std::int64_t{0},
                       static_cast<std::int64_t>(points_.size()) - 1);

@@ -38,7 +38,7 @@ void addHouse(Mesh& mesh, const Place& place, double length, double depth, doubl
   mesh.addBox(at(place, 0.0, 0.5 * depth, -kBelow), {length, body, height + kBelow}, Material::kWall);
   mesh.addFrustum(at(place, 0.0, 0.5 * depth, height), {length + 0.5, body + 0.6, 0.3 * body}, 1.0, 0.05,
                   Material::kConcrete);
-  // plinth, and the parts in front of and behind the front
+  // plinth, and the parts that stand out of the front or lie in it
   mesh.addBox(at(place, 0.0, -0.04 * side, -kBelow), {length, 0.08, kBelow + 0.6}, Material::kConcrete);
   constexpr double kFloor = 3.0;
   const int floors = std::max(1, static_cast<int>(height / kFloor));

@@ -48,7 +48,7 @@ class BagFile {
   void close();
 
  private:
-  /// Throws without closing the bag: the destructor of a bag that cannot be closed would end the program.
+  /// Throws, and leaks the bag: the destructor of a bag that cannot be closed would end the program.
   [[noreturn]] void fail(const std::string& what, const std::string& reason);
 
   std::string path_;

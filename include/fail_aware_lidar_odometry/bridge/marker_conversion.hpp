@@ -2,8 +2,8 @@
 //
 // namespace            from              what
 // seeds before         IcpPointToPoint   white arrows: the multiplex ICP's seeds. Their offsets from the measurement
-// are seeds after                            drawn 10 times as large. Arrows: where each seed ended, green: the best,
-//                                        orange: others
+//                                        are drawn 10 times as large
+// seeds after                            arrows: where each seed ended, green: the best, orange: others
 // corners              CornerSvd         this sweep's corners: the line and M white, J blue, N magenta
 // corner planes                          their walls, one magenta rectangle a plane
 // corner reference                       grey lines of 1 m: the corners that the sweep's corners are aligned with

@@ -4,7 +4,7 @@
 // 64 beams: 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg.
 // Calibration is imperfect: each beam has a range bias and an elevation error, constant over a drive and drawn from the
 // seed. Added to this: range noise, the surface's roughness, pulses lost at random or because the return is weak
-// (reflectivity, incidence, range squared). Rings count from the lowest beam. No failure modes. Cost: some ns each.
+// (reflectivity, incidence, range squared). Rings count from the lowest beam. No failure modes. Cost: some ns a return.
 #pragma once
 
 #include <Eigen/Core>

@@ -21,8 +21,8 @@ constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motio
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over several sweeps
 constexpr double kDoubtfulRate_rad_s = 0.1;
-constexpr double kOpenVariance =
-    4.0;  // times the prediction's variance: above it a measurement leaves roll, pitch open
+// Times the prediction's variance; with a larger variance a measurement leaves roll and pitch open.
+constexpr double kOpenVariance = 4.0;
 
 // Whether roll and pitch are observed. A measurement that leaves them at the prediction (the corners are seen from
 // above) must not turn the reference: everything that is later measured in it would tilt with it.

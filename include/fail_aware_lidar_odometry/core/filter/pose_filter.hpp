@@ -2,7 +2,7 @@
 // -> UKF prediction -> fusion of a sweep's measurements -> UKF correction. The FusionUkf nodelet holds one.
 //
 // Call predict(stamp) and correct(...) once a sweep, in this order. All poses are of the centre of gravity in odom.
-// Until a motion is known (`SweepPrediction::motionKnown`), P along the road covers every possible speed.
+// Until a motion is known (`SweepPrediction::motionKnown`), P along the road contains the speed's uncertainty.
 // In a sweep without a measurement roll and pitch gain at most one step's process noise.
 // After lost sweeps (an interval above kLongInterval_s) P grows by what the driver may have done meanwhile, so that the
 // search and the gate are wide enough (DeadReckoning::drivenCovariance).

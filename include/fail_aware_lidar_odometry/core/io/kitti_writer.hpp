@@ -1,7 +1,7 @@
 // Writes a drive as a KITTI folder, the counterpart of kitti_directory.hpp.
 //
-//   velodyne/NNNNNN.bin, stamps/NNNNNN.f32 (only where sweeps have times), rings/NNNNNN.u16 (likewise rings): add()
 //   velodyne/NNNNNN.bin, stamps/NNNNNN.f32 (if sweeps have times), rings/NNNNNN.u16 (if sweeps have rings): add()
+//   times.txt, poses.txt (lidar frame, first pose identity), ground_truth_tum.txt (base_link), calib.txt: finish()
 // calib.txt has Tr = identity: poses.txt is in the lidar frame, not in a camera's.
 //
 // Failure: InputError if the folder cannot be made or already has scans; std::runtime_error if writing fails.
