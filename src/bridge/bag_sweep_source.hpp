@@ -1,12 +1,12 @@
-// The clouds of one topic of a bag as a source of sweeps; or of several bags that are one drive (rosbag record --split), in
-// the order in which their messages were recorded, whatever the order in which they are named.
+// The clouds of one topic of a bag as a source of sweeps. Several bags can form one drive (rosbag record --split);
+// their messages are read in the order of recording, whatever the order of the paths.
 //
-// Clouds are read as bridge/point_cloud_conversion.hpp reads them; one of another frame than the first one's, or one
-// that the file does not give back, is unreadable. The transform base -> lidar comes from /tf_static of all bags or, if
-// it is not there and constant, from /tf.
-// The constructor throws InputError, one line: a file that cannot be opened, that is no bag (a ROS 2 bag is named as
-// that), that has no index (the recording was cut off), without a message, without a cloud; the same file twice; several
-// cloud topics and none named; a topic that is not there or not of clouds. Memory: one cloud and the bags' indices.
+// Clouds are converted by bridge/point_cloud_conversion.hpp. A cloud whose frame differs from the first one's, or that
+// cannot be read from the file, is unreadable. The transform base -> lidar comes from /tf_static of all bags; if it is
+// missing there, from /tf, where it must be constant.
+// The constructor throws InputError with one line for: a file that cannot be opened, that is not a bag (a ROS 2 bag is
+// named as such), that has no index (the recording was cut off), no message or no cloud; the same file twice; several
+// cloud topics and none named; a topic that does not exist or has another type. Memory: one cloud, the indices.
 #pragma once
 
 #include <rosbag/bag.h>
@@ -27,19 +27,19 @@ class BagSweepSource : public SweepSource {
  public:
   struct Mounting {
     std::optional<Pose> T_base_lidar;
-    std::string why_not;  ///< where it is not known; one line without the file
+    std::string why_not;  ///< reason if the transform is unknown; one line without the file
   };
 
-  /// `topic` empty: the only one of type sensor_msgs/PointCloud2. At least one path.
+  /// `topic` empty: the only topic of type sensor_msgs/PointCloud2. At least one path.
   explicit BagSweepSource(const std::vector<std::string>& paths, const std::string& topic = "");
   explicit BagSweepSource(const std::string& path, const std::string& topic = "")
       : BagSweepSource(std::vector<std::string>{path}, topic) {}
 
   const std::string& topic() const { return topic_; }
-  /// Of the first cloud, without a leading slash.
+  /// The frame of the first cloud, without a leading slash.
   const std::string& lidarFrame() const { return lidar_frame_; }
-  /// The identity if the frames are the same. Where /tf_static does not connect them, /tf is read through all bags (of
-  /// which that reads every part).
+  /// The identity if the frames are the same. If /tf_static does not connect them, this reads /tf in all bags, which
+  /// means reading every part of each file.
   Mounting lidarInBase(const std::string& base_frame) const;
 
   std::size_t size() const override { return size_; }
@@ -51,20 +51,20 @@ class BagSweepSource : public SweepSource {
   struct Part {
     std::string path;
     rosbag::Bag bag;
-    std::map<std::string, std::string> types;  ///< of its topics
-    rosbag::View view;                         ///< of the topic
+    std::map<std::string, std::string> types;  ///< type of each topic
+    rosbag::View view;                         ///< of the chosen topic
     rosbag::View::iterator at;
     std::size_t next = 0;
   };
 
-  /// The one with the earliest cloud that was not read yet. Not beyond the end.
+  /// The part with the earliest unread cloud. Must not be called beyond the end.
   Part& earliest();
 
   std::string topic_;
   std::string lidar_frame_;
   std::vector<std::unique_ptr<Part>> parts_;  ///< in order of their first cloud
   std::size_t size_ = 0;
-  const Part* last_ = nullptr;  ///< of the sweep read last
+  const Part* last_ = nullptr;  ///< the part of the last sweep read
 };
 
 }  // namespace fail_aware

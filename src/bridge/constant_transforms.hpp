@@ -1,10 +1,10 @@
-// The transforms of a recording that do not change: where a sensor sits, from /tf_static or, as ROS 1's
-// static_transform_publisher does it, from /tf.
+// The constant transforms of a recording: sensor mountings from /tf_static or, as ROS 1's static_transform_publisher
+// sends them, from /tf.
 //
-// add() takes every message of the recording. between() chains the transforms from one frame to another one; frames that
-// move elsewhere (odom -> base_link) do not matter, those on the chain must not move: a frame moves if its parent changes
-// or if a transform is more than kMaxShift_m or kMaxTurn_rad from its first one. The first ones count. Transforms that are
-// not finite or not a rotation are left out. Cost: a map look-up per transform; memory: one transform per frame.
+// add() takes every message of the recording. between() chains the transforms from one frame to another. Frames on the
+// chain must not move; others (odom -> base_link) may. A frame moves if its parent changes or if a transform differs
+// from the frame's first one by more than kMaxShift_m or kMaxTurn_rad. The first transform is used. Transforms that are
+// not finite or not a rotation are ignored. Cost: a map look-up per transform; memory: one transform per frame.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -26,7 +26,7 @@ class ConstantTransforms {
 
   struct Result {
     std::optional<Pose> T_target_source;
-    std::string why_not;  ///< where there is none: what is missing or what moves
+    std::string why_not;  ///< if there is no transform: what is missing or what moves
   };
 
   void add(const tf2_msgs::TFMessage& message);
@@ -39,11 +39,11 @@ class ConstantTransforms {
     geometry_msgs::TransformStamped first;
     std::string parent;
     Pose T_parent_frame = Pose::Identity();
-    double shift_m = 0.0, turn_rad = 0.0;  ///< the most, from the first one
-    std::string other_parent;              ///< empty: it has one only
+    double shift_m = 0.0, turn_rad = 0.0;  ///< largest difference from the first transform
+    std::string other_parent;              ///< empty: the parent never changed
   };
 
-  /// From the frame up to the root, the frame itself included.
+  /// From the frame up to the root, including the frame itself.
   std::vector<std::string> ancestors(const std::string& frame) const;
 
   std::map<std::string, Frame> frames_;

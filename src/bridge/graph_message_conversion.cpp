@@ -12,12 +12,12 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kFarthest_m = 1e3 * kFarthestPose_m;  // no drive from a pose that is taken comes there
+constexpr double kFarthest_m = 1e3 * kFarthestPose_m;  // no drive that starts at an accepted pose gets that far
 
-/// What somebody else's message says and this package's pass on.
+/// For values from other packages' messages that this package's messages pass on.
 double finiteOr0(double value) { return std::isfinite(value) ? value : 0.0; }
 
-/// A number that the enumeration does not have leaves the value as it is: unknown, or skipped.
+/// A number that the enumeration does not have leaves `value` unchanged: unknown, or skipped.
 template <class Enumeration>
 void take(std::uint8_t number, Enumeration& value) {
   if (number <= static_cast<std::uint8_t>(lastOf(value))) value = static_cast<Enumeration>(number);

@@ -1,14 +1,14 @@
-// Writes a drive as kitti2bag does, so that bags of recorded and of made-up drives replay alike.
+// Writes a drive in the layout of kitti2bag, so that bags of recorded and of simulated drives replay alike.
 //
 //   /kitti/velo/pointcloud     sensor_msgs/PointCloud2: x y z i, FLOAT32, point_step 16, frame velo_link
 //   /tf_static                 base_link -> velo_link, latched, once with every sweep
-//   /kitti/ground_truth        nav_msgs/Odometry of base_link in world, where the truth is known
-//   /tf                        world -> base_link, the same; only if asked for: odometry publishes odom -> base_link,
-//                              and a frame has one parent
+//   /kitti/ground_truth        nav_msgs/Odometry of base_link in world, if the ground truth is known
+//   /tf                        world -> base_link, the same poses; only on request: the odometry publishes
+//                              odom -> base_link, and a frame has only one parent
 //
-// Beyond kitti2bag: the cloud has the field `ring` (UINT16) where the sweep has rings, it can have the field `time`
-// (FLOAT32, s from the sweep's start), and the transform comes half a second before the first cloud, so that a listener
-// has it in time.
+// Additions to kitti2bag: the cloud has the field `ring` (UINT16) if the sweep has rings, and optionally the field
+// `time` (FLOAT32, s from the sweep's start). The transform comes half a second before the first cloud, so that a
+// listener receives it in time.
 // Failure: the constructor throws InputError if the file cannot be opened, add() and close() std::runtime_error if it
 // cannot be written. Memory: one sweep and the bag's index.
 #pragma once
@@ -36,11 +36,11 @@ inline constexpr const char* kWorldFrame = "world";
 
 struct KittiBagOptions {
   Pose T_base_lidar = Pose::Identity();
-  bool point_times = false;      ///< the field `time`, in clouds whose sweep has times
-  bool with_transforms = false;  ///< /tf, world -> base_link
+  bool point_times = false;      ///< write the field `time` if the sweep has times
+  bool with_transforms = false;  ///< write /tf, world -> base_link
 };
 
-/// x y z i, with `with_times` also time, ring where the sweep has them; header left to the caller. A sweep without
+/// Writes x y z i, `time` if `with_times`, and ring if the sweep has rings; the caller sets the header. A sweep without
 /// points gives a cloud of width 0.
 void writeKittiCloud(const Sweep& sweep, bool with_times, sensor_msgs::PointCloud2& cloud);
 
@@ -50,7 +50,7 @@ class KittiBagWriter {
 
   KittiBagWriter(const std::string& path, const Options& options);
 
-  /// Stamps must increase. Times that are not one a point are left out.
+  /// Stamps must increase. Times are left out if their number is not the number of points.
   void add(const ros::Time& stamp, const Sweep& sweep, const std::optional<Pose>& T_world_base = std::nullopt);
   void close() { bag_.close(); }
 

@@ -1,9 +1,9 @@
 // The parameter server -> parameter structs. The only reader of the server in this package.
 //
-// `rosparam load` puts a profile's layers (core/io/profile_files.hpp) into profile/, a file of cfg/vehicles into vehicle/
-// and one of cfg/sensors into sensor/ of the graph's namespace. The same rules hold as for files: an unknown key is
-// refused; of vehicle/ and sensor/ every key must be there. A key that profile/ lacks keeps the value in code, which is
-// that of default.yaml and expert.yaml.
+// `rosparam load` puts a profile's layers (core/io/profile_files.hpp) into profile/, a file of cfg/vehicles into
+// vehicle/ and one of cfg/sensors into sensor/ of the graph's namespace. The rules are those for files: an unknown key
+// is refused, and vehicle/ and sensor/ must have every key. A key that is missing in profile/ keeps its value in code,
+// which is the value of default.yaml and expert.yaml.
 // Failure: ParameterError naming namespace, key and rule.
 #pragma once
 
@@ -18,13 +18,13 @@
 
 namespace fail_aware {
 
-/// Nested structs become dotted keys. Lists must be of numbers.
+/// Nested structs become dotted keys. Lists must contain numbers only.
 ParameterMap toParameterMap(const XmlRpc::XmlRpcValue& value);
 
-/// What stands below `name` of `node`, which need not exist; a copy of the server's.
+/// A copy of the server's parameters below `name` of `node`; empty if there are none.
 ParameterMap readParameterMap(const ros::NodeHandle& node, const std::string& name);
 
-/// `others`: beginnings of keys that stand there too and belong to somebody else.
+/// `others`: prefixes of keys in the same namespace that other readers own.
 template <class Struct>
 void readParameters(const ros::NodeHandle& node, const std::string& name, Struct& parameters,
                     MissingKeys missing_keys = MissingKeys::kRefuse, const std::vector<std::string>& others = {}) {
@@ -41,7 +41,7 @@ void readParameters(const ros::NodeHandle& node, const std::string& name, Struct
   }
 }
 
-/// The text `name` of `node` as it stands now; `otherwise` if there is none.
+/// The current text `name` of `node`; `otherwise` if there is none.
 std::string readText(const ros::NodeHandle& node, const std::string& name, const std::string& otherwise);
 
 /// profile/, vehicle/ and sensor/ below `node`, validated.

@@ -1,8 +1,8 @@
-// Writes a drive as a bag recorded on a vehicle with a Velodyne (velodyne_messages.hpp): /velodyne_points, /tf_static,
-// and the truth on /ground_truth/odometry.
+// Writes a drive as a bag that looks recorded on a vehicle with a Velodyne (velodyne_messages.hpp): /velodyne_points,
+// /tf_static, and the ground truth on /ground_truth/odometry.
 //
-// Nothing is recorded before what was recorded already, whatever the stamps say; the lidar's place comes half a second
-// before the first cloud, so that a listener has it in time. Failure: that of bag_file.hpp.
+// Recording times never decrease, whatever the stamps are. The lidar's mounting comes half a second before the first
+// cloud, so that a listener receives it in time. Failure: as bag_file.hpp.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ class VelodyneBagWriter {
  public:
   VelodyneBagWriter(const std::string& path, const Pose& T_base_lidar);
 
-  /// The driver's sweep (stamp: its end). T_world_base: the truth at true_stamp_s, which is also when it was recorded.
+  /// The driver's sweep (stamp: its end). T_world_base: ground truth at true_stamp_s, which is also the recording time.
   void add(const Sweep& sweep, const Pose& T_world_base, double true_stamp_s);
   void close() { bag_.close(); }
 

@@ -1,8 +1,8 @@
-// What a vehicle with a Velodyne publishes, made from a sweep: the driver's cloud, the lidar's place, and, where it is
-// known, the true odometry.
+// Makes from a sweep what a vehicle with a Velodyne publishes: the driver's cloud, the lidar's mounting and, if known,
+// the true odometry.
 //
 // Cloud: x y z intensity (FLOAT32), ring (UINT16), time (FLOAT32, s relative to the stamp, which is the sweep's end),
-// point_step 22, as velodyne_pointcloud has it. Missing rings and times become 0. Header stamps: seconds from `epoch`,
+// point_step 22, like velodyne_pointcloud. Missing rings and times become 0. Header stamps: seconds from `epoch`,
 // to the microsecond.
 #pragma once
 
@@ -36,7 +36,7 @@ struct VelodyneNames {
 
 ros::Time timeAt(const ros::Time& epoch, double seconds);
 
-/// Fields, sizes and data; header left to the caller.
+/// Sets fields, sizes and data; the caller sets the header.
 void writeVelodyneCloud(const Sweep& sweep, sensor_msgs::PointCloud2& cloud);
 
 geometry_msgs::TransformStamped lidarPlace(const Pose& T_base_lidar, const VelodyneNames& names,

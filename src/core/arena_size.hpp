@@ -1,4 +1,4 @@
-// Threads of a TBB arena: those asked for, but no more than the machine runs (TBB warns of more).
+// Number of threads of a TBB arena: the requested number, limited to what the machine runs (TBB warns above that).
 #pragma once
 
 namespace fail_aware {

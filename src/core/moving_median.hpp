@@ -1,4 +1,4 @@
-// The median of the last so many values: what is usual, whatever a few of them are.
+// The median of the last values, up to a fixed number of them. Outliers do not move it.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ class MovingMedian {
   std::size_t size() const { return values_.size(); }
   bool isFull() const { return values_.size() == window_; }
 
-  /// The upper one of an even number; 0 of none.
+  /// The upper of the two middle values if their number is even; 0 without values.
   double median() const {
     if (values_.empty()) return 0.0;
     std::vector<double> sorted(values_.begin(), values_.end());

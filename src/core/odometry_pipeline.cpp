@@ -36,8 +36,8 @@ PipelineParameters validated(const PipelineParameters& params) {
   return params;
 }
 
-// What a stage hands to the next, as if by message: one more or one less rounding would in the end, after enough of the
-// registration's decisions, be another trajectory than the live graph's.
+// Stages exchange rounded data, as if by message. A different number of roundings would change some of the
+// registration's decisions and finally give another trajectory than the live graph.
 
 SweepPrediction exchanged(SweepPrediction prediction) {
   prediction.T_odom_cog_previous = quaternionRoundTrip(prediction.T_odom_cog_previous);
@@ -109,8 +109,8 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
-  int refused_sweeps = 0;                    ///< sweeps since the last one that was taken
-  std::optional<double> start_from_stamp_s;  ///< t1 has been asked for, and has not come
+  int refused_sweeps = 0;                    ///< since the last accepted sweep
+  std::optional<double> start_from_stamp_s;  ///< t1 is requested and not reached yet
 };
 
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
@@ -159,7 +159,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   return condition;
 }
 
-/// Of all but the estimator.
+/// Resets everything except the estimator.
 void OdometryPipeline::Stages::beginDrive() {
   refused_sweeps = 0;
   corrector.reset();
@@ -228,7 +228,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   result.timing = report.timing;
   result.times.correction_ms = stage.lapMs();
 
-  measure(*prediction, result);  // the measurements take their own times
+  measure(*prediction, result);  // the measurements record their own times
   stage.lapMs();
 
   estimate(*prediction, report, result);

@@ -1,11 +1,11 @@
-// The odometry, sweep by sweep: the stages of the article's architecture in order. This is the offline twin of the
-// nodelets; both are made of the same objects.
+// Runs the odometry sweep by sweep: the stages of the paper's architecture in order. It is the offline counterpart of
+// the nodelets and uses the same objects.
 //
-//   predict -> correct the sweep -> three measurements -> fuse, correct the filter -> place the reference -> monitor
+//   predict -> correct the sweep -> three measurements -> fuse, correct the filter -> update the map -> monitor
 //
-// Deterministic: the same sweeps give the same bits for any number of threads (what runs beside each other, and in which
-// order it is added up, does not depend on it). Failure is data: SweepResult says what a sweep gave; every sweep whose
-// stamp advances has a pose, from the first one with usable points on.
+// Deterministic: the same sweeps give the same bits for any number of threads (the number of threads changes neither
+// what runs in parallel nor the order of summation). Failure is data: SweepResult describes what a sweep gave. From the
+// first sweep with usable points on, every sweep whose stamp advances has a pose.
 #pragma once
 
 #include <limits>
@@ -29,7 +29,7 @@
 namespace fail_aware {
 
 struct StageTimes {
-  double correction_ms = 0.0;  ///< prediction, timing, sweep correction, thinning
+  double correction_ms = 0.0;  ///< prediction, timing, deskew, thinning
   double point_ms = 0.0;
   double plane_ms = 0.0;
   double corners_ms = 0.0;
@@ -43,12 +43,12 @@ struct SweepResult {
   FilterState state;
   Pose T_odom_base = Pose::Identity();
   Matrix6d odometry_covariance = Matrix6d::Zero();  ///< accumulated, of T_odom_base, geometry/pose.hpp's convention
-  PoseSet pose_set;                                 ///< what became of a pose that was set
+  PoseSet pose_set;                                 ///< outcome of a pose that was set
   Measurement point;
   Measurement plane;
   Measurement corners;
-  TimingResult timing;       ///< of its points
-  SweepCondition condition;  ///< what the monitor heard beside `state`
+  TimingResult timing;       ///< of the sweep's points
+  SweepCondition condition;  ///< the monitor's input beside `state`
   MonitorOutput monitor;
   StageTimes times;
 };
@@ -57,37 +57,38 @@ class OdometryPipeline {
  public:
   static constexpr std::size_t kPoint = 0, kPlane = 1, kCorners = 2;  ///< order of the fusion's inputs and weights
 
-  /// Validates; throws ParameterError. threads >= 1.
+  /// Validates the parameters; throws ParameterError. threads >= 1.
   OdometryPipeline(const PipelineParameters& params, int threads);
   ~OdometryPipeline();
 
-  /// A stamp that jumped (stamp_order.hpp) begins a drive at the last pose: reference, motion and t1 anew.
-  /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model carries the pose. It is used up.
+  /// A stamp that jumped (stamp_order.hpp) begins a new drive at the last pose: reference, motion and t1 are reset.
+  /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model then predicts the pose. step()
+  /// moves from `sweep`.
   SweepResult step(Sweep& sweep);
 
-  /// t1: the next sweep that is taken and not before `from_stamp_s`; from it on the odometry serves as the localisation.
-  /// MonitorOutput says which it was.
+  /// Starts the time t1 at the next accepted sweep that is not before `from_stamp_s`; from t1 on the odometry serves as
+  /// the localisation. MonitorOutput says which sweep it was.
   void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
 
-  /// Everything anew; the next sweep is the first.
+  /// Resets everything; the next sweep is the first.
   void reset();
 
-  /// Where base_link is in odom, said from outside; taken with the next sweep (estimation/pose_setting.hpp). Why it is
-  /// refused; empty: it is not. SweepResult::pose_set tells what became of it.
+  /// Sets the pose of base_link in odom; the next sweep applies it (estimation/pose_setting.hpp). Returns why the pose is
+  /// refused; empty: it is accepted. SweepResult::pose_set gives the outcome.
   std::string setPose(const ExternalPose& pose);
 
-  /// A source of poses from elsewhere (estimation/external_pose.hpp), and its poses: no later than the sweep they are for.
+  /// A source of external poses (estimation/external_pose.hpp). Offer each pose no later than the sweep it belongs to.
   void addSource(const std::string& name, double tolerance_s);
-  /// Why the pose cannot be used; empty: it waits for its sweep.
+  /// Returns why the pose cannot be used; empty: the pose waits for its sweep.
   std::string offer(const std::string& source, const ExternalPose& pose);
 
-  /// What has been found of tilt and drift so far.
+  /// The tilt and drift estimated so far.
   const VerticalReference& verticalReference() const;
 
-  /// One line: how the clouds contradict the sensor's timing parameters (sweep_seam.hpp). Empty: they do not.
+  /// One line: how the clouds contradict the sensor's timing parameters (sweep_seam.hpp). Empty: no contradiction.
   std::string seamContradiction() const;
 
-  /// Period of the head and jitter of the stamps, as found so far.
+  /// The head's period and the jitter of the stamps, as estimated so far.
   const SweepClock& sweepClock() const;
 
   /// The reference's points in odom.

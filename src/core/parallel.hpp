@@ -1,8 +1,9 @@
-// Work side by side on TBB's threads. All that the package shares out to threads goes through here.
+// Parallel work on TBB's threads. All multithreading of the package goes through this file.
 //
-// TBB is not built with ThreadSanitizer, which so sees neither that a task begins after it was handed over nor that it ends
-// before the one who waits goes on. Here both are told to it; what tasks share beyond that it finds. Elsewhere that costs
-// nothing. Results do not depend on the number of threads, and what throws in a task throws here.
+// TBB is not built with ThreadSanitizer. ThreadSanitizer therefore does not see that a task begins after it was
+// submitted, nor that it ends before the waiting thread continues. This file tells ThreadSanitizer both; it still finds
+// any other data race between tasks. In other builds this costs nothing. Results do not depend on the number of
+// threads. An exception in a task is thrown to the caller.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -17,7 +18,7 @@
 
 namespace fail_aware {
 
-/// Of work to tasks, and of what they did back to the one who waits.
+/// Tells ThreadSanitizer that work passes to tasks and that its results pass back to the waiting thread.
 class HandOver {
  public:
   HandOver() { tell(&given_); }
@@ -43,7 +44,7 @@ class HandOver {
   char given_ = 0, done_ = 0;
 };
 
-/// Two pieces of work.
+/// Runs both in parallel.
 template <class First, class Second>
 void inParallel(const First& first, const Second& second) {
   HandOver hand_over;
@@ -51,7 +52,7 @@ void inParallel(const First& first, const Second& second) {
   hand_over.joined();
 }
 
-/// body(0) ... body(count - 1).
+/// Calls body(0) ... body(count - 1) in parallel.
 template <class Body>
 void inParallelFor(std::size_t count, const Body& body) {
   HandOver hand_over;
@@ -59,8 +60,8 @@ void inParallelFor(std::size_t count, const Body& body) {
   hand_over.joined();
 }
 
-/// The sum over [begin, end) by halves, down to pieces of at most `piece`: sum_of(begin, end) of a piece, a + b of two
-/// halves. The order of the additions depends on the three numbers only.
+/// Sums over [begin, end) by halving it down to pieces of at most `piece`: sum_of(begin, end) for a piece, a + b for
+/// two halves. The order of the additions depends only on begin, end and piece.
 template <class Sum, class SumOf>
 Sum sumByHalves(std::size_t begin, std::size_t end, std::size_t piece, const SumOf& sum_of) {
   if (end - begin <= piece) return sum_of(begin, end);
@@ -71,7 +72,7 @@ Sum sumByHalves(std::size_t begin, std::size_t end, std::size_t piece, const Sum
   return first + second;
 }
 
-/// In that arena's threads, which may be others than this one.
+/// Runs the work in that arena's threads, which may differ from the calling one.
 template <class Work>
 void inArena(tbb::task_arena& arena, const Work& work) {
   HandOver hand_over;

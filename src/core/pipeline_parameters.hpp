@@ -1,7 +1,7 @@
-// All parameters of the odometry as one tree: what the profile, vehicle and sensor files fill, offline and on the
-// vehicle alike. Keys are the dotted names, e.g. `registration.icp_point_to_plane.kernel_m`. The profile's are of two tiers, what a
-// user may have to set (default.yaml) and what a developer varies (expert.yaml); members that visit() leaves out are
-// constants, with the reason for their value beside them.
+// All parameters of the odometry as one tree. The profile, vehicle and sensor files fill it, offline and on the
+// vehicle. Keys are dotted names, e.g. `registration.icp_point_to_plane.kernel_m`. The profile's keys have two tiers:
+// what a user may have to set (default.yaml) and what a developer varies (expert.yaml). Members that visit() leaves out
+// are constants, with the reason for their value beside them.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@
 
 namespace fail_aware {
 
-/// cfg/sensors/*.yaml: the head and where it sits.
+/// cfg/sensors/*.yaml: the sensor and its mounting.
 struct SensorParameters {
   SweepTimingParams timing;
   VerticalAngleCorrectionParams vertical_angle;
@@ -41,7 +41,7 @@ struct SensorParameters {
   }
   void validate() const;
   Pose T_base_lidar() const;
-  /// `timing` for points whose azimuth is corrected: the sweep begins at another azimuth of theirs.
+  /// `timing` for points with corrected azimuth: in corrected azimuths the sweep begins at a different angle.
   SweepTimingParams correctedTiming() const;
 };
 
@@ -91,7 +91,7 @@ struct PipelineParameters {
   VehicleFileParameters vehicle;
   ProfileParameters profile;
 
-  /// One flat namespace for `--set`: the profile's keys stand without a prefix.
+  /// All keys in one namespace for `--set`: the profile's keys have no prefix.
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("sensor", self.sensor);

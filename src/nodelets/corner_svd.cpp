@@ -49,7 +49,7 @@ class CornerSvdAlgorithm {
   ros::Publisher markers_;
   Tuning tuning_;
   CornerSvd corners_;
-  Pose T_odom_cog_ = Pose::Identity();  ///< where the last corners were seen from
+  Pose T_odom_cog_ = Pose::Identity();  ///< pose of the last sweep with corners
 };
 
 using CornerSvdNodelet = MeasurementNodelet<CornerSvdAlgorithm>;

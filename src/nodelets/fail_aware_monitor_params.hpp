@@ -1,4 +1,4 @@
-// FailAwareMonitor's own parameters: those of its private namespace.
+// FailAwareMonitor's parameters in its private namespace.
 #pragma once
 
 #include "core/integrity/silence.hpp"
@@ -6,7 +6,7 @@
 namespace fail_aware {
 
 struct FailAwareMonitorNodeletParams {
-  bool start_redundant = true;  ///< t1 is the first sweep, also after a reset; false: the service says when
+  bool start_redundant = true;  ///< t1 is the first sweep, also after a reset; false: t1 is set by the service
   SilenceParams silence;
 
   template <class Self, class Visitor>

@@ -11,14 +11,14 @@ namespace fail_aware {
 
 namespace {
 
-/// tf's words end in one full stop or several.
+/// tf's messages end in one or several full stops.
 std::string withoutStop(std::string text) {
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
   return text;
 }
 
 Pose asMounting(const std::optional<Pose>& T) {
-  if (!T) throw ParameterError("the transform's numbers are no pose");
+  if (!T) throw ParameterError("the transform is not a valid pose");
   const Vector6d place = vectorFromPose(*T);
   const std::vector<double> numbers(place.data(), place.data() + place.size());
   requireMounting("the transform in m and rad", numbers);
@@ -47,7 +47,7 @@ LidarPlace::Answer LidarPlace::find(const std::string& cloud_frame) {
     T_base_lidar_ = Pose::Identity();
   } else {
     try {
-      // by way of the parameter's six numbers, as offline: the same to the last bit
+      // through the parameter's six numbers, as offline: the same bits
       T_base_lidar_ = asMounting(fromMessage(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform));
     } catch (const tf2::TransformException& error) {
       fault_ = what + withoutStop(error.what()) +

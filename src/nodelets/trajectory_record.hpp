@@ -1,5 +1,5 @@
 // Every pose since the start (or the last reset), for ~save_trajectory. 144 bytes a pose; beyond the limit the oldest
-// give way and are counted.
+// poses are dropped and counted.
 #pragma once
 
 #include <cstddef>

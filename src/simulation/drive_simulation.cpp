@@ -19,7 +19,7 @@ namespace {
 constexpr int kColumnsPerBlock = 64;
 constexpr std::array<VehicleShape, 3> kShapes = {VehicleShape::kCar, VehicleShape::kVan, VehicleShape::kTruck};
 
-/// Poses of the vehicle, one a step of its simulation, evenly spaced from a sweep's start to its end.
+/// Poses of the vehicle, one per simulation step, evenly spaced from a sweep's start to its end.
 struct Motion {
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<Eigen::Vector3d> translations;

@@ -1,10 +1,10 @@
-// A made-up drive, sweep by sweep: world, vehicle, traffic and lidar together, with the truth.
+// A simulated drive, sweep by sweep: world, vehicle, traffic and lidar, with the ground truth.
 //
-// Each sweep is what the sensor reports, each point in the sensor's frame of its own instant (rolling shutter), in the
+// Each sweep is what the sensor reports: each point in the sensor's frame at its own time (rolling shutter), in the
 // order of time; times from the sweep's start. Without rolling shutter all points belong to the sweep's middle and have
 // no times. The stamp is the sweep's middle (KITTI's convention), s from the drive's start.
-// Same parameters: same bits, for any number of threads. Failure: ParameterError for bad parameters; std::runtime_error
-// if Embree cannot be set up. Cost: 20 to 60 ms a sweep of one core; memory does not grow.
+// The same parameters give the same bits, for any number of threads. Failure: ParameterError for bad parameters;
+// std::runtime_error if Embree cannot be set up. Cost: 20 to 60 ms a sweep of one core; memory does not grow.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,10 @@ namespace fail_aware {
 
 struct SimulatedSweep {
   Sweep sweep;
-  bool time_sign_wrong = false;  ///< a fault: whoever writes the point times turns their sign
+  bool time_sign_wrong = false;  ///< a fault: the output inverts the sign of the point times
   double begin_s = 0.0, period_s = 0.1;
   Pose T_world_lidar = Pose::Identity();     ///< in the sweep's middle
-  Pose T_world_base = Pose::Identity();      ///< likewise
+  Pose T_world_base = Pose::Identity();      ///< in the sweep's middle
   Pose T_world_base_end = Pose::Identity();  ///< at the sweep's end
 
   double middle_s() const { return begin_s + 0.5 * period_s; }
@@ -61,7 +61,7 @@ class DriveSimulation {
   ~DriveSimulation();
 
   std::size_t sweeps() const;
-  /// False when the drive is over. `vehicles_around`: dense traffic (fault.hpp), 0 for none.
+  /// False after the end of the drive. `vehicles_around`: dense traffic (fault.hpp), 0 for none.
   bool next(SimulatedSweep& sweep, int vehicles_around = 0);
 
   double time_s() const;  ///< of the next sweep's start

@@ -1,7 +1,7 @@
-// The faults a drive can have, and their text form KIND[:START[:DURATION[:SEVERITY]]].
+// The faults of a drive, and their text form KIND[:START[:DURATION[:SEVERITY]]].
 //
-// START and DURATION in s from the drive's start (0 or left out DURATION: the kind's own; "inf": to the end). SEVERITY
-// in the kind's own unit, see faultTraits. Failure: ParameterError naming the text and what is wrong with it.
+// START and DURATION in s from the drive's start (DURATION 0 or omitted: the kind's default; "inf": to the end).
+// SEVERITY in the kind's own unit, see faultTraits. Failure: ParameterError naming the text and what is wrong with it.
 #pragma once
 
 #include <string>
@@ -34,8 +34,8 @@ enum class FaultKind {
 struct FaultTraits {
   FaultKind kind;
   const char* name;
-  const char* meaning;  ///< of it and of its severity, for people
-  double severity;      ///< default, and limits
+  const char* meaning;  ///< description of the fault and of its severity, for the user
+  double severity;      ///< default; limits below
   double min_severity, max_severity;
   double duration_s;  ///< default
 };
@@ -49,17 +49,17 @@ struct Fault {
   double duration_s = 5.0;  ///< may be infinite
   double severity = 0.0;
 
-  /// For a sweep that begins at begin_s.
+  /// Whether the fault acts on a sweep that begins at begin_s.
   bool active(double begin_s) const {
     return begin_s >= start_s - kStampTolerance_s && begin_s < start_s + duration_s - kStampTolerance_s;
   }
   static Fault parse(const std::string& text);
 };
 
-/// What `--help` says of them, a line each.
+/// The description of the faults for `--help`, one line each.
 std::string faultHelp();
 
-/// Vehicles close around the car (traffic.hpp) for a sweep that begins at begin_s.
+/// Number of vehicles close around the car (traffic.hpp) during a sweep that begins at begin_s.
 int vehiclesAround(const std::vector<Fault>& faults, double begin_s);
 
 }  // namespace fail_aware

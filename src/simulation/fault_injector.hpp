@@ -1,9 +1,9 @@
-// Applies a drive's faults to its sweeps, one after the other: those on single sweeps (sweep_faults.hpp) and those on
-// their sequence. Dense traffic is not here but in the scene: vehiclesAround (fault.hpp).
+// Applies a drive's faults to its sweeps in order: faults of single sweeps (sweep_faults.hpp) and faults of their
+// sequence. Dense traffic is part of the scene instead: vehiclesAround (fault.hpp).
 //
-// Give every sweep in order to apply(), which returns what arrives in its place: nothing, one or several; flush() at
-// the end. Truth and begin stay those of the points' sweep; only sweep.stamp_s is what a fault makes of it.
-// Deterministic in seed and input. No failure modes. Cost: that of the faults' passes over the points.
+// Pass every sweep in order to apply(), which returns what arrives instead: nothing, one or several sweeps; call
+// flush() at the end. Ground truth and begin stay those of the points' sweep; a fault of the stamp changes only
+// sweep.stamp_s. Deterministic in seed and input. No failure modes. Cost: one pass over the points per fault.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ class FaultInjector {
   std::vector<Fault> faults_;
   std::uint64_t index_ = 0;
   std::optional<Sweep> frozen_;
-  std::optional<SimulatedSweep> held_;  ///< the first of a pair that is swapped
+  std::optional<SimulatedSweep> held_;  ///< the first sweep of a pair to be swapped
 };
 
 }  // namespace fail_aware

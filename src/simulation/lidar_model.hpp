@@ -1,10 +1,10 @@
-// A spinning lidar's geometry and errors: by default a Velodyne HDL-64E as KITTI has it (clockwise from
+// A spinning lidar's geometry and errors. Default: a Velodyne HDL-64E as in KITTI (clockwise from
 // the rear, 10 Hz, 2083 columns).
 //
-// 64 beams: 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg. A head's
-// calibration is never perfect: each beam has a range bias and an elevation error, constant over a drive, drawn from
-// the seed. On top: noise in range, the surface's roughness, pulses lost at random and by weak return (reflectivity,
-// incidence, range squared). Rings count from the lowest beam. No failure modes. Cost: some ns a return.
+// 64 beams: 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg.
+// Calibration is imperfect: each beam has a range bias and an elevation error, constant over a drive and drawn from the
+// seed. Added to this: range noise, the surface's roughness, pulses lost at random or because the return is weak
+// (reflectivity, incidence, range squared). Rings count from the lowest beam. No failure modes. Cost: some ns a return.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,8 +25,8 @@ class LidarModel {
     double max_range_m = 120.0;
     double range_noise_m = 0.015;
     double range_bias_m = 0.025;        ///< standard deviation over the beams
-    double elevation_error_deg = 0.08;  ///< likewise
-    double dropout = 0.01;              ///< share of pulses lost at random
+    double elevation_error_deg = 0.08;  ///< standard deviation over the beams
+    double dropout = 0.01;              ///< ratio of pulses lost at random
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -47,18 +47,18 @@ class LidarModel {
   std::size_t beams() const { return beams_.size(); }
   const Params& params() const { return params_; }
 
-  /// Of the column's middle: yaw in the sensor's frame (rad), seconds from the sweep's start.
+  /// The middle of a column: yaw in the sensor's frame (rad), seconds from the sweep's start.
   double azimuth(int column) const;
   double columnTime(int column) const;
 
-  /// Where the beams really point at this azimuth (sensor frame); `directions` has room for beams().
+  /// The true directions of the beams at this azimuth (sensor frame); `directions` has room for beams().
   void pointing(double azimuth_rad, Eigen::Vector3f* directions) const;
 
   struct Return {
     Eigen::Vector3f point_lidar;
     float intensity;  ///< 0..1
   };
-  /// What the sensor reports for this hit: none if the pulse is lost. `random_key`: unique to the pulse.
+  /// The sensor's report for this hit: none if the pulse is lost. `random_key`: unique per pulse.
   std::optional<Return> measure(std::size_t beam, double azimuth_rad, const RayHit& hit,
                                 std::uint64_t random_key) const;
 

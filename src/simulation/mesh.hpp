@@ -1,7 +1,7 @@
-// Triangles with materials, and the shapes that the scenes are made of.
+// Triangles with materials, and the basic shapes of the scenes.
 //
-// Coordinates: m, z up, in the mesh's own frame; scenes use a point near the mesh as its origin, so that float is exact
-// to well below a millimetre. No failure modes. Cost: a box has 12 triangles, a pole 12 (6 sides).
+// Coordinates: m, z up, in the mesh's own frame; scenes choose an origin near the mesh, so that float is exact to well
+// below a millimetre. No failure modes. Cost: a box has 12 triangles, a pole 12 (6 sides).
 #pragma once
 
 #include <Eigen/Core>
@@ -27,8 +27,8 @@ enum class Material : std::uint8_t {
 
 struct MaterialProperties {
   float reflectivity;  ///< 0..1
-  float roughness_m;   ///< standard deviation of the range on top of the sensor's
-  float dropout;       ///< share of pulses that give no return
+  float roughness_m;   ///< standard deviation of the range in addition to the sensor's
+  float dropout;       ///< ratio of pulses without a return
 };
 
 const MaterialProperties& properties(Material material);
@@ -49,12 +49,12 @@ struct Mesh {
   /// Corners in order round the quad.
   void addQuad(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, const Eigen::Vector3d& d,
                Material material);
-  /// Centred on T's x and y, from its z = 0 upwards.
+  /// Centred on T's x and y, from T's z = 0 upwards.
   void addBox(const Eigen::Isometry3d& T, const Eigen::Vector3d& size, Material material);
-  /// A box whose top is smaller: shares of the bottom's length and width.
+  /// A box with a smaller top: `top_length`, `top_width` are ratios of the bottom's length and width.
   void addFrustum(const Eigen::Isometry3d& T, const Eigen::Vector3d& size, double top_length, double top_width,
                   Material material);
-  /// Upright, from `foot`, with `sides` faces and no ends.
+  /// Vertical, from `foot`, with `sides` faces and open ends.
   void addPole(const Eigen::Vector3d& foot, double radius, double height, int sides, Material material);
   void append(const Mesh& other, const Eigen::Isometry3d& T);
 };

@@ -1,6 +1,5 @@
-// Randomness as a function of a key: the simulator's noise is the same whatever the order or the thread it is asked in.
-// Integer arithmetic throughout (SplitMix64's mixing), so that machines agree. No failure modes. Cost: a few ns a
-// number.
+// Random numbers as a function of a key: the simulator's noise does not depend on the order or the thread of the calls.
+// Integer arithmetic only (SplitMix64's mixing), so that all machines agree. No failure modes. Cost: a few ns a number.
 #pragma once
 
 #include <cstdint>

@@ -1,9 +1,9 @@
-// The road's centre line: made up as it is asked for, bend by bend, forgotten behind the vehicle.
+// The road's centre line. It is generated on demand, bend by bend, and deleted behind the vehicle.
 //
-// Bends have ramps of curvature at both ends, as real ones have. The road keeps within about 100 deg of the world's x,
-// so it never meets itself. Arc length s from 0 at the world's origin; it begins straight, 200 m before that.
-// at(s) is valid from `begin()` to `end()`, and clamped beyond. Same seed and plan: same road, however it is asked for.
-// Cost: one point in 0.5 m; at(): two look-ups.
+// Bends have curvature ramps at both ends, as real ones have. The road keeps within about 100 deg of the world's x, so
+// it never crosses itself. Arc length s is 0 at the world's origin; the road begins straight, 200 m before the origin.
+// at(s) is valid from `begin()` to `end()` and clamped outside. The same seed and plan give the same road in any order
+// of calls. Cost: one point per 0.5 m; at(): two look-ups.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ namespace fail_aware {
 struct RoadPoint {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< m
   double heading_rad = 0.0;
-  double curvature_per_m = 0.0;  ///< > 0: to the left
+  double curvature_per_m = 0.0;  ///< > 0: left bend
 
   Eigen::Vector2d forward() const;
   Eigen::Vector2d left() const;
@@ -34,16 +34,16 @@ class Road {
   double end() const;
 
   RoadPoint at(double s_m) const;
-  /// Half the asphalt's width; changes over 40 m between the plan's parts.
+  /// Half of the asphalt's width; changes over 40 m between the plan's parts.
   double halfWidth(double s_m) const;
-  /// Own lane's centre to the right of the road's; likewise.
+  /// Distance of the own lane's centre to the right of the road's centre line; changes likewise.
   double laneOffset(double s_m) const;
   SceneKind kindAt(double s_m) const { return plan_.kindAt(s_m); }
   const ScenePlan& plan() const { return plan_; }
 
-  /// s of the point beside p, by Newton steps from a near guess.
+  /// s of the centre-line point closest to p, by Newton steps from a close guess.
   double project(const Eigen::Vector2d& p, double s_guess_m) const;
-  /// Distance (m) of p from the nearest centre-line point known, among those within `reach_m` of s.
+  /// Distance (m) from p to the nearest existing centre-line point within `reach_m` of s.
   double distance(const Eigen::Vector2d& p, double s_m, double reach_m) const;
 
  private:

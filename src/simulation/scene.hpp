@@ -1,9 +1,9 @@
-// The world around the vehicle: tiles that come into being ahead and go behind, so that a drive of any length needs the
-// same memory.
+// The world around the vehicle, in tiles. Tiles are created ahead and deleted behind, so that memory does not grow with
+// the drive's length.
 //
 // Tiles: square cells of ground (within about 130 m of the vehicle) and chunks of roadside (25 m of road each, from
-// 140 m behind to 160 m ahead). Each has a mesh relative to an origin of its own. update() says what came and what
-// went, in an order that depends on the arguments only. Cost: about 1 ms a tile, some tiles a second.
+// 140 m behind to 160 m ahead). Each has a mesh relative to its own origin. update() returns the created and the
+// deleted tiles in an order that depends only on the arguments. Cost: about 1 ms a tile, a few tiles a second.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,7 +33,7 @@ class Scene {
  public:
   Scene(std::uint64_t seed, const ScenePlan& plan);
 
-  /// position, s: where the vehicle is. Extends the road 400 m ahead of it.
+  /// `position`, `s_m`: the vehicle's position. Extends the road to 400 m ahead of it.
   SceneChange update(const Eigen::Vector2d& position, double s_m);
 
   const Road& road() const { return road_; }

@@ -1,8 +1,8 @@
-// A piece of the roadside, and how the scene builders put things into it.
+// A piece of the roadside, with functions for the scene builders to add objects.
 //
 // A chunk covers [begin_m, end_m) of the road's arc length; its mesh is relative to `origin` (world, m). What a builder
-// adds depends on the seed and the place along the road only, so a drive can be generated chunk by chunk.
-// One builder for each kind of scene, a file each: town_scene, country_scene, highway_scene, tunnel_scene, open_scene.
+// adds depends only on the seed and the position along the road, so a drive can be generated chunk by chunk.
+// Each kind of scene has a builder in its own file: town_scene, country_scene, highway_scene, tunnel_scene, open_scene.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class SceneChunk {
  public:
   SceneChunk(std::uint64_t seed, const Road& road, const Terrain& terrain, double begin_m, double end_m);
 
-  /// A stream of its own for the `index`-th thing of a sort.
+  /// A separate random stream for the `index`-th object of a sort.
   RandomStream random(std::uint64_t sort, std::int64_t index) const;
 
   /// Calls add(s, index) for each multiple of `spacing_m` in the chunk.
@@ -30,12 +30,12 @@ class SceneChunk {
 
   /// On the ground, `lateral_m` to the left of the road's centre line, x along the road; relative to the origin.
   Place place(double s_m, double lateral_m, double lift_m = 0.0) const;
-  /// No part of the road within `clearance_m` of its asphalt.
+  /// Whether no part of the road has its asphalt within `clearance_m`.
   bool isClear(double s_m, double lateral_m, double clearance_m) const;
   double halfWidth(double s_m) const { return road_.halfWidth(s_m); }
   double curvature(double s_m) const { return road_.at(s_m).curvature_per_m; }
 
-  /// A ribbon along the road: from (lateral, height) a to b, in steps of `step_m`.
+  /// A ribbon along the road between the edges a and b (lateral, height), in steps of `step_m`.
   struct Edge {
     double lateral_m, height_m;
   };

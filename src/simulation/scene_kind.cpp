@@ -14,8 +14,8 @@ namespace fail_aware {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kShortest_m = 30.0;  // of a part without a length
-constexpr double kMeanSpeed = 0.6;    // share of the limit that is driven on average
+constexpr double kShortest_m = 30.0;  // for a part without a length
+constexpr double kMeanSpeed = 0.6;    // mean speed as a ratio of the limit
 constexpr SceneKind kKinds[] = {SceneKind::kTown, SceneKind::kCountry, SceneKind::kHighway, SceneKind::kTunnel,
                                 SceneKind::kOpen};
 

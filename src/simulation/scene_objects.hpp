@@ -1,6 +1,6 @@
-// The things that stand in a scene: houses, cars, trees, lamps, rails. Each is added to a mesh at a place.
+// The objects of a scene: houses, cars, trees, lamps, rails. Each function adds one to a mesh at a place.
 //
-// A place is on the ground, x along the road, y to its left, z up. Sizes in m. No failure modes.
+// A place is a frame on the ground, x along the road, y to its left, z up. Sizes in m. No failure modes.
 #pragma once
 
 #include "simulation/mesh.hpp"
@@ -10,15 +10,15 @@ namespace fail_aware {
 
 using Place = Eigen::Isometry3d;
 
-/// `place`: the middle of the front, which faces -y (`depth` > 0) or +y (`depth` < 0). Windows, a door, balconies, a
-/// roof.
+/// `place`: the middle of the front, which faces -y (`depth` > 0) or +y (`depth` < 0). The house has windows, a door,
+/// balconies and a roof.
 void addHouse(Mesh& mesh, const Place& place, double length, double depth, double height, RandomStream& random);
 void addShed(Mesh& mesh, const Place& place, double length, double depth, double height);
 
 enum class VehicleShape { kCar, kVan, kTruck };
 void addVehicle(Mesh& mesh, const Place& place, VehicleShape shape);
 
-/// A trunk, and a crown of leaves scattered in an ellipsoid: pulses come back from different depths.
+/// A trunk, and a crown of leaves scattered in an ellipsoid: pulses return from different depths.
 void addTree(Mesh& mesh, const Place& place, double height, double crown_radius, int leaves, RandomStream& random);
 void addBush(Mesh& mesh, const Place& place, double radius, int leaves, RandomStream& random);
 

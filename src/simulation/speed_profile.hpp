@@ -1,7 +1,8 @@
-// How fast the driver wants to go: the limit, bends ahead, and stops at which he waits.
+// The driver's target speed: from the speed limit, the bends ahead, and the stops.
 //
-// Bends are taken at `lateral_mps2`, speed is reduced before them at `brake_mps2`. Stops lie where the scene's
-// character has them; he stands there for 2 to 6 s. No failure modes. Cost: about 50 look-ups of the road a call.
+// The driver takes bends at `lateral_mps2` and brakes before them at `brake_mps2`. The scene's character sets the
+// distance between stops; the driver waits there for 2 to 6 s. No failure modes. A call costs about 50 look-ups
+// of the road.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@ namespace fail_aware {
 class SpeedProfile {
  public:
   struct Params {
-    double speed_mps = 0.0;  ///< 0: the scene's own
+    double speed_mps = 0.0;  ///< 0: the scene's speed limit
     double lateral_mps2 = 2.2;
     double brake_mps2 = 1.8;
 
@@ -30,7 +31,7 @@ class SpeedProfile {
 
   SpeedProfile(std::uint64_t seed, const Params& params) : params_(params), random_(combineKeys(seed, 31)) {}
 
-  /// At s on the road and time t with this speed; call it with growing t.
+  /// Target speed at s on the road, at time t and this speed; t must increase from call to call.
   double target(const Road& road, double s_m, double speed_mps, double t_s);
 
  private:
@@ -42,7 +43,7 @@ class SpeedProfile {
   bool has_stop_ = false;
   double next_stop_m_ = 0.0;
   double wait_s_ = 0.0;
-  double wait_until_s_ = -1.0;  ///< >= 0: standing at the stop
+  double wait_until_s_ = -1.0;  ///< >= 0: the car is waiting at the stop
 };
 
 }  // namespace fail_aware

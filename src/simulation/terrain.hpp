@@ -1,4 +1,4 @@
-// The lie of the land: a smooth height over the plane, hills of 120 to 900 m, as a sum of waves. The road lies on it.
+// The terrain: a smooth height over the plane, hills of 120 to 900 m, as a sum of waves. The road follows it.
 //
 // World frame: x, y, z up, m. No failure modes. Cost: eight sines, about 0.1 us.
 #pragma once
@@ -11,7 +11,7 @@ namespace fail_aware {
 
 class Terrain {
  public:
-  /// grade: root mean square of the slope.
+  /// `grade`: root mean square of the slope.
   Terrain(std::uint64_t seed, double grade);
 
   double height(const Eigen::Vector2d& p) const;
@@ -19,7 +19,7 @@ class Terrain {
 
   /// Bumps of 5 to 14 m with a standard deviation of 1, for the ground beside the road.
   double bumps(const Eigen::Vector2d& p) const;
-  /// The road's own unevenness (m, some mm), which shakes the vehicle but is too small for the lidar.
+  /// The road's unevenness (m, a few mm), which shakes the vehicle but is too small for the lidar.
   double roadRoughness(const Eigen::Vector2d& p) const;
 
  private:

@@ -1,8 +1,8 @@
-// Other vehicles: oncoming ones, ones that go the same way, a car ahead that keeps its distance, and, as a fault, a
+// Other vehicles: oncoming ones, ones in the same direction, a car ahead that keeps its distance, and, as a fault, a
 // ring of vehicles close around the car that move with it.
 //
-// They follow the road at their place across it; none touches the car. Poses are those of the ground under them, x
-// forward, world frame. Deterministic in the seed and in the sequence of updates. Cost: some us an update.
+// They follow the road at a constant lateral position; none touches the car. Poses are those of the ground under them,
+// x forward, world frame. Deterministic in the seed and in the sequence of updates. Cost: a few us an update.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +18,16 @@ namespace fail_aware {
 
 struct TrafficVehicle {
   VehicleShape shape = VehicleShape::kCar;
-  Pose T_world_begin = Pose::Identity();  ///< at the start of the interval, and at its end
-  Pose T_world_end = Pose::Identity();
+  Pose T_world_begin = Pose::Identity();  ///< at the start of the interval
+  Pose T_world_end = Pose::Identity();    ///< at its end
 };
 
 class Traffic {
  public:
   explicit Traffic(std::uint64_t seed) : random_(combineKeys(seed, 41)) {}
 
-  /// Where everyone is during [t, t + dt], in which the car goes from s_begin to s_end along the road.
-  /// `around`: vehicles in the ring around the car, 0 for none.
+  /// The vehicles' poses during [t, t + dt], in which the car moves from s_begin to s_end along the road.
+  /// `around`: number of vehicles in the ring around the car, 0 for none.
   std::vector<TrafficVehicle> update(const Road& road, const Terrain& terrain, double t_s, double dt_s,
                                      double s_begin_m, double s_end_m, int around);
 

@@ -1,9 +1,9 @@
-// The vehicle that carries the lidar through the made-up world: a car on four springs with a driver, in steps of 1 ms.
+// The vehicle that carries the lidar through the simulated world: a car on four springs and a driver, 1 ms steps.
 //
-// Not the filter's prediction (core/vehicle): body of six degrees of freedom on springs and dampers over the road's
-// height under each wheel; lateral forces of two axles from slip angles, saturating at the load that the springs and
-// the accelerations put on them (load transfer); drive and brakes with a limited jerk; air and rolling resistance,
-// slopes. The driver steers towards a point ahead on his lane, and follows a SpeedProfile. The chassis's constants are
+// It differs from the filter's model (core/vehicle): a body of six degrees of freedom on springs and dampers over the
+// road's height under each wheel; lateral forces of two axles from slip angles, saturating at the load that springs and
+// accelerations put on them (load transfer); drive and brakes with a limited jerk; air and rolling resistance, slopes.
+// The driver steers towards a point ahead on the own lane and follows a SpeedProfile. The chassis constants are
 // VehicleParameters (the springs are taken as those of one wheel).
 //
 // World frame x y z up, m; base_link as in cfg/vehicles (on the ground, half-way between the axles). Always finite.
@@ -27,7 +27,7 @@ class VehicleDrive {
   struct Params {
     VehicleParameters vehicle;
     SpeedProfile::Params speed;
-    double start_speed_mps = -1.0;  ///< < 0: the scene's own; standing in town, else 0.7 of the limit
+    double start_speed_mps = -1.0;  ///< < 0: chosen by the scene: standstill in town, else 0.7 of the limit
     double friction = 0.95;
     double max_drive_mps2 = 2.2;
     double max_brake_mps2 = 4.5;
@@ -54,8 +54,8 @@ class VehicleDrive {
     double forward_mps = 0.0, left_mps = 0.0;      ///< of the centre of gravity
     double forward_mps2 = 0.0, left_mps2 = 0.0;    ///< inertial
     double height_m = 0.0, height_rate_mps = 0.0;  ///< of the centre of gravity, world
-    double pitch_rad = 0.0, pitch_rate_rps = 0.0;  ///< about left: nose down > 0
-    double roll_rad = 0.0, roll_rate_rps = 0.0;    ///< about forward: left side up > 0
+    double pitch_rad = 0.0, pitch_rate_rps = 0.0;  ///< about the left axis: nose down > 0
+    double roll_rad = 0.0, roll_rate_rps = 0.0;    ///< about the forward axis: left side up > 0
     double steering_rad = 0.0;
     double command_mps2 = 0.0;
     Eigen::Vector4d wheel_loads_n = Eigen::Vector4d::Zero();  ///< front left, front right, rear left, rear right
@@ -82,7 +82,7 @@ class VehicleDrive {
   Params params_;
   SpeedProfile speed_;
   State state_;
-  Eigen::Vector4d ground_m_ = Eigen::Vector4d::Zero();  ///< under the wheels, one step ago
+  Eigen::Vector4d ground_m_ = Eigen::Vector4d::Zero();  ///< height under the wheels, one step ago
   double target_mps_ = 0.0;
   int steps_ = 0;
 };

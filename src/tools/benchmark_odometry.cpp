@@ -1,5 +1,5 @@
-// benchmark_odometry: time of a sweep of the whole odometry beside that of scan-to-scan pcl::IterativeClosestPoint on
-// the same sweeps in the same run. Machines differ, and one machine differs from hour to hour; the ratio holds.
+// benchmark_odometry: time per sweep of the whole odometry compared with scan-to-scan pcl::IterativeClosestPoint on the
+// same sweeps in the same run. Times differ between machines and from hour to hour; the ratio stays.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -54,7 +54,7 @@ double residentMb() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
-/// Registers each sweep against the one before; the guess is the motion found last.
+/// Registers each sweep against the previous one; the initial guess is the last motion.
 class PclScanToScan {
  public:
   PclScanToScan() {

@@ -62,7 +62,7 @@ void DriveResults::write() {
   log_.close();
 }
 
-/// What a reader of per_sweep.csv needs to know of the run.
+/// Facts about the run that a reader of per_sweep.csv needs.
 Json DriveResults::describeRun(long first) const {
   const MonitorParameters& monitor = params_.profile.monitor;
   Json json;

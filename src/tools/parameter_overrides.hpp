@@ -1,4 +1,4 @@
-// What a command line changes of a profile's parameters: files that name some keys, then single keys.
+// Changes a profile's parameters from the command line: files that name some keys, then single keys.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace fail_aware {
 
-/// `files` (yaml) one after another, then `assignments` (key=value); the last one counts. Validates. Throws
+/// Applies `files` (yaml) in order, then `assignments` (key=value); the last value counts. Validates. Throws
 /// ParameterError.
 inline void overrideParameters(PipelineParameters& params, const std::vector<std::string>& files,
                                const std::vector<std::string>& assignments) {

@@ -1,4 +1,4 @@
-// The arguments of a made-up drive, shared by what writes and what publishes it.
+// The arguments of a simulated drive, shared by the tools that write it and that publish it.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace fail_aware {
 
-/// Throws what Fault::parse throws, and InputError for a fault that would begin after the drive.
+/// Throws what Fault::parse throws, and InputError for a fault that begins after the drive.
 inline std::vector<Fault> parseFaults(const std::vector<std::string>& texts, double drive_s) {
   std::vector<Fault> faults;
   faults.reserve(texts.size());

@@ -12,7 +12,7 @@ namespace fail_aware {
 namespace {
 
 constexpr int kSweepsToForgetPlanes = 10;
-constexpr double kTimeSigmas = 2.0;  // of an innovation: it says nothing against the measurement
+constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from the interval's uncertainty
 
 }  // namespace
 
@@ -56,14 +56,14 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const bool fits_not = sweep.fitting_ratio && *sweep.fitting_ratio < params_.fitting_ratio;
   const bool fitted_not = fitting_ratio_.isFull() && fitting_ratio_.median() < params_.fitting_ratio;
   inflation.velocity_unobservable =
-      fitted_ && (fitted_not || fits_not);  // at once: a speed taken from one such sweep stays
+      fitted_ && (fitted_not || fits_not);  // without delay: a speed taken from one such sweep persists
   if (fitting_ratio_.isFull() && !fitted_not) fitted_ = true;
   return inflation;
 }
 
 double ConsistencyMonitor::persistentInnovation_m(double dt_s) const {
   if (params_.persistent_innovation_m == 0.0 || !innovation_m_.isFull()) return 0.0;
-  const double periods = std::max(1.0, dt_s / kUsualPeriod_s);  // an acceleration grows with its square
+  const double periods = std::max(1.0, dt_s / kUsualPeriod_s);  // displacement grows with the square of the time
   const double median_m = innovation_m_.median();
   return median_m > params_.persistent_innovation_m * periods * periods ? median_m : 0.0;
 }

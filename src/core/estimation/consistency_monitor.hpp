@@ -1,17 +1,17 @@
-// What a sweep's increment is to be doubted for, whatever the measurements' R says. Not in the article.
+// Inflates the covariance of a sweep's increment when the measurements' R is not plausible. Not in the paper.
 //
-// Four signs, of which three must last:
-// - Measurements that stay apart: one of two is wrong, and the fused one may be as wrong as they are apart. Now and then
-//   that is chance; where it lasts the odometry is being led astray. What is outvoted is not counted, what is
-//   outnumbered by its weight (FusionResult::undecided_m).
-// - A vehicle moves nearly as it was predicted to: measurements that lie off that sweep after sweep are as uncertain as
-//   that, and what they are off by stays in the map.
-// - Where next to nothing of the sweeps fits the map, what does was selected by the prediction and confirms it, whatever
-//   the vehicle does. A speed taken from that would run away: from the first such sweep on it tells no motion, unless
-//   nothing has fitted yet (a start where little stands).
-// - What turns the vehicle at once is none of its own doing (a blow to the head, a wrong place): a share of that may be
-//   an error.
-// "Lasting" is the median of the last sweeps. Cost: under 1 us a sweep.
+// Four signs. The first three must persist (median over the last sweeps):
+// - Measurements disagree. One of them is wrong, and the fused measurement may be wrong by the same distance. A single
+//   disagreement can be chance; a lasting one leads the odometry astray. An outvoted measurement does not count, an
+//   outnumbered one counts by its weight (FusionResult::undecided_m).
+// - Measurements differ from the prediction in every sweep. A vehicle moves nearly as predicted, so the measurements
+//   are as uncertain as this difference, and the difference stays in the map.
+// - Almost nothing fits the map. The few points that fit were selected by the prediction and confirm it, whatever the
+//   vehicle does. A speed estimated from them would diverge, so the velocity is unobservable from the first such sweep
+//   on, unless nothing has fitted yet (a start in a place with few objects).
+// - The heading jumps. A vehicle does not turn that fast by itself (the sensor was hit, or the pose is wrong), so a
+//   fraction of the jump may be an error.
+// Cost: under 1 us a sweep.
 #pragma once
 
 #include <optional>
@@ -23,12 +23,12 @@ namespace fail_aware {
 class ConsistencyMonitor {
  public:
   struct Params {
-    double persistent_disagreement_m = 0.15;  ///< what measurements stay farther apart than this is an error, too
-    double persistent_innovation_m = 0.07;  ///< so far off the prediction, sweep after sweep, is an error, too; 0: off
-    double fitting_ratio = 0.3;           ///< of the planes' points: where less fits the map, R is not believed; 0: off
-    double unfitting_sigma_m = 0.25;      ///< sigma that a sweep adds of which nothing fits: 2.5 m/s at 10 Hz
-    double max_yaw_innovation_deg = 4.5;  ///< off the prediction, of one sweep: more is an error, too; 0: off
-    double wrong_ratio_of_turn = 0.1;     ///< standard deviation of a sudden turn's error, as a ratio of the turn
+    double persistent_disagreement_m = 0.15;  ///< a lasting disagreement above this inflates the covariance
+    double persistent_innovation_m = 0.07;    ///< a lasting innovation above this inflates the covariance; 0: off
+    double fitting_ratio = 0.3;               ///< point-to-plane inlier ratio below which R is not trusted; 0: off
+    double unfitting_sigma_m = 0.25;          ///< sigma added by a sweep with no inlier: 2.5 m/s at 10 Hz
+    double max_yaw_innovation_deg = 4.5;      ///< a larger innovation in one sweep inflates the covariance; 0: off
+    double wrong_ratio_of_turn = 0.1;         ///< standard deviation of a heading jump's error, as a ratio of the jump
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -42,18 +42,18 @@ class ConsistencyMonitor {
 
   struct Sweep {
     double dt_s = 0.0;
-    double undecided_m = 0.0;   ///< FusionResult's
-    double innovation_m = 0.0;  ///< horizontally, of the fused measurement; 0 where no good prediction was expected
-    double turn_rad = 0.0;      ///< likewise
-    std::optional<double> fitting_ratio;  ///< of the planes' points; none: nothing was measured by planes
-    double time_sigma_m = 0.0;            ///< of the prediction, because the interval is not known better
+    double undecided_m = 0.0;             ///< FusionResult::undecided_m
+    double innovation_m = 0.0;            ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
+    double turn_rad = 0.0;                ///< rotation part of the innovation; 0 likewise
+    std::optional<double> fitting_ratio;  ///< inlier ratio of point-to-plane; none: it did not measure
+    double time_sigma_m = 0.0;            ///< sigma of the prediction due to the uncertain interval between sweeps
   };
 
   struct Inflation {
-    double sigma_m = 0.0;  ///< of an error more in the increment, along the way and across it each
+    double sigma_m = 0.0;  ///< sigma to add to the increment, along the road and across it
     double sigma_yaw_rad = 0.0;
-    bool unbelievable = false;  ///< measurements that agree in this confirm nothing
-    /// Next to nothing fits the map, which once fitted: what is measured is what was predicted.
+    bool unbelievable = false;  ///< agreement between the measurements confirms nothing in this sweep
+    /// Almost nothing fits the map, although it did before: the measurement only repeats the prediction.
     bool velocity_unobservable = false;
   };
 
@@ -61,7 +61,7 @@ class ConsistencyMonitor {
 
   Inflation add(const Sweep& sweep);
 
-  /// What lasted ends here: another pose was set, or another map begins.
+  /// Forgets the history: another pose was set, or another map begins.
   void clear();
 
  private:
@@ -70,8 +70,8 @@ class ConsistencyMonitor {
 
   Params params_;
   MovingMedian undecided_m_{5}, innovation_m_{10}, fitting_ratio_{3};
-  bool fitted_ = false;            ///< most of the sweeps did once
-  int sweeps_without_planes_ = 0;  ///< in a row
+  bool fitted_ = false;            ///< most of the sweeps fitted the map at least once
+  int sweeps_without_planes_ = 0;  ///< consecutive
 };
 
 }  // namespace fail_aware

@@ -93,7 +93,7 @@ DeadReckoning::Motion DeadReckoning::begin(const Motion& before, double dt_s) {
 }
 
 void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motion& motion) {
-  // along R's own axes, so that what is not measured can be left out altogether
+  // along R's eigenvectors, so that unobserved directions can be left out completely
   const auto eigen = symmetricEigen(measured.R);
   for (int i = 0; i < 3; ++i) {
     const double variance = eigen.eigenvalues()[i];
@@ -141,8 +141,9 @@ Eigen::Matrix4d DeadReckoning::incrementCovariance(double dt_s) const {
   return added;
 }
 
-// Rates are means over an interval, carried to its end with accelerations of one interval before: three quarters old.
-// Bounded: nobody speeds up or turns for longer, and the filter's sigma points must not turn about.
+// Rates are means over an interval, extrapolated to its end with accelerations from one interval earlier: the rates are
+// three quarters of an interval old. Limited, because no driver accelerates or turns for longer, and because the
+// filter's sigma points must not turn around.
 Eigen::Matrix4d DeadReckoning::drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const {
   const double bounded_s = std::min(dt_s, kLongestDriven_s);
   const double per_acceleration = (0.5 * bounded_s + 0.75 * std::min(previous_dt_s, kLongestDriven_s)) * bounded_s;

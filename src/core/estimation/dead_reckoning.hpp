@@ -1,13 +1,13 @@
-// The vehicle's motion where registration does not observe it (a tunnel, an open field). Not in the article.
+// The vehicle's motion while registration does not observe it (a tunnel, an open field). Not in the paper.
 //
-// Poses along an unobserved direction are predictions; derivatives taken from them would feed on themselves. So there
-// velocity v and acceleration a have a Kalman filter of their own (a: first-order Markov, standard deviation
-// `acceleration_mps2`, correlation time `acceleration_time_s`). What a sweep's fused measurement says of the velocity
-// counts by its covariance R, as one of covariance 2 R / dt^2; directions in which it says nothing are left out. The
-// yaw rate is treated alike; bends are the wider the faster they are driven (`turning_speed_mps`).
+// Along an unobserved direction the poses are predictions; derivatives taken from them would feed back on themselves.
+// So a separate Kalman filter estimates velocity v and acceleration a (a: first-order Markov, standard deviation
+// `acceleration_mps2`, correlation time `acceleration_time_s`). A sweep's fused measurement with covariance R corrects
+// the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. The yaw rate
+// is treated the same way; the yaw acceleration decreases with speed, since fast bends are wide (`turning_speed_mps`).
 // A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
-// speedError() tells the accumulated covariance how large the error along the road is and how much of it stays.
-// Vectors: m, m/s, rad/s, axes of the body now (x forward, y left, z up). Cost: about 2 us.
+// speedError() gives the accumulated covariance the size of the error along the road and how much of it persists.
+// Vectors: m, m/s, rad/s, in the axes of the current body (x forward, y left, z up). Cost: about 2 us.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,23 +21,23 @@ namespace fail_aware {
 class DeadReckoning {
  public:
   struct Params {
-    /// R along and across the road up to this: poses give the velocity; 0.7 m/s from two poses at 10 Hz
+    /// largest sigma of R along and across the road with which poses give the velocity; 0.7 m/s from two poses at 10 Hz
     double observed_sigma_m = 0.05;
-    double observed_sigma_deg = 0.15;  ///< likewise of the heading
-    /// so many observed sweeps in a row end the dead reckoning: the windows of the derivatives are full then
+    double observed_sigma_deg = 0.15;  ///< the same for the heading
+    /// this many consecutive observed sweeps end the dead reckoning: then the windows of the derivatives are full
     int observed_sweeps = 5;
-    double acceleration_mps2 = 0.7;           ///< standard deviation along the road;
-    double lateral_acceleration_mps2 = 0.15;  ///< of the velocity's components across and up
-    double acceleration_time_s = 1.5;         ///< duration of such an acceleration: a push on a pedal
-    double yaw_acceleration_rad_s2 = 0.45;    ///< of the heading, up to this speed; above it
-    /// faster: the yaw acceleration falls with the square of the speed; 0.45 rad/s at this speed is 3 m/s^2 across,
-    /// about what drivers accept
+    double acceleration_mps2 = 0.7;           ///< standard deviation along the road
+    double lateral_acceleration_mps2 = 0.15;  ///< standard deviation of the components across the road and up
+    double acceleration_time_s = 1.5;         ///< correlation time of the acceleration: one push on a pedal
+    double yaw_acceleration_rad_s2 = 0.45;    ///< standard deviation up to turning_speed_mps
+    /// above this speed the yaw acceleration falls with the square of the speed; 0.45 rad/s at this speed is a lateral
+    /// acceleration of 3 m/s^2, about what drivers accept
     double turning_speed_mps = 6.7;
-    /// duration of such a yaw acceleration: a turn of the steering wheel
+    /// correlation time of the yaw acceleration: one turn of the steering wheel
     double yaw_acceleration_time_s = 0.5;
-    /// a measurement with a larger sigma does not give the speed: the speed would have a sigma of 14 m/s at 10 Hz
+    /// a measurement with a larger sigma does not correct the speed: the speed would have a sigma of 14 m/s at 10 Hz
     double max_measured_sigma_m = 1.0;
-    double max_measured_sigma_deg = 3.0;  ///< nor the yaw rate
+    double max_measured_sigma_deg = 3.0;  ///< the same for the yaw rate
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -55,45 +55,45 @@ class DeadReckoning {
     double yaw_acceleration_rad_s2 = 0.0;
   };
 
-  /// What a sweep's measurement says of the motion since the last estimate.
+  /// The motion since the last estimate as one sweep measures it.
   struct Measured {
     Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
     double yaw_rate_rad_s = 0.0;
-    Eigen::Matrix3d R = Eigen::Matrix3d::Zero();  ///< of its position, m^2
-    double yaw_variance = 0.0;                    ///< of its heading, rad^2
+    Eigen::Matrix3d R = Eigen::Matrix3d::Zero();  ///< of the measured position, m^2
+    double yaw_variance = 0.0;                    ///< of the measured heading, rad^2
   };
 
   explicit DeadReckoning(const Params& params);
 
-  /// The motion is unknown but for its standard deviations.
+  /// Forgets the motion; only its standard deviations are known.
   void reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s);
 
   /// Whether a measurement observes the motion on the road.
   bool observes(const Measured& measured) const;
 
-  /// Whether this measurement leaves (or ends) the coasting. One sure pose between unsure ones does not: what the poses
-  /// before it would say of velocity and acceleration is noise.
+  /// Whether this measurement ends the dead reckoning (or keeps it off). A single accurate pose between inaccurate ones
+  /// does not: velocity and acceleration from the poses before it would be noise.
   bool settles(const Measured& measured) const;
 
-  /// From the first sweep that is not observed until `observed_sweeps` that are.
+  /// From the first sweep that is not observed until `observed_sweeps` consecutive observed ones.
   bool active() const { return active_; }
 
-  /// Closes a sweep that settles the motion.
+  /// Finishes a sweep whose measurement settles().
   void observed(const Measured& measured, double dt_s);
 
-  /// Closes a sweep that does not, or (null) without a measurement. `before` is the motion at the last sweep; returns
-  /// that to go on with.
+  /// Finishes a sweep whose measurement does not settle, or that has none (null). `before` is the motion at the last
+  /// sweep; returns the motion now.
   Motion coast(const Motion& before, double dt_s, const Measured* measured);
 
-  /// What the uncertain motion adds to the next increment (x y z, m^2, and yaw, rad^2). Zero unless active.
+  /// Covariance that the uncertain motion adds to the next increment (x y z, m^2; yaw, rad^2). Zero unless active.
   Eigen::Matrix4d incrementCovariance(double dt_s) const;
 
-  /// What the driver's accelerations add to an increment over dt_s (as above; active or not), where the motion is known
-  /// from poses previous_dt_s apart: it is that of some time ago, and stays so for as long as the increment lasts. As
-  /// over 3 s at most, and 0.25 rad.
+  /// The covariance that the driver's accelerations add to an increment over dt_s (x y z, m^2, and yaw, rad^2; active
+  /// or not). The motion comes from poses previous_dt_s apart, so it is old and stays uncorrected during the increment.
+  /// Limited to the value at 3 s and to 0.25 rad.
   Eigen::Matrix4d drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const;
 
-  /// Of the sweep closed last, along the vehicle. Zero unless active.
+  /// Of the last finished sweep, along the vehicle. Zero unless active.
   SpeedError speedError() const { return active_ ? SpeedError{std::max(0.0, S_(0, 0)), kept_} : SpeedError(); }
 
   Eigen::Matrix3d velocityCovariance() const { return S_.topLeftCorner<3, 3>(); }
@@ -108,7 +108,7 @@ class DeadReckoning {
   Matrix6d S_ = Matrix6d::Zero();                    ///< of (velocity, acceleration)
   Eigen::Matrix2d S_yaw_ = Eigen::Matrix2d::Zero();  ///< of (yaw rate, yaw acceleration)
   int observed_in_a_row_ = 0;
-  double kept_ = 0.0;  ///< of the last sweep's error along the vehicle
+  double kept_ = 0.0;  ///< ratio of the previous sweep's speed error along the vehicle that persists
   bool active_ = false;
 };
 

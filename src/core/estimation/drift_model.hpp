@@ -14,7 +14,7 @@
 //     and fewer places are still seen
 //   - what a new map costs: it holds the points of one sweep, between whose beams the pose settles 1 to 4 cm off within
 //     the first 0.1 m of the way (five simulated standing starts), and tilted by 0.1 to 0.25 deg (moving starts)
-//   - the error of a speed that is not observed: how large and how lasting it is says filter/coasting.hpp; here, how
+//   - the error of a speed that is not observed: how large and how lasting it is says estimation/dead_reckoning.hpp; here, how
 //     much of it goes into an increment
 //
 // calibrate_noise fits measured_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias; the others

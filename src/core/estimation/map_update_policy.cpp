@@ -6,8 +6,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr int kMaxSkippedSweeps = 10;  // in a row: with one more the reference is out of sight
-constexpr int kMaxHeldSweeps = 10;     // in a row, at the last of which it begins anew
+constexpr int kMaxSkippedSweeps = 10;  // consecutive; one more means that the reference is out of sight
+constexpr int kMaxHeldSweeps = 10;     // consecutive; the last one restarts the reference
 
 bool isThere(const FusionInput& input) { return input.measurement != nullptr; }
 
@@ -15,7 +15,7 @@ bool isOfAnIcp(const FusionInput& input) {
   return isThere(input) && (input.name == kIcpPointToPoint || input.name == kIcpPointToPlane);
 }
 
-// There are some of those, and they had nothing to register against.
+// There are measurements of that kind, and none of them had a reference.
 bool haveNoReference(const std::vector<FusionInput>& inputs, bool (*isOfThose)(const FusionInput&)) {
   bool any = false;
   for (const FusionInput& input : inputs) {
@@ -26,13 +26,13 @@ bool haveNoReference(const std::vector<FusionInput>& inputs, bool (*isOfThose)(c
   return any;
 }
 
-// Who is silent, or was given no points, has not looked.
+// A source without a message or without points did not search.
 bool wasSought(const FusionInput& input) {
   return isThere(input) &&
          (input.measurement->iterations > 0 || input.measurement->status == MeasurementStatus::kNotConverged);
 }
 
-// Each ICP there is looked once and found next to nothing near: the references do not hold what the sweep shows.
+// Every ICP that answered searched once and found almost no pairs: the references do not hold what the sweep shows.
 bool showsOtherThings(const std::vector<FusionInput>& inputs) {
   bool any = false;
   for (const FusionInput& input : inputs) {

@@ -51,26 +51,26 @@ void MotionTracker::update(const Sweep& sweep) {
   if (sweep.measured) road_.update(sweep.state.time_s(), sweep.x, motion_);
 }
 
-// The pose in the sweep's middle, by the motion that the sweep was corrected for.
+// Stores the pose in the sweep's middle, moved there with the motion that the sweep was deskewed with.
 void MotionTracker::remember(const Sweep& sweep) {
   const FilterState& state = sweep.state;
   const SweepPrediction& prediction = sweep.prediction;
   const double middle_s = sweep.middle_s;
   newest_middle_s_ = 0.0;
   Pose T_odom_cog = state.T_odom_cog;
-  // the first motion, found over more than one interval, is not that of the last one
+  // the first motion was found over more than one interval and is not the motion of the last one
   const bool knows_motion = prediction.motionKnown() || previous_measured_;
   if (state.measurement_applied && knows_motion && state.dt_s > 0.0 && std::isfinite(middle_s)) {
     const Pose T_previous_now = prediction.motionKnown()
                                     ? prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog
-                                    : state.T_previous_now;  // the motion that was searched for
+                                    : state.T_previous_now;  // the motion that the search found
     T_odom_cog = T_odom_cog * expSe3(logSe3(T_previous_now) * (middle_s / state.dt_s));
     newest_middle_s_ = middle_s;
   }
   history_.push(state.time_s() + newest_middle_s_, T_odom_cog);
 }
 
-// Carried from the newest sweep's middle to the stamp; as in the history, z, roll and pitch are not.
+// Extrapolated from the newest sweep's middle to its stamp; z, roll and pitch are not, as in the history.
 MotionDerivatives MotionTracker::historyDerivatives() const {
   MotionDerivatives motion = history_.derivatives();
   motion.velocity_body_mps.head<2>() -= newest_middle_s_ * motion.acceleration_body_mps2.head<2>();
@@ -88,7 +88,7 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   if (previous_measured_) {
     measured.velocity_mps = logSe3(T_previous_measured).head<3>() / state.dt_s;
     measured.yaw_rate_rad_s = wrapAngle(state.fusion.z[5] - yaw_previous_rad) / state.dt_s;
-  } else {  // the way from a prediction holds its error; that from the last measured pose does not
+  } else {  // an increment from a prediction includes the prediction's error; one from a measured pose does not
     measured.velocity_mps = historyDerivatives().velocity_body_mps;
     measured.yaw_rate_rad_s = historyDerivatives().rpy_rates_rad_s.z();
   }
@@ -113,7 +113,7 @@ void MotionTracker::coast(const MotionDerivatives& last, double dt_s, const Dead
   motion_.rpy_accelerations_rad_s2.z() = motion.yaw_acceleration_rad_s2;
 }
 
-// What nothing of the speed can be taken from tells the heading still, roughly: all that is seen turns about the vehicle.
+// The heading stays weakly observed when the speed is not: everything in sight turns about the vehicle.
 DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
   DeadReckoning::Measured measured = measuredMotion(sweep);
   measured.R = kLargestVariance * Eigen::Matrix3d::Identity();

@@ -19,12 +19,13 @@ namespace {
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
-constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over some sweeps
+constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over several sweeps
 constexpr double kDoubtfulRate_rad_s = 0.1;
-constexpr double kOpenVariance = 4.0;  // of the prediction's: a measurement that says less leaves it open
+// Times the prediction's variance; with a larger variance a measurement leaves roll and pitch open.
+constexpr double kOpenVariance = 4.0;
 
-// What leaves them at the prediction (corners are seen from above) must not turn the reference: all that is measured in
-// it later would tilt with it.
+// Whether roll and pitch are observed. A measurement that leaves them at the prediction (the corners are seen from
+// above) must not turn the reference: everything that is later measured in it would tilt with it.
 bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
   return fusion.R(3, 3) < kOpenVariance * predicted_P(3, 3) && fusion.R(4, 4) < kOpenVariance * predicted_P(4, 4);
 }
@@ -37,7 +38,7 @@ std::optional<double> planesFittingRatio(const std::vector<FusionInput>& inputs)
   return planes->measurement->inlier_ratio;
 }
 
-// An empty sweep, or no answer of those who look at it: nothing that the next sweep could be registered to.
+// False for an empty sweep or without an answer from the ICPs: the next sweep would have nothing to register against.
 bool isUsableStart(const std::vector<FusionInput>& inputs) {
   const auto is_icp = [](const FusionInput& input) {
     return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane;
@@ -49,7 +50,7 @@ bool isUsableStart(const std::vector<FusionInput>& inputs) {
   return std::none_of(inputs.begin(), inputs.end(), is_icp) || std::any_of(inputs.begin(), inputs.end(), has_points);
 }
 
-/// A state covariance at `from`, turned with odom by R_new_old to the same body at `to`.
+/// The covariance P of the state `from` after odom is turned by R_new_old; then the same body has the state `to`.
 Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
   const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
   const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
@@ -142,12 +143,12 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
     prediction_.motion_status = state_.motion_status;
     Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
     const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
-    const auto inOdom = [&](const Eigen::Matrix4d& increment) -> Eigen::Matrix3d {  // of its position
+    const auto inOdom = [&](const Eigen::Matrix4d& increment) -> Eigen::Matrix3d {  // the position's covariance
       return R_odom_body * increment.topLeftCorner<3, 3>() * R_odom_body.transpose();
     };
     double uncertain_yaw = 0.0;
     if (!prediction_.motionKnown()) {
-      // only the speed along the road is that uncertain
+      // only the speed along the road is unknown
       const double sigma = params_.initial_speed_sigma_mps * dt;
       const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
       Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
@@ -156,14 +157,14 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
       Q.topLeftCorner<3, 3>() += inOdom(uncertain);
       uncertain_yaw = uncertain(3, 3);
     }
-    if (prediction_.motionKnown() && interval_sigma_s_ > 0.0) {  // how far it went is known no better than for how long
+    if (prediction_.motionKnown() && interval_sigma_s_ > 0.0) {  // the distance is as uncertain as the interval
       const Eigen::Vector3d way = R_odom_body * motion_.motion().velocity_body_mps * interval_sigma_s_;
       const double turn_rad = motion_.motion().rpy_rates_rad_s.z() * interval_sigma_s_;
       Q.topLeftCorner<3, 3>() += way * way.transpose();
       Q(5, 5) += turn_rad * turn_rad;
     }
     process_noise_ = Q;
-    // not for the filter: a heading that it thinks uncertain would shorten the unscented mean of every step
+    // not in the filter's Q: an uncertain heading would shorten the unscented mean of every step
     process_noise_(5, 5) += uncertain_yaw;
     if (prediction_.motionKnown() && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
       const Eigen::Matrix4d driven =
@@ -172,7 +173,7 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
       Q(5, 5) += driven(3, 3);
     }
     if (!state_.measurement_applied) {
-      // Roll and pitch do not walk away from the road: at most one step's noise. Added up over many sweeps it would
+      // Roll and pitch stay close to the road: P gains at most one step's noise. Accumulated over many sweeps it would
       // shorten the unscented mean of every step by cos(pitch), a tenth of the speed.
       const Matrix6d& P = ukf_.covariance();
       for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - P(i, i));
@@ -243,7 +244,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
 }
 
 MotionStatus PoseFilter::motionStatus() const {
-  if (corrected_sweeps_ < 2) return MotionStatus::kUnknown;  // the first one defines the start pose
+  if (corrected_sweeps_ < 2) return MotionStatus::kUnknown;  // the first sweep defines the start pose
   const bool observed = state_.measurement_applied && prediction_.motionKnown() && !motion_.dead_reckoning().active();
   return observed ? MotionStatus::kObserved : MotionStatus::kDeadReckoning;
 }
@@ -252,7 +253,7 @@ FilterState PoseFilter::stateAsDriven() const {
   FilterState state = state_;
   if (!prediction_.motionKnown() && !state.measurement_applied) state.dt_s = 0.0;
   if (!state.clock_jump) return state;
-  state.dt_s = std::min(state.dt_s, kLongInterval_s);  // in which it turns by less than half a turn
+  state.dt_s = std::min(state.dt_s, kLongInterval_s);  // the vehicle turns by less than half a turn within it
   Vector6d twist_cog;
   twist_cog << motion_.motion().velocity_body_mps, 0.0, 0.0, motion_.motion().rpy_rates_rad_s.z();
   state.T_previous_now = expSe3(twist_cog * state.dt_s);
@@ -262,8 +263,8 @@ FilterState PoseFilter::stateAsDriven() const {
   return state;
 }
 
-// The prediction went by another interval: it is as wrong as that, and so is what began at it and was found nowhere
-// else.
+// After a clock jump the prediction used the wrong interval. P grows by the prediction's error, and measurements that
+// began at the prediction and searched nowhere else are dropped.
 bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   const auto doubts = [](const FusionInput& input) {
     return input.measurement != nullptr && input.measurement->ok() && input.measurement->clock_jump_suspected &&
@@ -289,7 +290,7 @@ bool PoseFilter::addInflation(const std::vector<FusionInput>& inputs, const Vect
   sweep.turn_rad = innovation.tail<3>().norm();
   sweep.fitting_ratio = planesFittingRatio(inputs);
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
-  // after a gap the covariance would begin with the R of what is confirmed
+  // after a gap the accumulated covariance would otherwise restart from the R of confirmed measurements
   if (inflation.unbelievable) state.fusion.confirmed = false;
   for (Matrix6d* covariance : {&state.increment_covariance, &state.unobserved_covariance}) {
     covariance->diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;

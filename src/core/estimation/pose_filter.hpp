@@ -1,14 +1,14 @@
-// The filter of the article's figure "UKF architecture" as one object: derivatives of past estimates -> vehicle model
-// -> UKF prediction -> fusion of a sweep's measurements -> UKF correction. What the FusionUkf nodelet holds.
+// The filter of the paper's figure "UKF architecture" as one object: derivatives of past estimates -> vehicle model
+// -> UKF prediction -> fusion of a sweep's measurements -> UKF correction. The FusionUkf nodelet holds one.
 //
-// predict(stamp) and correct(...) are called once a sweep, in this order. All poses are of the centre of gravity in
-// odom. Until a motion is known (`SweepPrediction::motionKnown`), P along the road is as wide as the speed is unknown.
-// Where a sweep is not measured, roll and pitch gain no more than one step's process noise.
-// After lost sweeps (an interval above kLongInterval_s) P grows by what the driver may have done meanwhile, so that search
-// and gate reach as far (DeadReckoning::drivenCovariance).
-// A drive begins at the first sweep that has points to register: until then the next sweep is the first again.
-// Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
-// estimate is the prediction, flagged. Cost: about 50 us a sweep.
+// Call predict(stamp) and correct(...) once a sweep, in this order. All poses are of the centre of gravity in odom.
+// Until a motion is known (`SweepPrediction::motionKnown`), P along the road contains the speed's uncertainty.
+// In a sweep without a measurement roll and pitch gain at most one step's process noise.
+// After lost sweeps (an interval above kLongInterval_s) P grows by what the driver may have done meanwhile, so that the
+// search and the gate are wide enough (DeadReckoning::drivenCovariance).
+// A drive begins at the first sweep that has points to register; until then every sweep counts as the first.
+// Failure: if the stamp does not advance, predict() returns false and changes nothing. Without a usable measurement the
+// estimate is the prediction, and the state says so. Cost: about 50 us a sweep.
 #pragma once
 
 #include <string>
@@ -40,14 +40,14 @@ class PoseFilter {
     double initial_speed_sigma_mps = 15.0;
     double initial_sigma_m = 1e-3;    ///< sigma of the start position: odom begins there by definition
     double initial_sigma_deg = 0.01;  ///< sigma of the start attitude
-    double max_speed_mps = 80.0;      ///< larger speeds are cut to this: no car on a road is faster
-    double max_yaw_rate_rps = 3.0;    ///< larger yaw rates are cut to this: half a turn a second
-    double increment_scale = 0.43;    ///< on the covariance that one sweep adds to the odometry
-    double dead_reckoning_increment_factor =
-        6.8;                            ///< on that, where the filter coasts: what observes little misleads, too
-    double increment_floor_m = 0.0005;  ///< standard deviation a sweep, at least, and per metre driven:
-    double increment_per_metre_m = 0.0;
-    double increment_floor_deg = 0.012;
+    double max_speed_mps = 80.0;      ///< larger speeds are limited to this: no car on a road is faster
+    double max_yaw_rate_rps = 3.0;    ///< larger yaw rates are limited to this: half a turn a second
+    double increment_scale = 0.43;    ///< scales the covariance that one sweep adds to the odometry
+    /// factor on it during dead reckoning: weakly observed measurements also mislead
+    double dead_reckoning_increment_factor = 6.8;
+    double increment_floor_m = 0.0005;   ///< least standard deviation of a sweep's increment
+    double increment_per_metre_m = 0.0;  ///< added to it per metre driven
+    double increment_floor_deg = 0.012;  ///< least standard deviation of a sweep's rotation
     ConsistencyMonitor::Params consistency;
     DeadReckoning::Params dead_reckoning;
 
@@ -68,28 +68,27 @@ class PoseFilter {
              const MotionHistory::Params& history, const RoadPlaneEstimator::Params& road,
              const MeasurementFusion::Params& fusion);
 
-  /// Starts anew: the next sweep's pose is T_odom_cog.
+  /// Restarts the filter; the next sweep's pose is T_odom_cog.
   void reset(const Pose& T_odom_cog);
 
   /// False if the sweep's time is not after the last estimate's.
   bool predict(const SweepTime& time, SweepPrediction& prediction);
 
-  /// Closes the sweep that was predicted last.
-  /// `middle_s`: SweepCorrectorReport's.
+  /// Finishes the sweep of the last predict(). `middle_s`: from SweepCorrectorReport.
   const FilterState& correct(const std::vector<FusionInput>& measurements, double middle_s = 0.0);
 
-  /// Says from outside where the vehicle was at the last estimate: odom is moved under the vehicle. Motion, increments
-  /// and P (about the vehicle) stay; odom_reset_count counts on. A pose that is not finite: false, nothing changes.
+  /// Sets the vehicle's pose at the last estimate from outside: odom is moved under the vehicle. Motion, increments and
+  /// P (about the vehicle) stay; odom_reset_count increases. A pose that is not finite: returns false, nothing changes.
   bool setPose(const Pose& T_odom_cog);
 
-  /// The fusion's rules from the next sweep on. Throws ParameterError.
+  /// The fusion's parameters, used from the next sweep on. Throws ParameterError.
   void setFusion(const MeasurementFusion::Params& params) { fusion_ = MeasurementFusion(params); }
 
   const FilterState& state() const { return state_; }
 
-  /// With the motion that a vehicle can follow: where the stamps told another interval than was driven, the way between
-  /// two estimates may be one back over all that the prediction was off by. There it is the way of the motion that
-  /// the filter keeps, in a dt that is kLongInterval_s at most. Before any motion was measured dt is 0: there is none.
+  /// The state with a motion that a vehicle can follow. After a clock jump the increment between two estimates may undo
+  /// the whole error of the prediction, backwards included. This state then holds the increment of the filter's
+  /// velocity instead, over a dt of at most kLongInterval_s. dt is 0 before any motion was measured.
   FilterState stateAsDriven() const;
 
   bool started() const { return started_; }
@@ -109,7 +108,7 @@ class PoseFilter {
   SweepPrediction prediction_;
   FilterState state_;
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
-  double interval_sigma_s_ = 0.0;                  ///< SweepTime's, of the last prediction
+  double interval_sigma_s_ = 0.0;                  ///< SweepTime::interval_sigma_s of the last prediction
   bool started_ = false;
   int corrected_sweeps_ = 0;
 };

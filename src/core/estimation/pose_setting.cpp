@@ -19,7 +19,7 @@ bool isTooFar(const ExternalPose& pose, double sweep_s) {
 
 std::string PoseSetting::offer(const ExternalPose& pose, std::optional<double> last_stamp_s) {
   ExternalPose judged = pose;
-  if (judged.covariance.isZero(0.0)) judged.covariance.setIdentity();  // that one may be zero
+  if (judged.covariance.isZero(0.0)) judged.covariance.setIdentity();  // zero is allowed: the pose is exact
   std::string reason = unusableReason(judged);
   if (!reason.empty()) return reason;
   if (!rotationMeasured(judged.covariance)) {

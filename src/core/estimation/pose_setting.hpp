@@ -1,9 +1,9 @@
-// A pose that is said from outside (set_pose): where base_link is in odom. Not in the paper.
+// A pose of base_link in odom that is set from outside (set_pose). Not in the paper.
 //
-// It is taken with the next estimate, moved there from its own stamp by the vehicle's motion (a stamp of 0: as if said
-// of that estimate). A covariance that is all zero means known exactly.
-// Refused, with a reason: no pose, no covariance (or one that is zero for the rotation only), a stamp more than a second
-// away from the last sweep's, or from the estimate that it is to be taken with.
+// The pose is applied at the next estimate, moved from its own stamp to the estimate's stamp by the vehicle's motion (a
+// stamp of 0: the pose is valid at that estimate). A covariance of zero means that the pose is exact.
+// Refused, with a reason: no valid pose, no valid covariance (or one that is zero for the rotation only), a stamp more
+// than a second away from the last sweep's stamp or from the stamp of the estimate that would apply it.
 // Units m, rad, s; covariance in geometry/pose.hpp's convention. Cost: microseconds.
 #pragma once
 
@@ -23,16 +23,17 @@ class PoseSetting {
     Matrix6d covariance = Matrix6d::Zero();
   };
 
-  /// Why it is refused; empty: it waits for the next estimate. `last_stamp_s`: of the last sweep; none: there was none.
+  /// Returns why the pose is refused; empty: it waits for the next estimate. `last_stamp_s`: stamp of the last sweep;
+  /// none: there was no sweep.
   std::string offer(const ExternalPose& pose, std::optional<double> last_stamp_s);
 
   bool pending() const { return pending_.has_value(); }
   void clear() { pending_.reset(); }
 
-  /// Why what was offered cannot be taken with this estimate (it is forgotten then); empty: it can.
+  /// Returns why the waiting pose cannot be applied at this estimate (it is then dropped); empty: it can.
   std::string outdated(const FilterState& state);
 
-  /// What was offered, at this estimate; it is used up.
+  /// Returns the waiting pose, moved to this estimate, and forgets it.
   AtEstimate take(const FilterState& state, const Pose& T_base_cog);
 
  private:

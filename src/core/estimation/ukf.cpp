@@ -11,7 +11,7 @@ namespace {
 
 Matrix6d symmetrized(const Matrix6d& C) { return 0.5 * (C + C.transpose()); }
 
-// Finite and, but for rounding, positive semi-definite.
+// Finite and positive semi-definite up to rounding.
 bool isCovariance(const Matrix6d& C) {
   if (!C.allFinite()) return false;
   const Vector6d eigenvalues = symmetricEigenvalues(symmetrized(C));
@@ -19,7 +19,7 @@ bool isCovariance(const Matrix6d& C) {
   return eigenvalues.minCoeff() >= -1e-9 * largest;
 }
 
-// Symmetric, eigenvalues raised to the floor (relative to the largest one too, so that a Cholesky root exists).
+// Symmetric, with eigenvalues raised to the floor (also relative to the largest one, so that a Cholesky root exists).
 Matrix6d floored(const Matrix6d& C, double min_variance) {
   Matrix6d symmetric = symmetrized(C);
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric);
@@ -59,7 +59,7 @@ bool Ukf::predict(const Model& model, const Matrix6d& Q) {
   Vector6d mean;
   Matrix6d covariance;
   unscentedMoments<PoseStateSpace, 6>(points, weights_, mean, covariance);
-  // strongly curved models can make the weighted sum indefinite: it is mended before Q is added
+  // strongly curved models can make the weighted sum indefinite; it is repaired before Q is added
   covariance = floored(covariance, 0.0) + symmetrized(Q);
   if (!mean.allFinite() || !covariance.allFinite()) return false;
   state_ = mean;

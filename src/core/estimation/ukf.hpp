@@ -1,10 +1,10 @@
 // The unscented Kalman filter of the vehicle's pose (paper, section "Vehicle Pose Estimation System").
 //
 // State (x, y, z, roll, pitch, yaw) of the centre of gravity in odom, m and rad. The measurement is the state itself
-// (C = I), its covariance R may change every sweep. Angles wrap in means, differences and innovations.
-// P is symmetric with every eigenvalue >= `min_sigma`^2 after every call, for any R from singular to huge: the
-// correction works in coordinates where P is the identity and R diagonal, so no difference of large numbers occurs.
-// P here is the filter's own (it gates measurements and settles by design), not the accumulated odometry's.
+// (C = I); its covariance R may change every sweep. Angles wrap in means, differences and innovations.
+// After every call P is symmetric with every eigenvalue >= `min_sigma`^2, for any R from singular to huge: the
+// correction works in coordinates where P is the identity and R diagonal, so it never subtracts large numbers.
+// This P is the filter's own (it gates measurements and settles by design), not the accumulated odometry covariance.
 // Failure: a value that is not finite or an R or Q with a negative eigenvalue -> false, nothing changes.
 // Cost: predict 13 model calls and four 6x6 eigendecompositions, correct three; ~10 us.
 #pragma once
@@ -20,7 +20,7 @@ class Ukf {
  public:
   struct Params {
     UnscentedParams sigma_points;
-    /// m and rad; least standard deviation of P in every direction; far below any pose error, above rounding
+    /// m and rad; least standard deviation of P in every direction: far below any pose error, above rounding
     double min_sigma = 1e-6;
     void validate() const;
   };
@@ -29,7 +29,7 @@ class Ukf {
 
   explicit Ukf(const Params& params);
 
-  /// Starts anew from this state; the last correction is forgotten.
+  /// Restarts from this state and forgets the last correction.
   bool reset(const Vector6d& state, const Matrix6d& covariance);
 
   bool predict(const Model& model, const Matrix6d& Q);
@@ -38,8 +38,8 @@ class Ukf {
   const Vector6d& state() const { return state_; }
   const Matrix6d& covariance() const { return covariance_; }
 
-  /// Squared Mahalanobis length of the last correction's innovation, z - state before it, under P + R (6 degrees of
-  /// freedom). Zero before the first.
+  /// Squared Mahalanobis length of the last correction's innovation (z minus the state before it) under P + R, with 6
+  /// degrees of freedom. Zero before the first correction.
   double nis() const { return nis_; }
 
  private:

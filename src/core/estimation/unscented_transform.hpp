@@ -1,10 +1,10 @@
-// Merwe's scaled sigma points and the moments rebuilt from them (paper, section "Vehicle Pose Estimation System").
+// Merwe's scaled sigma points and their mean and covariance (paper, section "Vehicle Pose Estimation System").
 //
 // 2N + 1 points: the mean, and mean +- sqrt(N + lambda) times the columns of the covariance's symmetric square root,
-// lambda = alpha^2 (N + kappa) - N. The symmetric root exists for semi-definite covariances and turns with them
-// continuously. Mean and difference are hooks, so that angles wrap; a mean is formed from differences to the first
-// point, which is the circular mean for points less than half a turn from it and keeps its digits where the weights
-// are large and of both signs (small alpha).
+// lambda = alpha^2 (N + kappa) - N. The symmetric root exists for semi-definite covariances and changes continuously
+// when they rotate. Mean and difference are hooks, so that angles wrap. The mean is formed from differences to the
+// first point: this is the circular mean for points less than half a turn from it, and it stays accurate when the
+// weights are large and of both signs (small alpha).
 // Failure: none for finite input; negative eigenvalues count as 0. Cost: one eigendecomposition.
 #pragma once
 
@@ -19,9 +19,9 @@
 namespace fail_aware {
 
 struct UnscentedParams {
-  /// spread of the sigma points; the nearer to 0, the more local; 0.1 keeps the digits of the weights
+  /// spread of the sigma points, more local towards 0; 0.1 keeps the weights accurate
   double alpha = 0.1;
-  double beta = 2.0;   ///< 2 suits Gaussians
+  double beta = 2.0;   ///< 2 suits Gaussian distributions
   double kappa = 0.0;  ///< N + kappa > 0: 0 is the usual choice
   void validate() const;
 };
@@ -30,7 +30,7 @@ struct UnscentedWeights {
   double spread = 0.0;  ///< sqrt(N + lambda)
   double mean_centre = 0.0;
   double covariance_centre = 0.0;
-  double other = 0.0;  ///< of every other point, in mean and covariance
+  double other = 0.0;  ///< weight of every other point, in mean and covariance
 };
 
 UnscentedWeights unscentedWeights(const UnscentedParams& params, int dimension);
@@ -56,7 +56,7 @@ struct PoseStateSpace {
 template <int N>
 using SigmaPoints = std::array<Eigen::Matrix<double, N, 1>, static_cast<std::size_t>(2 * N + 1)>;
 
-/// Symmetric S with S S = C (C symmetric; eigenvalues below 0 as 0).
+/// Symmetric S with S S = C (C symmetric; eigenvalues below 0 count as 0).
 template <int N>
 Eigen::Matrix<double, N, N> symmetricSquareRoot(const Eigen::Matrix<double, N, N>& C) {
   const Eigen::Matrix<double, N, N> symmetric = 0.5 * (C + C.transpose());

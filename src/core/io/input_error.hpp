@@ -1,7 +1,7 @@
-// The error for input that cannot be read or does not make sense: missing files, malformed lines, counts that disagree.
+// The error for input that cannot be read or is inconsistent: missing files, malformed lines, counts that disagree.
 //
-// Thrown only where data enters the program (file readers, tools), never per sweep. The message names the file and,
-// where there is one, the line; the tools print it and exit with code 2.
+// Thrown only where data enters the program (file readers, tools), never per sweep. The message names the file and, if
+// there is one, the line; the tools print it and exit with code 2.
 #pragma once
 
 #include <stdexcept>

@@ -1,10 +1,10 @@
-// The true trajectory beside a recorded drive in KITTI's folder layout, one row a scan, in the lidar frame.
+// The ground truth of a recorded drive in KITTI's folder layout, one row per scan, in the lidar frame.
 //
-//   DIR/poses_velodyne.txt            the lidar's
-//   or DIR/poses.txt and calib.txt    the camera's, as KITTI gives it; the line `Tr:` brings it to the lidar
-//   or DIR/poses.txt alone            the lidar's
+//   DIR/poses_velodyne.txt            lidar poses
+//   or DIR/poses.txt and calib.txt    camera poses, as KITTI gives them; the line `Tr:` converts them to the lidar
+//   or DIR/poses.txt alone            lidar poses
 //
-// Throws InputError as the readers of core/io/trajectory_io.hpp do, and for a count of rows that is not the scans'.
+// Throws InputError as the readers of core/io/trajectory_io.hpp do, and if the number of rows is not that of the scans.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 namespace fail_aware {
 
 struct KittiGroundTruth {
-  std::string source;       ///< the file; empty: there is none
+  std::string source;       ///< the file; empty: no ground truth
   std::vector<Pose> poses;  ///< T_first_lidar of each scan, relative to the file's own origin
 };
 

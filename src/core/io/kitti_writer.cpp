@@ -29,7 +29,7 @@ void writeText(const fs::path& path, const std::string& text) {
   if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
 }
 
-// From the first sweep on that has a value for each of its points.
+// Writes files beginning with the first sweep that has a value for each of its points.
 template <class Value>
 void writeSideFile(const fs::path& folder, const std::string& name, const std::vector<Value>& values,
                    std::size_t points) {

@@ -1,7 +1,7 @@
-// measurements.csv: what each measurement said of the vehicle's motion since the previous estimate, and with which R, so
-// that R can be held against the truth. The NIS cannot do that: it contains the prediction's covariance, which is wide.
+// measurements.csv: the vehicle's motion since the previous estimate according to each measurement, with its R, so that
+// R can be compared with the ground truth. The NIS cannot do this: it contains the prediction's large covariance.
 //
-// One row a usable measurement (io/number_table.hpp); units m, rad.
+// One row per usable measurement (io/number_table.hpp); units m, rad.
 // Failure: readMeasurementLog throws InputError naming file and line.
 #pragma once
 
@@ -17,13 +17,12 @@ namespace fail_aware {
 
 struct MeasuredMotion {
   std::size_t row = 0;     ///< of the sweep in the run's trajectory, counted from 0
-  std::size_t source = 0;  ///< its place among the fusion's inputs: OdometryPipeline's kPoint, kPlane, kCorners
+  std::size_t source = 0;  ///< its index among the fusion's inputs: OdometryPipeline's kPoint, kPlane, kCorners
   Pose T_previous_now = Pose::Identity();  ///< of the centre of gravity, from the last estimate to the measured pose
-  Matrix6d covariance =
-      Matrix6d::Identity();  ///< R, geometry/pose.hpp's convention, about the axes of the last estimate
+  Matrix6d covariance = Matrix6d::Identity();  ///< R, geometry/pose.hpp's convention, in the axes of the last estimate
 };
 
-/// `state`: of the sweep that was measured.
+/// `state`: the filter state of the measured sweep.
 MeasuredMotion measuredMotion(std::size_t row, std::size_t source, const Measurement& measurement,
                               const FilterState& state);
 

@@ -1,8 +1,8 @@
-// monitor_log.csv: all that the fail-aware monitor hears in a run, so that it can be run again for any start (t1) and
-// any parameters without running the odometry (integrity/monitor_replay.hpp).
+// monitor_log.csv: the complete input of the fail-aware monitor in a run. The monitor can be replayed from it for any
+// start (t1) and any parameters without running the odometry (integrity/monitor_replay.hpp).
 //
-// One row a monitored sweep, one column a number of MonitorInput (io/number_table.hpp); lists have one entry a measurement
-// source. Poses are the upper 3x4 of the matrix, row by row; units m, s, rad.
+// One row per monitored sweep, one column per number of MonitorInput (io/number_table.hpp); lists have one entry per
+// measurement source. Poses are the upper 3x4 of the matrix, row by row; units m, s, rad.
 // Failure: readMonitorLog throws InputError naming file and line.
 #pragma once
 

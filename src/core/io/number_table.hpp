@@ -1,9 +1,8 @@
-// Tables of numbers as text: a header with the columns' names, then one line a row, comma-separated, with 17 digits so
-// that a double reads back as itself. Lists stand in one cell, separated by ';'.
+// Tables of numbers as text: a header with the column names, then one line per row, comma-separated, with 17 digits so
+// that a double reads back exactly. A list is one cell, separated by ';'.
 //
-// A table is a struct with `Row`, `kName` and `kRemedy` (what it is called in messages, and what to do about other
-// columns) and visit(row, v), which calls
-// v(column, field) for each column: header, writer and reader all walk along there.
+// A table is a struct with `Row`, `kName` and `kRemedy` (its name in messages, and what to do if the columns differ)
+// and visit(row, v), which calls v(column, field) for each column; header, writer and reader all use visit.
 // Failure: readNumberTable throws InputError naming file and line.
 #pragma once
 
@@ -78,7 +77,7 @@ void visitMatrix(const char* name, Matrix&& matrix, Visitor& v) {
 
 }  // namespace number_table
 
-/// Without the line break, as the next.
+/// Both without the line break.
 template <class Table>
 std::string numberTableHeader() {
   std::string text;

@@ -1,8 +1,8 @@
-// Finds and reads the parameter files: profile, vehicle and sensor make one PipelineParameters.
+// Finds and reads the parameter files: profile, vehicle and sensor give one PipelineParameters.
 //
 // A name is either a path to a yaml file (it contains a '/' or ends in .yaml) or the stem of a file in the package's
-// cfg/profiles, cfg/vehicles or cfg/sensors. A profile is layers: default.yaml, expert.yaml, and over them its own file,
-// which names only what differs. A vehicle's and a sensor's file must name every key. No file may name an unknown key.
+// cfg/profiles, cfg/vehicles or cfg/sensors. A profile has layers: default.yaml, expert.yaml, and on top its own file,
+// which names only what differs. A vehicle file and a sensor file must name every key. Unknown keys are refused.
 #pragma once
 
 #include <string>
@@ -18,11 +18,11 @@ struct ProfileFiles {
   std::string sensor = "hdl64e";
 };
 
-/// The cfg folder that belongs to this library: installed with it, or in the source tree that it was built from.
+/// The cfg folder of this library: the installed one, or that of the source tree that the library was built from.
 /// Throws InputError if there is none.
 std::string findCfg();
 
-/// Throws InputError (no such file; lists what there is) or ParameterError (key, value, rule).
+/// Throws InputError (file not found; lists the available ones) or ParameterError (key, value, rule).
 PipelineParameters loadPipelineParameters(const ProfileFiles& files);
 
 }  // namespace fail_aware

@@ -1,6 +1,6 @@
-// A recorded drive, sweep by sweep in the order of recording, whatever it is stored in.
+// A recorded drive, sweep by sweep in the order of recording, independent of the storage format.
 //
-// next() reports per sweep, as data. Not for several threads.
+// next() reports errors per sweep, as data. Not thread-safe.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,9 @@ namespace fail_aware {
 
 enum class ReadStatus {
   kOk,
-  kSideFileUnusable,  ///< points are good, but stamps or rings are missing or of another count, and left out
+  kSideFileUnusable,  ///< points are good; point times or rings are missing or of another number, and are left out
   kUnreadable,
-  kTruncated,     ///< the size is not a multiple of a point's
+  kTruncated,     ///< the size is not a multiple of a point's size
   kEmpty,         ///< zero bytes
   kNoFinitePoint  ///< every point was dropped
 };
@@ -32,13 +32,13 @@ class SweepSource {
  public:
   virtual ~SweepSource() = default;
 
-  /// Of the whole drive, read or not.
+  /// Number of sweeps of the whole drive.
   virtual std::size_t size() const = 0;
-  /// Passes over some sweeps, not beyond the end.
+  /// Skips `count` sweeps. Must not go beyond the end.
   virtual void skip(std::size_t count) = 0;
-  /// Whatever the status, the sweep has its stamp; without points its arrays are empty. Not beyond the end.
+  /// The sweep always has its stamp, whatever the status; without points its arrays are empty. Not beyond the end.
   virtual ReadResult next(Sweep& sweep) = 0;
-  /// The sweep read last, for people: its file, or its place in the file.
+  /// Name of the last sweep read, for messages: its file, or its position in the file.
   virtual std::string name() const = 0;
 };
 

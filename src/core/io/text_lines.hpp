@@ -1,4 +1,4 @@
-// Lines of a text file, with or without what editors on Windows add: a byte order mark, carriage returns.
+// Lines of a text file, without what Windows editors add: a byte order mark and carriage returns.
 #pragma once
 
 #include <istream>
@@ -8,11 +8,11 @@
 
 namespace fail_aware {
 
-/// To be called before the first line. Throws InputError, with `path` for the text, if the file is in UTF-16.
+/// Call this before the first line. Throws InputError, with `path` in the text, if the file is in UTF-16.
 inline void skipByteOrderMark(std::istream& file, const std::string& path) {
   const int first = file.peek();
   if (first == 0xFF || first == 0xFE) throw InputError(path + ": is not text, or is text in UTF-16; save it as UTF-8");
-  if (first != 0xEF) return;  // no text of numbers begins with it
+  if (first != 0xEF) return;  // no text of numbers begins with 0xEF
   for (int i = 0; i < 3 && file.peek() != std::istream::traits_type::eof(); ++i) file.get();
 }
 

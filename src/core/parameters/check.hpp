@@ -1,4 +1,4 @@
-// Checks for the `validate()` of parameter structs: they throw, naming field, value and rule.
+// Checks for the `validate()` of parameter structs. They throw, naming field, value and rule.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace fail_aware {
 
-/// A parameter that cannot be used. what() is one line: name, value, rule.
+/// An invalid parameter. what() is one line: name, value, rule.
 class ParameterError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;
@@ -32,7 +32,7 @@ inline void requireWithin(const char* name, double value, double low, double hig
   requireParameter(false, name, value, rule.str().c_str());
 }
 
-/// Where the lower limit is another parameter, and was looked at under its name.
+/// For a field whose lower limit is another parameter and is checked under that parameter's name.
 inline void requireAtMost(const char* name, double value, double high) {
   requireParameter(std::isfinite(value), name, value, "finite");
   if (value <= high) return;
@@ -48,7 +48,7 @@ inline void requireFiniteNumbers(const char* name, const std::vector<double>& va
                        (finite ? "has " + std::to_string(values.size()) : "has one that is not"));
 }
 
-// Whatever a number means: its square and its inverse are numbers, too.
+// For every parameter: its square and its inverse stay finite and nonzero.
 constexpr double kSmallestParameter = 1e-12, kLargestParameter = 1e9;
 
 inline void requirePositive(const char* name, double value) {

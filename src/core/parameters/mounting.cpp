@@ -8,7 +8,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kFarthest_m = 100.0, kMaxAngle_rad = 6.3;  // once around
+constexpr double kFarthest_m = 100.0, kMaxAngle_rad = 6.3;  // one turn
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Where a sensor sits, as files say it: six numbers x y z (m), roll pitch yaw (rad) in the vehicle's frame.
+// A sensor's mounting as written in files: six numbers x y z (m), roll pitch yaw (rad) in the vehicle's frame.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace fail_aware {
 
-/// Throws ParameterError unless each number is finite, and within 100 m and one turn: of mountings in mm or deg most are
-/// not.
+/// Throws ParameterError unless each number is finite and within 100 m and one turn: most mountings in mm or degrees
+/// fail this check.
 void requireMounting(const char* name, const std::vector<double>& x_y_z_roll_pitch_yaw);
 
-/// Of a list that requireMounting() takes.
+/// For a list that passes requireMounting().
 Pose mountingPose(const std::vector<double>& x_y_z_roll_pitch_yaw);
 
 }  // namespace fail_aware

@@ -1,9 +1,9 @@
-// Parameter structs <-> a flat map of named values: what yaml files, `--set key=value` and the parameter server share.
+// Parameter structs <-> a flat map of named values, shared by yaml files, `--set key=value` and the parameter server.
 //
-// A struct takes part by `template <class Self, class Visitor> static void visit(Self&, Visitor&&)`, which calls the
-// visitor with every field's name and the field. Fields are bool, int, double, std::string, std::vector<double> or a
-// nested struct with its own visit; nested names are joined with dots ("fusion.gate_sigma"). A field that visit leaves
-// out is a constant: no file sets it, the reason for its value stands beside it.
+// A struct has a `template <class Self, class Visitor> static void visit(Self&, Visitor&&)` that calls the visitor with
+// every field's name and the field. Fields are bool, int, double, std::string, std::vector<double> or a nested struct
+// with its own visit; nested names are joined with dots ("fusion.gate_sigma"). A field that visit leaves out is a
+// constant: no file sets it, and the reason for its value is beside it.
 // Failure: ParameterError naming the key; the struct is then unchanged. Nothing here calls the struct's validate().
 #pragma once
 
@@ -20,10 +20,10 @@ namespace fail_aware {
 
 using ParameterValue = std::variant<bool, int, double, std::string, std::vector<double>>;
 using ParameterMap = std::map<std::string, ParameterValue>;
-/// In the struct's own order.
+/// In the struct's order.
 using ParameterList = std::vector<std::pair<std::string, ParameterValue>>;
 
-/// A ParameterError that belongs to one key, for callers that know where the key was written.
+/// A ParameterError about one key, for callers that know where the key was written.
 class ParameterKeyError : public ParameterError {
  public:
   ParameterKeyError(std::string key, const std::string& text) : ParameterError(text), key_(std::move(key)) {}
@@ -40,7 +40,7 @@ enum class MissingKeys {
 
 namespace detail {
 
-/// A leaf field by its dotted key.
+/// A leaf field with its dotted key.
 struct ParameterField {
   std::string key;
   std::variant<bool*, int*, double*, std::string*, std::vector<double>*> target;
@@ -90,7 +90,7 @@ ParameterMap toMap(const Struct& parameters) {
   return ParameterMap(list.begin(), list.end());
 }
 
-/// Refuses unknown keys, values of another type (an int may stand for a double) and NaN; missing keys as told.
+/// Refuses unknown keys, values of another type (except an int for a double) and NaN; missing keys as `missing_keys`.
 template <class Struct>
 void fromMap(Struct& parameters, const ParameterMap& values, MissingKeys missing_keys = MissingKeys::kRefuse) {
   Struct updated = parameters;
@@ -98,8 +98,8 @@ void fromMap(Struct& parameters, const ParameterMap& values, MissingKeys missing
   parameters = std::move(updated);
 }
 
-/// Sets one field from text, "fusion.gate_sigma=3.0"; the field's type says how it is read: true|false, an integer, a
-/// number (inf and -inf too), text as it stands, or numbers in [a, b, c].
+/// Sets one field from text, "fusion.gate_sigma=3.0". The field's type decides how the text is read: true|false, an
+/// integer, a number (inf and -inf too), plain text, or numbers in [a, b, c].
 template <class Struct>
 void setParameter(Struct& parameters, const std::string& assignment) {
   Struct updated = parameters;
@@ -107,14 +107,14 @@ void setParameter(Struct& parameters, const std::string& assignment) {
   parameters = std::move(updated);
 }
 
-/// Whole text -> number, whatever the locale; false when it is none, or out of range. Never NaN.
+/// Whole text -> number, independent of the locale; false if it is not a number or out of range. Never NaN.
 bool parseInt(const std::string& text, int& value);
 bool parseDouble(const std::string& text, double& value);
 
 /// The shortest text that reads back as the same double, always with a dot ("1.0", "1.0e-07", "inf").
 std::string formatDouble(double value);
 
-/// The known key that was probably meant, or an empty string.
+/// The known key that the user probably meant, or an empty string.
 std::string nearestKey(const std::string& key, const std::vector<std::string>& known_keys);
 
 }  // namespace fail_aware

@@ -1,4 +1,4 @@
-// Checks a tree of parameter structs; what is thrown names the dotted key.
+// Validates a tree of parameter structs; the error names the dotted key.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace fail_aware {
 
-// The structs name their fields without a prefix; here the message gets it. Innermost first: a struct that checks its
-// nested structs without naming them finds nothing wrong with them any more.
+// The structs name their fields without a prefix; this function adds the prefix to the message. Innermost structs come
+// first, so a struct that also checks its nested structs without the prefix finds no more errors in them.
 template <class Params>
 void validateAs(const std::string& prefix, const Params& params) {
-  // maybe_unused: g++ 9 sees no use where `if constexpr` drops it
+  // maybe_unused: g++ 9 sees no use if `if constexpr` drops it
   Params::visit(params, [&]([[maybe_unused]] const char* name, [[maybe_unused]] const auto& field) {
     using Field = std::decay_t<decltype(field)>;
     if constexpr (!detail::is_parameter_value<Field>) validateAs(prefix + name + '.', field);

@@ -1,9 +1,9 @@
-// Parameter structs <-> yaml files (cfg/profiles, cfg/vehicles, cfg/sensors; the parameters used, beside results).
+// Parameter structs <-> yaml files (cfg/profiles, cfg/vehicles, cfg/sensors; the file that a run saves).
 //
-// Nested maps become dotted keys. A file must mean the same to `rosparam load` as it does here, so what the two would
-// read differently is refused: numbers without dot or signed exponent (1e-3: write 1.0e-3), hexadecimal, octal and
-// sexagesimal numbers, NaN, dotted or doubled keys, several documents.
-// Failure: ParameterError "FILE:LINE: key: what is wrong" (no line where there is none).
+// Nested maps become dotted keys. A file must mean the same to `rosparam load` and to this reader, so everything that
+// the two read differently is refused: numbers without a dot or a signed exponent (1e-3: write 1.0e-3), hexadecimal,
+// octal and sexagesimal numbers, NaN, dotted or duplicate keys, several documents.
+// Failure: ParameterError "FILE:LINE: key: what is wrong" (without LINE if there is none).
 #pragma once
 
 #include <string>
@@ -22,10 +22,10 @@ struct YamlParameters {
 YamlParameters parseYaml(const std::string& text, const std::string& source);
 YamlParameters readYaml(const std::string& path);
 
-/// `error`, with the place of its key in front.
+/// `error` with the place of its key in front.
 ParameterError located(const YamlParameters& yaml, const ParameterKeyError& error);
 
-/// Reads `path` into `parameters`, which is unchanged on failure. The caller validates once all files are in.
+/// Reads `path` into `parameters`, which stays unchanged on failure. The caller validates after reading all files.
 template <class Struct>
 void loadYaml(const std::string& path, Struct& parameters, MissingKeys missing_keys = MissingKeys::kRefuse) {
   const YamlParameters yaml = readYaml(path);
@@ -36,7 +36,7 @@ void loadYaml(const std::string& path, Struct& parameters, MissingKeys missing_k
   }
 }
 
-/// Yaml text in the list's order that parseYaml and rosparam read back to the same values.
+/// Yaml text in the list's order that parseYaml and rosparam read back as the same values.
 std::string formatYaml(const ParameterList& list);
 
 /// Throws ParameterError when `path` cannot be written.

@@ -5,9 +5,9 @@
 //   l_f F_yf - l_r F_yr = I_z psi''           F_yr = C_r (-beta + l_r psi' / v_x)
 //
 // Four linear equations, four unknowns. In reverse the tyre forces change sign with the direction of rolling (beta and
-// delta stay v_y / v_x and the wheel's angle). Below `min_speed_mps` the slip equations give way to their kinematic
-// limit tan(beta) = l_r psi' / v_x, tan(delta) = (l_f + l_r) psi' / v_x, blended in smoothly up to twice that speed.
-// Path curvature psi' / v_x is limited to what the steering can do, and goes to zero at standstill.
+// delta stay v_y / v_x and the wheel's angle). Below `min_speed_mps` the slip equations are replaced by their kinematic
+// limit tan(beta) = l_r psi' / v_x, tan(delta) = (l_f + l_r) psi' / v_x; the two blend smoothly up to twice that speed.
+// Path curvature psi' / v_x is limited to what the steering allows and goes to zero at standstill.
 // Never fails for finite inputs. Cost: two arctangents.
 #pragma once
 
@@ -24,8 +24,8 @@ struct LateralMotion {
 
 struct LateralLimits {
   double min_speed_mps = 1.0;           ///< below: kinematic bicycle
-  double standstill_speed_mps = 0.05;   ///< below it the curvature fades out
-  double max_steering_angle_rad = 0.7;  ///< bounds the curvature
+  double standstill_speed_mps = 0.05;   ///< below: the curvature goes to zero
+  double max_steering_angle_rad = 0.7;  ///< limits the curvature
 };
 
 struct LateralState {

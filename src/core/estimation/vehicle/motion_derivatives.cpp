@@ -11,7 +11,7 @@ namespace fail_aware {
 
 namespace {
 
-// The vector, shortened to `max_norm` where it is longer.
+// The vector, shortened to `max_norm` if it is longer.
 Eigen::Vector3d limited(const Eigen::Vector3d& v, double max_norm) {
   const double norm = v.norm();
   return norm > max_norm ? Eigen::Vector3d(v * (max_norm / norm)) : v;
@@ -79,7 +79,7 @@ void MotionHistory::move(const Pose& T_new_old) {
   for (const Sample& sample : samples) push(sample.stamp_s, orthonormalized(T_new_old * sample.T_odom_cog));
 }
 
-// Slope of the weighted least-squares line through the newest `samples` mean rates over their interval's middles.
+// Slope of the weighted least-squares line through the newest `samples` mean rates at their intervals' middles.
 Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
   const double newest_s = fromNewest(0).stamp_s;
   double weight_sum = 0.0, time_mean = 0.0, time_spread = 0.0;
@@ -101,7 +101,7 @@ Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
   return time_spread > 0.0 ? Vector6d(slope_numerator / time_spread) : Vector6d::Zero();
 }
 
-// x, y and yaw at the newest stamp, z, roll and pitch as the header says.
+// x, y and yaw at the newest stamp; z, roll and pitch as the header says.
 Vector6d MotionHistory::ratesAtNewest(std::size_t samples, const Vector6d& accelerations) const {
   Vector6d slopes = accelerations;
   slopes.segment<3>(2).setZero();

@@ -10,7 +10,7 @@
 namespace fail_aware {
 
 Eigen::Vector2d RoadPlane::rollPitch(double yaw_rad, double ahead_s) const {
-  // R = Rz(yaw) Ry(pitch) Rx(roll) takes e_z to the plane's normal; seen along the heading that normal is
+  // R = Rz(yaw) Ry(pitch) Rx(roll) takes e_z to the plane's normal; in axes along the heading this normal is
   // (sin pitch cos roll, -sin roll, cos pitch cos roll).
   const Eigen::Vector2d gradient = slope + ahead_s * slope_rate_per_s;
   const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
@@ -62,7 +62,7 @@ bool RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const Mot
 
 void RoadPlaneEstimator::turn(const Eigen::Matrix3d& R_new_old) {
   if (!plane_.valid) return;
-  // The normal n ~ (-slope, 1) turns, and so does its rate of change.
+  // Both the normal n ~ (-slope, 1) and its rate of change turn.
   const Eigen::Vector3d n = R_new_old * Eigen::Vector3d(-plane_.slope.x(), -plane_.slope.y(), 1.0);
   const Eigen::Vector3d n_rate =
       R_new_old * Eigen::Vector3d(-plane_.slope_rate_per_s.x(), -plane_.slope_rate_per_s.y(), 0.0);

@@ -1,11 +1,11 @@
-// The slowly varying plane of the road under the vehicle, from the filter's past estimates. Not in the article: its
-// suspension pulls pitch and roll to zero, which is wrong on a slope; this is what it should pull them to.
+// The slowly varying plane of the road under the vehicle, from the filter's past estimates. Not in the paper: the
+// paper's suspension pulls pitch and roll to zero, which is wrong on a slope; it should pull them to this plane.
 //
-// The plane is held as its slopes dz/dx and dz/dy in odom, so that a vehicle that turns on a hill changes nothing.
-// Each estimate's attitude, less the suspension's resting angles under the present accelerations, is one observation of
-// it; slope and rate of change of slope follow with a fading memory (critically damped, any interval between stamps).
-// Failure: an observation that is not finite, or steeper than 60 degrees, or whose stamp does not advance, is ignored
-// (update returns false). Cost: < 1 us, no allocation.
+// The plane is stored as its slopes dz/dx and dz/dy in odom, so that turning on a hill does not change it.
+// Each estimate's attitude, minus the suspension's resting angles under the current accelerations, is one observation
+// of the plane; slope and its rate of change follow with a fading memory (critically damped, any interval between
+// stamps). Failure: an observation that is not finite, or steeper than 60 degrees, or whose stamp does not advance, is
+// ignored (update returns false). Cost: < 1 us, no allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct RoadPlane {
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< dz/dx, dz/dy in odom
   Eigen::Vector2d slope_rate_per_s = Eigen::Vector2d::Zero();
 
-  /// Roll and pitch of a body that stands flat on the plane with this heading, ahead_s after the newest estimate.
+  /// Roll and pitch of a body that stands flat on the plane with this heading, `ahead_s` after the newest estimate.
   Eigen::Vector2d rollPitch(double yaw_rad, double ahead_s = 0.0) const;
 };
 
@@ -34,18 +34,18 @@ Eigen::Vector2d restingRollPitch(const SuspensionAxis& roll_axis, const Suspensi
 class RoadPlaneEstimator {
  public:
   struct Params {
-    /// memory of the estimate of the road's slope: about one swing of the suspension
+    /// memory of the road slope's estimate: about one oscillation of the suspension
     double time_constant_s = 0.5;
     void validate() const;
   };
 
   RoadPlaneEstimator(const VehicleParameters& vehicle, const Params& params);
 
-  /// `state` is the estimate at stamp_s, `motion` the derivatives there.
+  /// `state`: the estimate at stamp_s; `motion`: the derivatives there.
   bool update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion);
 
   const RoadPlane& plane() const { return plane_; }
-  /// The same road in an odom that is turned by R_new_old.
+  /// Turns the plane with an odom that is turned by R_new_old.
   void turn(const Eigen::Matrix3d& R_new_old);
   void clear();
 

@@ -12,14 +12,14 @@ namespace {
 
 constexpr double kNoiseStep_s = 0.1;
 
-// `modelled` where it agrees with `measured` within `trust`, `measured` where they are far apart.
+// `modelled` if it agrees with `measured` within `trust`, `measured` if they are far apart, blended between.
 double blended(double measured, double modelled, double trust) {
   if (trust <= 0.0) return measured;
   const double ratio = (modelled - measured) / trust;
   return measured + (modelled - measured) / (1.0 + ratio * ratio);
 }
 
-// Mean over dt of a speed with constant acceleration, where braking ends at standstill.
+// Mean over dt of a speed with constant acceleration; braking ends at standstill.
 double meanSpeed(double speed, double acceleration, double dt_s) {
   if (speed * (speed + acceleration * dt_s) >= 0.0) return speed + 0.5 * acceleration * dt_s;
   const double stops_after_s = -speed / acceleration;
@@ -137,7 +137,7 @@ Eigen::Vector3d VehicleModel::meanBodyVelocity(const MotionDerivatives& motion, 
   return mean;
 }
 
-// (roll, pitch) after dt: the road's, plus the suspension's free and forced motion about it.
+// (roll, pitch) after dt: those of the road plus the suspension's free and forced motion about them.
 Eigen::Vector2d VehicleModel::rollPitchAfter(const Vector6d& state, const MotionDerivatives& motion, double dt_s,
                                              double yaw_after_rad, const RoadPlane& road) const {
   const Eigen::Vector2d before = state.segment<2>(3);
@@ -148,7 +148,7 @@ Eigen::Vector2d VehicleModel::rollPitchAfter(const Vector6d& state, const Motion
   const Eigen::Vector2d road_before = road.rollPitch(state[5]);
   const Eigen::Vector2d road_after = road.rollPitch(yaw_after_rad, dt_s);
   const Eigen::Vector2d deviation = before - road_before;
-  // the measured rates are those of the past interval, so the road's must be, too
+  // the measured rates are means over the past interval, so the road's rates must be, too
   const Eigen::Vector2d road_earlier = road.rollPitch(state[5] - motion.rpy_rates_rad_s.z() * dt_s, -dt_s);
   const Eigen::Vector2d deviation_rate = rates - (road_before - road_earlier) / dt_s;
   const Eigen::Vector2d resting = restingRollPitch(roll_axis_, pitch_axis_, motion);

@@ -1,9 +1,9 @@
 // The vehicle's constants (paper, section "Kinematic and Dynamic Vehicle Model", table of model parameters).
 //
-// Defaults: the article's Volkswagen Passat B6. The article leaves out the cornering stiffnesses. Ours are those of the
+// Defaults: the paper's Volkswagen Passat B6. The paper does not give the cornering stiffnesses. These come from the
 // open-source driver assistance openpilot for a saloon of this mass and axle positions (its `scale_tire_stiffness`:
 // Honda Civic 192150 and 202500 N/rad per axle at 1462 kg, scaled by the axle's load), rounded to 1000 N/rad.
-// cfg/vehicles/passat_b6.yaml says the same, line by line.
+// cfg/vehicles/passat_b6.yaml explains each value.
 #pragma once
 
 namespace fail_aware {
@@ -52,8 +52,8 @@ struct VehicleParameters {
     v("cornering_stiffness_rear_n_per_rad", self.cornering_stiffness_rear_n_per_rad);
   }
 
-  /// Throws ParameterError. Everything is > 0 but the dampers and the two lever arms, which may be 0; a mass
-  /// below 50 kg is taken for tonnes.
+  /// Throws ParameterError. Every value must be > 0, except that the dampers and the two lever arms may be 0; a mass
+  /// below 50 kg is rejected as probably given in tonnes.
   void validate() const;
 };
 
