@@ -1,5 +1,5 @@
 // The estimator in the live graph (core/estimator.hpp).
-// In: points (it uses only header and frame), parameters/check, measurement/*, extra sources, set_pose. Out:
+// In: points (it uses only header and frame), sweep/check, measurement/*, extra sources, set_pose. Out:
 // sweep/prediction, filter_state, odometry, path, tf. Services: ~reset, ~save_trajectory.
 //
 // One sweep is open at a time. It is predicted when its cloud arrives, and closed when every expected source has

@@ -1,6 +1,6 @@
 // Sweep correction in the live graph (core/preprocessing/sweep_corrector.hpp).
 // In: points (any PointCloud2), sweep/prediction of the same stamp. Out: sweep/points, one per prediction whose cloud
-// arrived, without points if the cloud was not readable, so that the sweep still closes; and parameters/check, the findings
+// arrived, without points if the cloud was not readable, so that the sweep still closes; and sweep/check, the findings
 // about the raw sweep (core/preprocessing/sweep_check.hpp).
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>

@@ -58,7 +58,7 @@ TEST(Graph, EveryCloudHasItsEstimateAndItIsOfflines) {
   Recorder<messages::PoseMeasurement> plane(graph.node(), "measurement/icp_point_to_plane");
   Recorder<messages::PoseMeasurement> corners(graph.node(), "measurement/corner_svd");
   Recorder<sensor_msgs::PointCloud2> corrected(graph.node(), "sweep/points");
-  Recorder<messages::SweepCheck> checks(graph.node(), "parameters/check");
+  Recorder<messages::SweepCheck> checks(graph.node(), "sweep/check");
   ASSERT_TRUE(graph.waitUntilLinked()) << "a nodelet did not come up";
 
   PipelineParameters params = readPipelineParameters(graph.node());

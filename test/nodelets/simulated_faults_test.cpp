@@ -138,7 +138,7 @@ class SimulatedFaults : public testing::TestWithParam<Case> {
   static void SetUpTestSuite() {
     graph_ = new GraphDriver;
     watch<messages::SweepPrediction>("sweep/prediction");
-    watch<messages::SweepCheck>("parameters/check");
+    watch<messages::SweepCheck>("sweep/check");
     watch<sensor_msgs::PointCloud2>("sweep/points");
     for (const char* name : {"icp_point_to_point", "icp_point_to_plane", "corner_svd"}) {
       watch<messages::PoseMeasurement>(std::string("measurement/") + name);

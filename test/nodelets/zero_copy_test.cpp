@@ -60,7 +60,7 @@ TEST(ZeroCopy, OneCloudForAllAndNobodyWritesToIt) {
   Witness<sensor_msgs::PointCloud2> raw(graph.node(), kCloudTopic);
   Witness<sensor_msgs::PointCloud2> corrected(graph.node(), "sweep/points"), again(second, "sweep/points");
   Witness<messages::SweepPrediction> predictions(graph.node(), "sweep/prediction");
-  Witness<messages::SweepCheck> checks(graph.node(), "parameters/check");
+  Witness<messages::SweepCheck> checks(graph.node(), "sweep/check");
   Witness<messages::PoseMeasurement> point(graph.node(), "measurement/icp_point_to_point");
   Witness<messages::PoseMeasurement> plane(graph.node(), "measurement/icp_point_to_plane");
   Witness<messages::PoseMeasurement> corners(graph.node(), "measurement/corner_svd");
@@ -82,7 +82,7 @@ TEST(ZeroCopy, OneCloudForAllAndNobodyWritesToIt) {
   // Every link of every topic of the sweep is within the process: messages are handed over as pointers.
   std::set<std::string> local;
   for (const BusLink& link : busLinks(ros::this_node::getName())) {
-    for (const char* name : {"sweep/points", "sweep/prediction", "parameters/check", "filter_state"}) {
+    for (const char* name : {"sweep/points", "sweep/prediction", "sweep/check", "filter_state"}) {
       if (link.topic != graph.topic(name)) continue;
       EXPECT_EQ(link.transport, "INTRAPROCESS") << link.topic;
       local.insert(link.topic);
@@ -104,7 +104,7 @@ TEST(ZeroCopy, OneCloudForAllAndNobodyWritesToIt) {
   raw.expectUnchanged("points");
   corrected.expectUnchanged("sweep/points");
   predictions.expectUnchanged("sweep/prediction");
-  checks.expectUnchanged("parameters/check");
+  checks.expectUnchanged("sweep/check");
   point.expectUnchanged("measurement/icp_point_to_point");
   plane.expectUnchanged("measurement/icp_point_to_plane");
   corners.expectUnchanged("measurement/corner_svd");

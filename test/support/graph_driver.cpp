@@ -64,7 +64,7 @@ void GraphDriver::sendTransform(const Pose& T_base_lidar) {
 bool GraphDriver::waitUntilLinked() {
   std::vector<std::string> topics = {names_.cloud_topic};
   for (const char* name :
-       {"sweep/prediction", "sweep/points", "parameters/check", "filter_state", "odometry", "time_to_failure",
+       {"sweep/prediction", "sweep/points", "sweep/check", "filter_state", "odometry", "time_to_failure",
         "measurement/icp_point_to_point", "measurement/icp_point_to_plane", "measurement/corner_svd"}) {
     topics.push_back(topic(name));
   }
