@@ -37,7 +37,7 @@ fs::path inTree(const std::string& name) { return (name.rfind("evaluation/", 0) 
 
 /// `folder/name`, and `name` after one in the same line: in that folder.
 std::vector<std::string> namedFiles(const std::string& section) {
-  static const std::regex quoted("`([a-z_]+/)?([a-z_]+)`");
+  static const std::regex quoted("`((?:[a-z_]+/)+)?([a-z_]+)`");
   std::vector<std::string> names;
   std::istringstream lines(section);
   for (std::string line; std::getline(lines, line);) {
@@ -85,8 +85,8 @@ TEST(ArticleMap, EveryNamedFileHasItsHeaderSourceAndTest) {
   std::set<std::string> folders;
   for (const std::string& name : names) {
     folders.insert(name.substr(0, name.find('/')));
-    for (const fs::path& path : {root / "src" / inTree(name + ".hpp"),
-                                 root / "src" / inTree(name + ".cpp"), root / "test" / inTree(name + "_test.cpp")}) {
+    for (const fs::path& path : {root / "src" / inTree(name + ".hpp"), root / "src" / inTree(name + ".cpp"),
+                                 root / "test" / inTree(name + "_test.cpp")}) {
       EXPECT_TRUE(fs::exists(path)) << path;
     }
   }
