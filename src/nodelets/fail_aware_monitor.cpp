@@ -4,70 +4,61 @@
 // Service: ~start_redundant.
 // What silence means is measured on the clock of the graph: simulated time if that is used, otherwise the steady clock.
 #include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
-#include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 
 #include <algorithm>
+#include <boost/make_shared.hpp>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "clock_check.hpp"
+#include "drive_monitor.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
 #include "fail_aware_monitor_params.hpp"
-#include "health.hpp"
-#include "load_or_say_why.hpp"
-#include "open_queue.hpp"
+#include "graph_nodelet.hpp"
 #include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
+#include "silence_watch.hpp"
 #include "stamps.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"
 
 namespace fail_aware {
 
-class FailAwareMonitorNodelet : public nodelet::Nodelet {
+class FailAwareMonitorNodelet : public GraphNodelet {
  private:
   using Config = fail_aware_lidar_odometry::FailAwareMonitorConfig;
 
   static constexpr double kTimerPeriod_s = 0.05;
-  static constexpr double kStalePeriod_s = 0.1;
 
-  void onInit() override {
-    openQueue(getSTCallbackQueue());
-    loadOrSayWhy(getName(), [this] { load(); });
-  }
-
-  void load() {
+  void load() override {
     ros::NodeHandle& node = getNodeHandle();
     ros::NodeHandle& private_node = getPrivateNodeHandle();
-    readPrivateParameters(private_node, params_, FailAwareMonitorTuning());
-    params_.validate();
-    pipeline_ = readPipelineParameters(node);
-    monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
-    if (params_.start_redundant) monitor_->start();
-    const FailAwareMonitorTuning tuning{pipeline_.profile.monitor};
-    warnOfOtherValues(private_node, params_, tuning);
+    FailAwareMonitorNodeletParams params;
+    readPrivateParameters(private_node, params, FailAwareMonitorTuning());
+    params.validate();
+    const PipelineParameters pipeline = readPipelineParameters(node);
+    const FailAwareMonitorTuning tuning{pipeline.profile.monitor};
+    T_base_cog_ = pipeline.vehicle.T_base_cog();
+    monitor_ = std::make_unique<DriveMonitor>(tuning.monitor, params.start_redundant);
+    warnOfOtherValues(private_node, params, tuning);
     reconfiguration_ = std::make_unique<Reconfiguration<Config, FailAwareMonitorTuning>>(
-        private_node, tuning, [this](const FailAwareMonitorTuning& changed) {
-          pipeline_.profile.monitor = changed.monitor;
-          monitor_->setLimits(changed.monitor);
-        });
+        private_node, tuning, [this](const FailAwareMonitorTuning& changed) { monitor_->setLimits(changed.monitor); });
     publisher_ = node.advertise<messages::TimeToFailure>(topics::kTimeToFailure, topics::kQueue);
     marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1);
     service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
-    heard_s_ = now_s();
+    silence_ = SilenceWatch(params.silence, now_s());
     subscriber_ = node.subscribe(topics::kFilterState, topics::kQueue, &FailAwareMonitorNodelet::onState, this);
     timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
-                                    [this](const ros::SteadyTimerEvent&) { checkStale(); });
-    health_ =
-        std::make_unique<Health>(node, private_node, getName(), "time_to_failure",
-                                 [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
+                                    [this](const ros::SteadyTimerEvent&) { checkSilence(); });
+    health_ = reportHealth("time_to_failure");
   }
 
   static double now_s() { return ros::Time::isSimTime() ? ros::Time::now().toSec() : ros::SteadyTime::now().toSec(); }
@@ -75,35 +66,18 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
   void onState(const messages::FilterStateConstPtr& message) {
     const std::optional<FilterState> state = fromMessage(*message);
     if (!state) return;
-    heard_s_ = now_s();
+    silence_.heard(now_s(), state->dt_s);
     clock_.heard(message->header.stamp);
     rate_.tick();
-    if (state->dt_s > 0.0) {
-      period_s_ = state->dt_s;
-    } else {
-      beginDrive();
-    }
-    asked_ = false;
     output_ = monitor_->update(*state, conditionOf(*message));
     header_ = message->header;
-    base_position_odom_ = (state->T_odom_cog * pipeline_.vehicle.T_base_cog().inverse()).translation();
+    base_position_odom_ = (state->T_odom_cog * T_base_cog_.inverse()).translation();
     publish(header_);
   }
 
-  /// odom begins anew: what it served as is lost, and whoever relied on it must ask again (start_redundant: always
-  /// serves). A request that still waits for an observed motion stays.
-  void beginDrive() {
-    const bool is_asked_for = params_.start_redundant || asked_ || monitor_->startPending();
-    monitor_ = std::make_unique<FailAwareMonitor>(pipeline_.profile.monitor);
-    if (is_asked_for) monitor_->start();
-  }
-
-  void checkStale() {
+  void checkSilence() {
     const double now = now_s();
-    heard_s_ = std::min(heard_s_, now);  // simulated time may begin anew
-    published_s_ = std::min(published_s_, now);
-    const double silence_s = now - heard_s_;
-    if (silence_s < staleAfter_s(params_.silence, period_s_) || now - published_s_ < kStalePeriod_s) return;
+    if (!silence_.isDue(now)) return;
     const bool heard = !header_.stamp.isZero();
     output_ = staleOutput(output_);
     if (!heard) {
@@ -111,34 +85,33 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
       output_.time_to_failure = TimeToFailure::unknown();
     }
     std_msgs::Header header = header_;
-    if (heard) header.stamp = later(header.stamp, silence_s);
+    if (heard) header.stamp = later(header.stamp, silence_.silence_s(now));
     publish(header);
   }
 
   void publish(const std_msgs::Header& header) {
-    published_s_ = now_s();
+    silence_.published(now_s());
     publisher_.publish(messages::TimeToFailureConstPtr(
-        boost::make_shared<messages::TimeToFailure>(toMessage(output_, pipeline_.profile.monitor, header))));
+        boost::make_shared<messages::TimeToFailure>(toMessage(output_, monitor_->params(), header))));
     if (!header.stamp.isZero() && marker_publisher_.getNumSubscribers() > 0) showMarkers(header);
   }
 
   void showMarkers(const std_msgs::Header& header) {
     const auto markers = boost::make_shared<visualization_msgs::MarkerArray>(
-        uncertaintyMarkers(monitor_->horizontalCovarianceOdom(), base_position_odom_,
-                           pipeline_.profile.monitor.predictor.alert_limit_m, header));
+        uncertaintyMarkers(monitor_->monitor().horizontalCovarianceOdom(), base_position_odom_,
+                           monitor_->params().predictor.alert_limit_m, header));
     markers->markers.push_back(timeToFailureMarker(output_, base_position_odom_, header));
     marker_publisher_.publish(visualization_msgs::MarkerArrayConstPtr(markers));
   }
 
   bool onStartRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    monitor_->start();
-    asked_ = true;
+    monitor_->serve();
     response.success = true;
     response.message = "serves as the localisation from the next sweep on whose motion is observed";
     return true;
   }
 
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
     using Level = diagnostic_msgs::DiagnosticStatus;
     const bool failed = output_.state == FailAwareState::kFailed || output_.state == FailAwareState::kFailing;
     const auto level = failed ? Level::ERROR : output_.state == FailAwareState::kOk ? Level::OK : Level::WARN;
@@ -148,33 +121,30 @@ class FailAwareMonitorNodelet : public nodelet::Nodelet {
       status.summary(std::max<decltype(level)>(level, Level::WARN), status.message + "; " + fault);
     }
     status.addf("rate of filter states (Hz)", "%.2f", rate_.take_hz());
-    status.addf("silence (s)", "%.3f", now_s() - heard_s_);
-    const char* serves = monitor_->startPending() ? "waits for an observed motion" : monitor_->started() ? "yes" : "no";
-    status.add("serves as the localisation", serves);
+    status.addf("silence (s)", "%.3f", silence_.silence_s(now_s()));
+    status.add("serves as the localisation", monitor_->monitor().startPending() ? "waits for an observed motion"
+                                             : monitor_->monitor().started()    ? "yes"
+                                                                                : "no");
     if (output_.standby_time_to_failure.isKnown()) {
       status.add("if it served from now on", std::string(toString(output_.standby_state)) + ", time to failure " +
                                                  std::to_string(output_.standby_time_to_failure.seconds) + " s");
     }
-    if (!reconfiguration_->refused().empty()) status.add("reconfiguration refused", reconfiguration_->refused());
+    reconfiguration_->diagnose(status);
     status.add("time to failure (s)", output_.time_to_failure.seconds);
     status.add("eta (rad)", output_.eta);
     status.add("sigma x since start_redundant (m)", output_.sigma_x_m);
     status.add("sigma y since start_redundant (m)", output_.sigma_y_m);
   }
 
-  FailAwareMonitorNodeletParams params_;
-  PipelineParameters pipeline_;
-  std::unique_ptr<FailAwareMonitor> monitor_;
-  ros::Publisher publisher_, marker_publisher_;
+  Pose T_base_cog_ = Pose::Identity();
+  std::unique_ptr<DriveMonitor> monitor_;
   MonitorOutput output_;
-  bool asked_ = false;  ///< ~start_redundant was called since the last filter state
-  Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
   std_msgs::Header header_;  ///< of the last filter state
-  ClockCheck clock_;         ///< of the filter states
+  Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
+  ClockCheck clock_;  ///< of the filter states
   RateMeter rate_;
-  double period_s_ = kUsualPeriod_s;
-  double heard_s_ = 0.0;
-  double published_s_ = 0.0;
+  SilenceWatch silence_;
+  ros::Publisher publisher_, marker_publisher_;
   // What calls back is destroyed first, and waits for a call that is under way.
   std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;
   ros::Subscriber subscriber_;

@@ -26,7 +26,7 @@ class LidarPlace {
   bool known() const { return T_base_lidar_.has_value(); }
   const Pose& T_base_lidar() const { return *T_base_lidar_; }
   const std::string& lidarFrame() const { return lidar_frame_; }
-  /// Why the place is not known, and what to do: one line for people.
+  /// Why the place is not known, and what to do: one line for people. Empty: it was not looked for yet.
   const std::string& fault() const { return fault_; }
 
  private:

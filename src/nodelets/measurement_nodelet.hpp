@@ -9,7 +9,6 @@
 // and show(prediction), which publishes what it has for rviz once its measurement is out.
 #pragma once
 
-#include <nodelet/nodelet.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
 
@@ -20,27 +19,19 @@
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
-#include "health.hpp"
-#include "load_or_say_why.hpp"
-#include "open_queue.hpp"
+#include "graph_nodelet.hpp"
+#include "measurement_record.hpp"
 #include "private_parameters.hpp"
-#include "rate_meter.hpp"
 #include "reconfiguration.hpp"
-#include "stamps.hpp"
 #include "sweep_matcher.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {
 
 template <class Algorithm>
-class MeasurementNodelet : public nodelet::Nodelet {
+class MeasurementNodelet : public GraphNodelet {
  private:
-  void onInit() override {
-    openQueue(getSTCallbackQueue());
-    loadOrSayWhy(getName(), [this] { load(); });
-  }
-
-  void load() {
+  void load() override {
     ros::NodeHandle& node = getNodeHandle();
     NoOwnParams none;
     readPrivateParameters(getPrivateNodeHandle(), none, typename Algorithm::Tuning());
@@ -55,9 +46,7 @@ class MeasurementNodelet : public nodelet::Nodelet {
     prediction_subscriber_ =
         node.subscribe(topics::kSweepPrediction, topics::kQueue, &MeasurementNodelet::onPrediction, this);
     cloud_subscriber_ = node.subscribe(topics::kSweepPoints, topics::kQueue, &MeasurementNodelet::onCloud, this);
-    health_ =
-        std::make_unique<Health>(node, getPrivateNodeHandle(), getName(), Algorithm::name(),
-                                 [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });
+    health_ = reportHealth(Algorithm::name());
   }
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) { take(cloud); }
@@ -87,55 +76,29 @@ class MeasurementNodelet : public nodelet::Nodelet {
   void measure(const messages::SweepPrediction& prediction, const sensor_msgs::PointCloud2& cloud) {
     const ros::SteadyTime begin = ros::SteadyTime::now();
     const std::optional<SweepTask> task = fromMessage(prediction);
-    if (!task) {
-      ++unusable_;
-      return;
-    }
+    if (!task) return record_.addUnusable();
     if (!readCorrectedCloud(cloud, sweep_).ok()) sweep_.points_lidar.clear();
     sweep_.stamp_s = task->prediction.time_s();
     const Measurement measurement = algorithm_->measure(sweep_, *task);
-    ++sweeps_;
-    last_status_ = measurement.status;
     auto message =
         boost::make_shared<messages::PoseMeasurement>(toMessage(measurement, Algorithm::name(), prediction.header));
     message->sweep_points = static_cast<std::int32_t>(sweep_.points_lidar.size());
     message->duration = (ros::SteadyTime::now() - begin).toSec();
-    last_ = *message;
-    last_stamp_ = prediction.header.stamp;
-    if (measurement.ok()) ++usable_;
-    rate_.tick();
+    record_.add(*message, measurement.status);
     publisher_.publish(messages::PoseMeasurementConstPtr(message));
     algorithm_->show(prediction);
   }
 
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-    status.summary(diagnostic_msgs::DiagnosticStatus::OK, sweeps_ == 0 ? "no sweep yet" : toString(last_status_));
-    status.addf("rate (Hz)", "%.2f", rate_.take_hz());
-    if (!last_stamp_.isZero()) {
-      status.addf("age of the last sweep (s)", "%.3f", secondsFrom(last_stamp_, ros::Time::now()));
-    }
-    status.add("sweeps", sweeps_);
-    status.add("sweeps with a pose", usable_);
-    status.addf("ms", "%.1f", 1e3 * last_.duration);
-    status.addf("rms residual (m)", "%.3f", last_.rms_residual);
-    status.addf("inlier share", "%.2f", last_.inlier_share);
-    status.addf("seed spread (m)", "%.3f", last_.seed_spread);
-    status.add("weak directions", static_cast<int>(last_.weak_directions));
-    status.addf("weakest direction's information share", "%.3f", last_.min_information_share);
-    status.add("sweeps skipped", matcher_.skipped());
-    status.add("predictions not usable", unusable_);
-    if (!reconfiguration_->refused().empty()) status.add("reconfiguration refused", reconfiguration_->refused());
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
+    record_.diagnose(status, matcher_.skipped());
+    reconfiguration_->diagnose(status);
   }
 
   std::unique_ptr<Algorithm> algorithm_;
   ros::Publisher publisher_;
   SweepMatcher matcher_;
   CorrectedSweep sweep_;
-  MeasurementStatus last_status_ = MeasurementStatus::kNoReference;
-  messages::PoseMeasurement last_;
-  ros::Time last_stamp_;
-  RateMeter rate_;
-  std::size_t sweeps_ = 0, usable_ = 0, unusable_ = 0;
+  MeasurementRecord record_;
   // What calls back is destroyed first, and waits for a call that is under way.
   std::unique_ptr<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>> reconfiguration_;
   std::unique_ptr<DeferredCall> work_;

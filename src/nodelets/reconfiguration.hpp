@@ -1,10 +1,11 @@
 // dynamic_reconfigure of a nodelet: a Tuning struct (tuning.hpp) behind a generated Config of the same names.
 //
-// At start-up the Config takes the values that the nodelet runs with, whatever the .cfg's defaults are. A request that would give an invalid set changes nothing: it is refused in the log, in
-// the diagnostics, and in the reply, which holds the old values. A value that came from yaml and lies beyond the .cfg's
-// bounds stays until somebody changes it.
+// At start-up the Config takes the values that the nodelet runs with, whatever the .cfg's defaults are. A request that
+// would give an invalid set changes nothing: it is refused in the log, in the diagnostics, and in the reply, which holds
+// the old values. A value that came from yaml and lies beyond the .cfg's bounds stays until somebody changes it.
 #pragma once
 
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
 #include <dynamic_reconfigure/server.h>
 #include <ros/ros.h>
 
@@ -70,8 +71,10 @@ class Reconfiguration {
     server_.setCallback([this](Config& config, std::uint32_t) { onRequest(config); });
   }
 
-  /// Of the last request; empty: it was taken.
-  const std::string& refused() const { return refused_; }
+  /// Why the last request was refused, if it was.
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+    if (!refused_.empty()) status.add("reconfiguration refused", refused_);
+  }
 
  private:
   void onRequest(Config& config) {
@@ -90,7 +93,7 @@ class Reconfiguration {
   std::string name_;
   Tuning current_;
   std::function<void(const Tuning&)> apply_;
-  std::string refused_;
+  std::string refused_;  ///< why, of the last request; empty: it was taken
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<Config> server_;
 };

@@ -21,4 +21,10 @@ inline ros::Time later(const ros::Time& stamp, double seconds) {
   return sum;
 }
 
+/// Not zero, not malformed, not at the end of time: others add to stamps (tf2: 10 s), which throws there.
+inline bool isUsableStamp(const ros::Time& stamp) {
+  constexpr std::uint32_t kHour_s = 3600;
+  return !stamp.isZero() && stamp.nsec < 1000000000u && stamp.sec < ros::TIME_MAX.sec - kHour_s;
+}
+
 }  // namespace fail_aware

@@ -19,5 +19,15 @@ TEST(Stamps, LaterStaysWithinTheRange) {
   EXPECT_EQ(later(ros::Time(10, 0), 1e10), ros::TIME_MAX);
 }
 
+TEST(Stamps, ZeroMalformedAndLastHourAreNotUsable) {
+  EXPECT_TRUE(isUsableStamp(ros::Time(0, 1)));
+  EXPECT_TRUE(isUsableStamp(ros::Time(ros::TIME_MAX.sec - 3601, 0)));
+  EXPECT_FALSE(isUsableStamp(ros::Time()));
+  EXPECT_FALSE(isUsableStamp(ros::TIME_MAX));
+  ros::Time malformed(10, 0);
+  malformed.nsec = 1000000000u;
+  EXPECT_FALSE(isUsableStamp(malformed));
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -1,0 +1,120 @@
+// What SweepCorrection says of the clouds: the status `sweep_correction`, and its warnings in the log. It tells whether
+// they could be read, what the sweep's check found (core/sweep/sweep_check.hpp), and whether their stamps and the points'
+// times agree with the parameters. Units s. No failure modes. One thread.
+#pragma once
+
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <ros/time.h>
+
+#include <cstddef>
+#include <string>
+
+#include "clock_check.hpp"
+#include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "fail_aware_lidar_odometry/core/types/sweep_findings.hpp"
+#include "spoken_faults.hpp"
+#include "stamp_fault.hpp"
+#include "sweep_progress.hpp"
+
+namespace fail_aware {
+
+class CorrectionDiagnosis {
+ public:
+  explicit CorrectionDiagnosis(const SweepTimingParams& params) : params_(params) {}
+
+  /// A cloud that has just come.
+  void heard(const ros::Time& stamp) { clock_.heard(stamp); }
+  /// A sweep that was corrected: how its cloud could be read, what was read, what was found in it.
+  void add(const ros::Time& stamp, const CloudReadResult& read, const Sweep& sweep, const SweepFindings& findings,
+           const SweepCorrectorReport& report) {
+    findings_ = findings;
+    report_ = report;
+    points_ = sweep.size();
+    time_field_name_ = sweep.time_field.name;
+    if (!read.ok()) refused_.add(read.reason);
+    if (report.timing.guessed()) guessed_.add(describeGuess(report.timing));
+    if (report.timing.source == TimingSource::kHeld) ++held_;
+    outliers_ += report.timing.outliers;
+    progress_.done(stamp);
+  }
+
+  /// `seam_contradiction`: SweepCorrector's. `unmatched`: clouds without a prediction.
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& seam_contradiction,
+                std::size_t unmatched) {
+    summarize(status, seam_contradiction);
+    progress_.diagnose(status, "sweep");
+    status.add("points of the last sweep", points_);
+    status.addf("azimuth coverage", "%.2f", findings_.azimuth_coverage);
+    status.addf("share of far points", "%.3f", findings_.far_share);
+    status.add("repetitions", findings_.repetitions);
+    status.add("clouds without usable points", refused_.count);
+    status.add("clouds without a prediction", unmatched);
+    status.add("timing source", toString(report_.timing.source));
+    status.add("stamp reference", toString(report_.timing.reference));
+    status.addf("age of the clouds on arrival (s)", "%.3f", clock_.age_s());
+    status.add("time field", toString(report_.timing.field));
+    status.add("time field's name", time_field_name_);
+    status.add("sweeps timed by a guess", guessed_.count);
+    status.add("sweeps timed as those before", held_);
+    status.add("points without a usable time", outliers_);
+    status.add("correction", toString(report_.correction.status));
+  }
+
+ private:
+  /// Something that is worth a warning only when it has happened again since the last one.
+  struct Event {
+    std::size_t count = 0, told = 0;
+    std::string last_reason;
+
+    void add(const std::string& reason) {
+      ++count;
+      last_reason = reason;
+    }
+    bool isNew() const { return count > told; }
+  };
+
+  void summarize(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& seam_contradiction) {
+    using Level = diagnostic_msgs::DiagnosticStatus;
+    const std::string clock_fault = clock_.fault();
+    const std::string timing_fault =
+        seam_contradiction.empty() ? stampFault(params_, report_.timing, clock_.age_s()) : seam_contradiction;
+    faults_.say("timing", timing_fault);
+    if (refused_.isNew()) {
+      status.summary(Level::WARN, "clouds without usable points: " + refused_.last_reason);
+      faults_.say("points", status.message);
+    } else if (findings_.frozen) {
+      status.summary(Level::WARN, "the sweep is frozen: the driver repeats itself");
+    } else if (findings_.incomplete) {
+      status.summary(Level::WARN, describeIncomplete());
+    } else if (findings_.low_visibility) {
+      status.summary(Level::WARN, "the sweep is cut short in range");
+    } else if (guessed_.isNew()) {
+      status.summary(Level::WARN, guessed_.last_reason);
+    } else if (!timing_fault.empty()) {
+      status.summary(Level::WARN, timing_fault);
+    } else if (!clock_fault.empty()) {
+      status.summary(Level::WARN, clock_fault);
+    } else {
+      status.summary(Level::OK, progress_.sweeps() == 0 ? "no sweep yet" : "correcting");
+    }
+    refused_.told = refused_.count;
+    guessed_.told = guessed_.count;
+  }
+
+  SweepTimingParams params_;
+  ClockCheck clock_;                         ///< of the clouds
+  SpokenFaults faults_{"sweep_correction"};  ///< in the log
+  SweepProgress progress_;
+  SweepFindings findings_;  ///< of the last sweep, as what follows
+  SweepCorrectorReport report_;
+  std::size_t points_ = 0;
+  std::string time_field_name_;
+  Event refused_;  ///< clouds
+  Event guessed_;  ///< times of a sweep
+  std::size_t held_ = 0, outliers_ = 0;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,48 @@
+#include "../../src/nodelets/drive_monitor.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fail_aware {
+namespace {
+
+/// Whether it serves once a sweep of that interval has come; 0: the first of a drive.
+bool servesAfter(DriveMonitor& monitor, double dt_s) {
+  FilterState state;
+  state.dt_s = dt_s;
+  monitor.update(state, SweepCondition());
+  return monitor.monitor().started();
+}
+
+TEST(DriveMonitor, WhereItAlwaysServesEveryDriveIsServed) {
+  DriveMonitor monitor(MonitorParameters(), true);
+  EXPECT_TRUE(servesAfter(monitor, 0.0));
+  EXPECT_TRUE(servesAfter(monitor, 0.1));
+  EXPECT_TRUE(servesAfter(monitor, 0.0));
+}
+
+TEST(DriveMonitor, OtherwiseItServesWhoAsks) {
+  DriveMonitor monitor(MonitorParameters(), false);
+  EXPECT_FALSE(servesAfter(monitor, 0.0));
+  EXPECT_FALSE(servesAfter(monitor, 0.1));
+  monitor.serve();
+  EXPECT_TRUE(monitor.monitor().startPending());
+}
+
+TEST(DriveMonitor, ARequestSinceTheLastStateIsForTheNewDrive) {
+  DriveMonitor monitor(MonitorParameters(), false);
+  servesAfter(monitor, 0.0);
+  monitor.serve();
+  EXPECT_TRUE(servesAfter(monitor, 0.0));
+}
+
+TEST(DriveMonitor, LimitsOutlastTheDrive) {
+  DriveMonitor monitor(MonitorParameters(), true);
+  MonitorParameters changed;
+  changed.predictor.alert_limit_m = 0.9;
+  monitor.setLimits(changed);
+  servesAfter(monitor, 0.0);
+  EXPECT_EQ(monitor.params().predictor.alert_limit_m, 0.9);
+}
+
+}  // namespace
+}  // namespace fail_aware

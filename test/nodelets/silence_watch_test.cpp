@@ -1,0 +1,38 @@
+#include "../../src/nodelets/silence_watch.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fail_aware {
+namespace {
+
+SilenceWatch watchFrom(double now_s) { return SilenceWatch(SilenceParams{3.0, 0.05, 0.15}, now_s); }
+
+TEST(SilenceWatch, SilenceIsDueAfterThreePeriods) {
+  SilenceWatch watch = watchFrom(100.0);
+  EXPECT_FALSE(watch.isDue(100.29));
+  EXPECT_TRUE(watch.isDue(100.31)) << "the usual period is 0.1 s";
+  watch.heard(101.0, 0.06);
+  EXPECT_FALSE(watch.isDue(101.17));
+  EXPECT_TRUE(watch.isDue(101.19));
+  EXPECT_NEAR(watch.silence_s(101.19), 0.19, 1e-9);
+  watch.heard(102.0, 0.0);
+  EXPECT_TRUE(watch.isDue(102.19)) << "a first sweep tells no period";
+}
+
+TEST(SilenceWatch, ItIsSaidAgainTenTimesASecond) {
+  SilenceWatch watch = watchFrom(100.0);
+  watch.published(100.4);
+  EXPECT_FALSE(watch.isDue(100.49));
+  EXPECT_TRUE(watch.isDue(100.51));
+}
+
+TEST(SilenceWatch, AClockThatBeginsAnewCountsFromThere) {
+  SilenceWatch watch = watchFrom(100.0);
+  watch.published(100.0);
+  EXPECT_FALSE(watch.isDue(5.0));
+  EXPECT_FALSE(watch.isDue(5.29));
+  EXPECT_TRUE(watch.isDue(5.31));
+}
+
+}  // namespace
+}  // namespace fail_aware
