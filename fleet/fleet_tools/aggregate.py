@@ -56,8 +56,8 @@ def figures_of_starts(starts):
             "missed_of_failures": ratio(total[names.MISSED], total["failed"]),
             "false_alarms": rate(total[names.FALSE_ALARMS], without_alarm_h),
             "starts_with_false_alarm": ratio(total["starts_with_false_alarm"], total["starts"]),
-            "alarm_share": share(total[names.ALARM], total[names.WATCHED]),
-            "available_share": share(total[names.WATCHED] - total[names.ALARM] - total[names.UNKNOWN], total[names.WATCHED]),
+            "alarm_ratio": share(total[names.ALARM], total[names.WATCHED]),
+            "available_ratio": share(total[names.WATCHED] - total[names.ALARM] - total[names.UNKNOWN], total[names.WATCHED]),
             "planner": {"in_time": ratio(total["in_time"], total["stoppable"]),
                         "told": ratio(total["told"], total["unstoppable"]),
                         "sound_stopped": ratio(total["sound_stopped"], total["sound"]),
@@ -232,7 +232,7 @@ def table_for_document(found, tag):
         f = of_value["apart"]
         lines.append(f"| {value} | {f['watched_h']:.2f} | {f['starts']} | {rate_text(f['failures'])} | "
                      f"{ratio_text(f['missed_of_failures'])} | {rate_text(f['false_alarms'])} | "
-                     f"{percent(f['alarm_share'])} | {ratio_text(f['planner']['in_time'])} | "
+                     f"{percent(f['alarm_ratio'])} | {ratio_text(f['planner']['in_time'])} | "
                      f"{percent(f['planner']['used'])} |")
     return "\n".join(lines)
 

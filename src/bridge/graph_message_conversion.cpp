@@ -53,7 +53,7 @@ messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Heade
   message.sigma_yaw = task.prediction.sigma_yaw_rad;
   message.motion_status = static_cast<std::uint8_t>(task.prediction.motion_status);
   message.lidar_in_cog = toPoseMessage(task.T_cog_lidar);
-  message.odom_epoch = task.prediction.odom_epoch;
+  message.odom_reset_count = task.prediction.odom_reset_count;
   message.set_back = task.prediction.set_back_s;
   message.lidar_frame = task.lidar_frame;
   return message;
@@ -76,7 +76,7 @@ std::optional<SweepTask> fromMessage(const messages::SweepPrediction& message) {
   task.prediction.sigma_yaw_rad = message.sigma_yaw;
   take(message.motion_status, task.prediction.motion_status);
   task.T_cog_lidar = *lidar;
-  task.prediction.odom_epoch = message.odom_epoch;
+  task.prediction.odom_reset_count = message.odom_reset_count;
   task.prediction.set_back_s = setBack_s(message);
   task.lidar_frame = message.lidar_frame;
   return task;
@@ -91,13 +91,13 @@ messages::PoseMeasurement toMessage(const Measurement& measurement, const std::s
   message.pose = toPoseMessage(measurement.T_odom_cog);
   message.covariance = toCovarianceMessage(measurement.covariance);
   message.rms_residual = measurement.rms_residual_m;
-  message.inlier_share = measurement.inlier_share;
+  message.inlier_ratio = measurement.inlier_ratio;
   message.inliers = static_cast<std::uint32_t>(measurement.inliers);
   message.iterations = static_cast<std::uint32_t>(std::max(0, measurement.iterations));
   message.seed_spread = measurement.seed_spread_m;
-  message.weak_directions = static_cast<std::uint8_t>(std::clamp(measurement.weak_directions, 0, 6));
-  message.min_information_share = measurement.min_information_share;
-  message.interval_doubted = measurement.interval_doubted;
+  message.degenerate_directions = static_cast<std::uint8_t>(std::clamp(measurement.degenerate_directions, 0, 6));
+  message.min_information_ratio = measurement.min_information_ratio;
+  message.clock_jump_suspected = measurement.clock_jump_suspected;
   message.sweep_points = -1;
   return message;
 }
@@ -112,13 +112,13 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
   if (!pose) measurement.T_odom_cog.translation().setConstant(std::numeric_limits<double>::quiet_NaN());
   measurement.covariance = fromMessage(message.covariance);
   measurement.rms_residual_m = finiteOr0(message.rms_residual);
-  measurement.inlier_share = finiteOr0(message.inlier_share);
+  measurement.inlier_ratio = finiteOr0(message.inlier_ratio);
   measurement.inliers = message.inliers;
   measurement.iterations = static_cast<int>(message.iterations);
   measurement.seed_spread_m = finiteOr0(message.seed_spread);
-  measurement.weak_directions = message.weak_directions;
-  measurement.min_information_share = finiteOr0(message.min_information_share);
-  measurement.interval_doubted = message.interval_doubted != 0;
+  measurement.degenerate_directions = message.degenerate_directions;
+  measurement.min_information_ratio = finiteOr0(message.min_information_ratio);
+  measurement.clock_jump_suspected = message.clock_jump_suspected != 0;
   return measurement;
 }
 
@@ -132,7 +132,7 @@ messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points
   message.time_jump = findings.time_jump;
   message.time_field_refused = findings.time_field_refused;
   message.azimuth_coverage = findings.azimuth_coverage;
-  message.far_share = findings.far_share;
+  message.far_ratio = findings.far_ratio;
   message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
   message.middle = findings.middle_s;
   message.revolution = findings.revolution_s;
@@ -147,7 +147,7 @@ SweepFindings fromMessage(const messages::SweepCheck& message) {
   findings.time_jump = message.time_jump != 0;
   findings.time_field_refused = message.time_field_refused != 0;
   findings.azimuth_coverage = message.azimuth_coverage;
-  findings.far_share = message.far_share;
+  findings.far_ratio = message.far_ratio;
   findings.repetitions = static_cast<int>(message.repetitions);
   findings.middle_s = message.middle;
   findings.revolution_s = finiteOr0(message.revolution);
@@ -162,7 +162,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.pose = toPoseMessage(state.T_odom_cog);
   message.covariance = toCovarianceMessage(state.covariance);
   message.sigma_yaw = state.sigma_yaw_rad;
-  message.corrected = state.corrected;
+  message.measurement_applied = state.measurement_applied;
   message.started = state.started;
   message.motion_status = static_cast<std::uint8_t>(state.motion_status);
   message.increment = toPoseMessage(state.T_previous_now);
@@ -170,15 +170,15 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.unobserved_covariance = toCovarianceMessage(state.unobserved_covariance);
   message.speed_variance = state.speed_error.variance_m2_s2;
   message.speed_kept = state.speed_error.kept;
-  message.interval_wrong = state.interval_wrong;
+  message.clock_jump = state.clock_jump;
   message.set_back = state.set_back_s;
-  message.odom_epoch = state.odom_epoch;
+  message.odom_reset_count = state.odom_reset_count;
   message.map_update = static_cast<std::uint8_t>(state.map_update);
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
     message.measurement_status.push_back(source.measurement ? static_cast<std::uint8_t>(source.measurement->status)
                                                             : kNotArrived);
-    message.min_information_share.push_back(source.measurement ? source.measurement->min_information_share : 0.0);
+    message.min_information_ratio.push_back(source.measurement ? source.measurement->min_information_ratio : 0.0);
     message.deadline_missed = message.deadline_missed || (source.awaited && !source.measurement);
   }
   message.measurement_weights = state.fusion.weights;
@@ -219,7 +219,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.T_odom_cog = *pose;
   state.covariance = fromMessage(message.covariance);
   state.sigma_yaw_rad = message.sigma_yaw;
-  state.corrected = message.corrected != 0;
+  state.measurement_applied = message.measurement_applied != 0;
   state.started = message.started != 0;
   take(message.motion_status, state.motion_status);
   state.T_previous_now = *increment;
@@ -227,9 +227,9 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.unobserved_covariance = fromMessage(message.unobserved_covariance);
   state.speed_error.variance_m2_s2 = message.speed_variance;
   state.speed_error.kept = message.speed_kept;
-  state.interval_wrong = message.interval_wrong != 0;
+  state.clock_jump = message.clock_jump != 0;
   state.set_back_s = setBack_s(message);
-  state.odom_epoch = message.odom_epoch;
+  state.odom_reset_count = message.odom_reset_count;
   take(message.map_update, state.map_update);
   state.filter_nis = message.fused_nis;
   state.fusion.has_measurement = message.has_measurement != 0;
@@ -267,7 +267,7 @@ SweepCondition conditionOf(const messages::FilterState& message) {
     if (name != kIcpPointToPlane) continue;
     condition.plane_missing = missing;
     if (missing) continue;
-    if (i < message.min_information_share.size()) condition.min_information_share = message.min_information_share[i];
+    if (i < message.min_information_ratio.size()) condition.min_information_ratio = message.min_information_ratio[i];
   }
   return condition;
 }

@@ -9,8 +9,8 @@
 #include "fail_aware_lidar_odometry/core/estimator.hpp"
 #include "fail_aware_lidar_odometry/core/parallel.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+#include "fail_aware_lidar_odometry/core/registration/corner_svd.hpp"
+#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
@@ -40,19 +40,19 @@ PipelineParameters validated(const PipelineParameters& params) {
 // registration's decisions, be another trajectory than the live graph's.
 
 SweepPrediction exchanged(SweepPrediction prediction) {
-  prediction.T_odom_cog_previous = asExchanged(prediction.T_odom_cog_previous);
-  prediction.T_odom_cog = asExchanged(prediction.T_odom_cog);
+  prediction.T_odom_cog_previous = quaternionRoundTrip(prediction.T_odom_cog_previous);
+  prediction.T_odom_cog = quaternionRoundTrip(prediction.T_odom_cog);
   return prediction;
 }
 
 Measurement exchanged(Measurement measurement) {
-  measurement.T_odom_cog = asExchanged(measurement.T_odom_cog);
+  measurement.T_odom_cog = quaternionRoundTrip(measurement.T_odom_cog);
   return measurement;
 }
 
 FilterState exchanged(FilterState state) {
-  state.T_odom_cog = asExchanged(state.T_odom_cog);
-  state.T_previous_now = asExchanged(state.T_previous_now);
+  state.T_odom_cog = quaternionRoundTrip(state.T_odom_cog);
+  state.T_previous_now = quaternionRoundTrip(state.T_previous_now);
   return state;
 }
 
@@ -73,15 +73,15 @@ struct OdometryPipeline::Stages {
   Stages(const PipelineParameters& p, int threads)
       : params(validated(p)),
         T_base_cog(p.vehicle.T_base_cog()),
-        T_cog_lidar(asExchanged(T_base_cog.inverse() * p.sensor.T_base_lidar())),
+        T_cog_lidar(quaternionRoundTrip(T_base_cog.inverse() * p.sensor.T_base_lidar())),
         check(p.sensor.check),
         corrector(p.sensor.vertical_angle, p.sensor.azimuth, p.sensor.correctedTiming(), p.profile.sweep_correction,
-                  p.profile.level_keeping),
+                  p.profile.vertical_reference),
         estimator(p),
         front(p.profile.registration, p.sensor.correctedTiming()),
-        multiplex(p.profile.registration.point),
-        normal_filtered(p.profile.registration.plane),
-        corner_measurement(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
+        multiplex(p.profile.registration.icp_point_to_point),
+        normal_filtered(p.profile.registration.icp_point_to_plane),
+        corner_svd(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                            p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
         arena(arenaSize(threads)) {}
@@ -97,10 +97,10 @@ struct OdometryPipeline::Stages {
   SweepCheck check;
   SweepCorrector corrector;
   Estimator estimator;
-  RegistrationFront front;
-  MultiplexIcp multiplex;
-  NormalFilteredIcp normal_filtered;
-  CornerMeasurement corner_measurement;
+  LocalMapRegistration front;
+  IcpPointToPoint multiplex;
+  IcpPointToPlane normal_filtered;
+  CornerSvd corner_svd;
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
@@ -112,17 +112,17 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
   const RegistrationParameters& use = params.profile.registration;
   const auto point = [&] {
     Stopwatch watch;
-    if (use.use_point) result.point = exchanged(front.align(multiplex));
+    if (use.use_icp_point_to_point) result.point = exchanged(front.align(multiplex));
     result.times.point_ms = watch.lapMs();
   };
   const auto plane = [&] {
     Stopwatch watch;
-    if (use.use_plane) result.plane = exchanged(front.align(normal_filtered, prediction.sigma_yaw_rad));
+    if (use.use_icp_point_to_plane) result.plane = exchanged(front.align(normal_filtered, prediction.sigma_yaw_rad));
     result.times.plane_ms = watch.lapMs();
   };
   const auto corners = [&] {
     Stopwatch watch;
-    if (use.use_corners) result.corners = exchanged(corner_measurement.measure(corrected, prediction, T_cog_lidar));
+    if (use.use_corner_svd) result.corners = exchanged(corner_svd.measure(corrected, prediction, T_cog_lidar));
     result.times.corners_ms = watch.lapMs();
   };
   inArena(arena, [&] {
@@ -147,10 +147,10 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   condition.frozen = findings.frozen;
   condition.time_jump = findings.time_jump;
   condition.time_field_refused = result.timing.guessed();
-  condition.point_missing = use.use_point && !result.point.ok();
-  condition.plane_missing = use.use_plane && !result.plane.ok();
-  condition.corners_missing = use.use_corners && !result.corners.ok();
-  if (result.plane.ok()) condition.min_information_share = result.plane.min_information_share;
+  condition.point_missing = use.use_icp_point_to_point && !result.point.ok();
+  condition.plane_missing = use.use_icp_point_to_plane && !result.plane.ok();
+  condition.corners_missing = use.use_corner_svd && !result.corners.ok();
+  if (result.plane.ok()) condition.min_information_ratio = result.plane.min_information_ratio;
   return condition;
 }
 
@@ -159,7 +159,7 @@ void OdometryPipeline::Stages::beginDrive() {
   refused = 0;
   corrector.reset();
   front.reset();
-  corner_measurement.reset();
+  corner_svd.reset();
   monitor.reset();
 }
 
@@ -196,11 +196,11 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   result.T_odom_base = state.T_odom_cog * T_base_cog.inverse();
   result.status = !result.state.started    ? SweepStatus::kNotStarted
                   : first                  ? SweepStatus::kFirst
-                  : result.state.corrected ? SweepStatus::kCorrected
+                  : result.state.measurement_applied ? SweepStatus::kCorrected
                                            : SweepStatus::kPredicted;
   result.times.fusion_ms = stage.lapMs();
   front.place(result.state);
-  corner_measurement.place(result.state);
+  corner_svd.place(result.state);
   result.times.reference_ms = stage.lapMs();
   result.condition = condition(findings, result);
   if (start_from_stamp_s && result.state.stamp_s >= *start_from_stamp_s) {
@@ -229,7 +229,7 @@ void OdometryPipeline::reset() {
   stages_->beginDrive();
 }
 
-const LevelKeeping& OdometryPipeline::levelKeeping() const { return stages_->corrector.levelKeeping(); }
+const VerticalReference& OdometryPipeline::verticalReference() const { return stages_->corrector.verticalReference(); }
 
 std::string OdometryPipeline::seamContradiction() const { return stages_->corrector.seamContradiction(); }
 

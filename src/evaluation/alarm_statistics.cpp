@@ -61,17 +61,17 @@ AlarmStatistics alarmStatistics(const std::vector<FailAwareEpisode>& episodes, d
   return statistics;
 }
 
-double AlarmStatistics::missedShare() const { return share(static_cast<double>(missed), static_cast<double>(failing)); }
+double AlarmStatistics::missedRatio() const { return share(static_cast<double>(missed), static_cast<double>(failing)); }
 
-double AlarmStatistics::alarmShare() const { return share(alarm_s, watched_s); }
+double AlarmStatistics::alarmRatio() const { return share(alarm_s, watched_s); }
 
-double AlarmStatistics::availableShare() const { return share(watched_s - alarm_s - unknown_s, watched_s); }
+double AlarmStatistics::availableRatio() const { return share(watched_s - alarm_s - unknown_s, watched_s); }
 
 double AlarmStatistics::falseAlarmsPerHour() const {
   return share(3600.0 * static_cast<double>(false_alarms), watched_s - alarm_s);
 }
 
-double AlarmStatistics::stopShare(double deceleration_mps2) const {
+double AlarmStatistics::stopRatio(double deceleration_mps2) const {
   const auto enough = std::count_if(leads.begin(), leads.end(), [&](const LeadTime& lead) {
     return lead.lead_s >= lead.speed_mps / deceleration_mps2;
   });

@@ -14,8 +14,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kLeastWay_m = 0.1;
-constexpr double kLargestWay_m = 100.0;  // of any vehicle in a sweep
+constexpr double kLeastDistance_m = 0.1;
+constexpr double kLargestDistance_m = 100.0;  // of any vehicle in a sweep
 constexpr double kJump = 3.0;            // times the median way
 constexpr int kLeastMotions = 50;
 constexpr double kAhead_deg = 45.0;
@@ -32,10 +32,10 @@ std::vector<Pose> motionsOf(const std::vector<Pose>& trajectory) {
   const auto wayOf_m = [](const Pose& motion) { return motion.translation().head<2>().norm(); };
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
     const Pose motion = trajectory[i - 1].inverse() * trajectory[i];
-    const double way_m = wayOf_m(motion);
-    if (!(way_m >= kLeastWay_m && way_m <= kLargestWay_m)) continue;
+    const double distance_m = wayOf_m(motion);
+    if (!(distance_m >= kLeastDistance_m && distance_m <= kLargestDistance_m)) continue;
     motions.push_back(motion);
-    ways_m.push_back(way_m);
+    ways_m.push_back(distance_m);
   }
   if (motions.empty()) return motions;
   const double longest_m = kJump * quantile(ways_m, 0.5);
@@ -76,10 +76,10 @@ Eigen::VectorXd smallestSolution(const Eigen::MatrixXd& A, const Eigen::VectorXd
 }
 
 /// Share of psi's term that those of b and k span.
-double bendsShare(const Eigen::MatrixX3d& terms) {
+double curvatureRatio(const Eigen::MatrixX3d& terms) {
   const Eigen::VectorXd x = terms.col(0);
-  const Eigen::MatrixXd bends = terms.rightCols<2>();
-  const Eigen::VectorXd spanned = bends * smallestSolution(bends, x);
+  const Eigen::MatrixXd curvatures = terms.rightCols<2>();
+  const Eigen::VectorXd spanned = curvatures * smallestSolution(curvatures, x);
   return spanned.squaredNorm() / x.squaredNorm();
 }
 
@@ -115,9 +115,9 @@ DirectionOfTravel directionOfTravel(const std::vector<std::vector<Pose>>& trajec
   const Equations all(motions);
   DirectionOfTravel found;
   found.motions = count;
-  for (const Pose& motion : motions) found.way_m += motion.translation().head<2>().norm();
+  for (const Pose& motion : motions) found.distance_m += motion.translation().head<2>().norm();
   found.direction_deg = fit_rad(all.terms, all.side_m) / kDegree;
-  found.bends_share = bendsShare(all.terms);
+  found.curvature_ratio = curvatureRatio(all.terms);
 
   Eigen::ArrayXd without_deg(kStretches);  // one stretch left out
   for (int k = 0; k < kStretches; ++k) {

@@ -23,7 +23,7 @@ std::optional<double> between(double smaller, double larger) {
 }
 
 /// Of the predictions of episodes that fail; nothing if none does.
-std::optional<double> lateShare(const std::vector<FailAwareEpisode>& episodes) {
+std::optional<double> lateRatio(const std::vector<FailAwareEpisode>& episodes) {
   std::vector<JudgedPrediction> judged;
   for (const FailAwareEpisode& episode : episodes) {
     for (const std::size_t i : judgedSweeps(episode)) {
@@ -34,7 +34,7 @@ std::optional<double> lateShare(const std::vector<FailAwareEpisode>& episodes) {
   }
   const LateStatistics statistics = lateStatistics(judged);
   if (statistics.failing_decided == 0) return std::nullopt;
-  return statistics.lateShareOfFailing();
+  return statistics.lateRatioOfFailing();
 }
 
 }  // namespace
@@ -60,20 +60,20 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
   return threshold;
 }
 
-std::optional<double> confidenceForLateShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
-                                             double late_share, double smallest, double largest) {
-  const std::optional<double> at_smallest = lateShare(episodes_with(smallest));
+std::optional<double> confidenceForLateRatio(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                             double late_ratio, double smallest, double largest) {
+  const std::optional<double> at_smallest = lateRatio(episodes_with(smallest));
   if (!at_smallest) return std::nullopt;
-  if (*at_smallest <= late_share) return smallest;
-  if (lateShare(episodes_with(largest)) > late_share) return std::nullopt;
+  if (*at_smallest <= late_ratio) return smallest;
+  if (lateRatio(episodes_with(largest)) > late_ratio) return std::nullopt;
   while (const std::optional<double> middle = between(smallest, largest)) {
-    (lateShare(episodes_with(*middle)) <= late_share ? largest : smallest) = *middle;
+    (lateRatio(episodes_with(*middle)) <= late_ratio ? largest : smallest) = *middle;
   }
   return largest;
 }
 
-std::optional<double> confidenceForAlarmShare(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
-                                              double alarm_share, double smallest, double largest) {
+std::optional<double> confidenceForAlarmRatio(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                              double alarm_ratio, double smallest, double largest) {
   const auto soundWith = [&](double confidence) {
     std::vector<FailAwareEpisode> sound;
     for (const FailAwareEpisode& episode : episodes_with(confidence)) {
@@ -82,7 +82,7 @@ std::optional<double> confidenceForAlarmShare(const std::function<std::vector<Fa
     return sound;
   };
   const auto isQuiet = [&](const std::vector<FailAwareEpisode>& sound) {
-    return alarmStatistics(sound).alarmShare() <= alarm_share;
+    return alarmStatistics(sound).alarmRatio() <= alarm_ratio;
   };
   const auto quiet = [&](double confidence) { return isQuiet(soundWith(confidence)); };
   const std::vector<FailAwareEpisode> at_largest = soundWith(largest);

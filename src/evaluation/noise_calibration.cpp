@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kSmallestFactor = 1e-3;  // on a parameter's start: its effect is gone
 constexpr std::size_t kFewest = 10;
-constexpr double kFirstShare = 0.01;
+constexpr double kFirstRatio = 0.01;
 
 // Minus the log likelihood of an error, without constants. Infinite where C is no covariance.
 template <int N>
@@ -106,18 +106,18 @@ Params scaled(Params params, const Fields<Params>& fields, const std::vector<dou
   return params;
 }
 
-// measured_share is that of a variance, the others are standard deviations.
+// measured_ratio is that of a variance, the others are standard deviations.
 DriftModel::Params scaledDrift(DriftModel::Params params, const Fields<DriftModel::Params>& fields,
                                std::vector<double> factors) {
   factors.front() *= factors.front();
   params = scaled(params, fields, factors);
-  params.measured_share = std::min(params.measured_share, 1.0);
+  params.measured_ratio = std::min(params.measured_ratio, 1.0);
   return params;
 }
 
 Fields<DriftModel::Params> driftFields() {
   using P = DriftModel::Params;
-  return {&P::measured_share, &P::position_per_root_metre_m, &P::heading_per_root_metre_deg, &P::heading_bias_deg_per_m,
+  return {&P::measured_ratio, &P::position_per_root_metre_m, &P::heading_per_root_metre_deg, &P::heading_bias_deg_per_m,
           &P::scale_bias};
 }
 
@@ -244,7 +244,7 @@ DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel:
   begin.position_per_root_metre_m = begin.heading_per_root_metre_deg = 0.005;
   begin.heading_bias_deg_per_m = 0.0002;
   begin.scale_bias = 0.0005;
-  begin.measured_share = kFirstShare;
+  begin.measured_ratio = kFirstRatio;
   addCovariances(runs, begin, samples);
   const auto cost = [&](const std::vector<double>& factors) {
     double sum = 0.0;

@@ -9,7 +9,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kJumpShare = 0.5;
+constexpr double kJumpRatio = 0.5;
 constexpr double kSteady_s = 1e-6;
 
 double ratio(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
@@ -27,9 +27,9 @@ bool bothBeyond(const TimeToFailure& a, const TimeToFailure& b) {
 
 }  // namespace
 
-double LateStatistics::lateShare() const { return ratio(static_cast<double>(late), static_cast<double>(decided)); }
+double LateStatistics::lateRatio() const { return ratio(static_cast<double>(late), static_cast<double>(decided)); }
 
-double LateStatistics::lateShareOfFailing() const {
+double LateStatistics::lateRatioOfFailing() const {
   return ratio(static_cast<double>(late), static_cast<double>(failing_decided));
 }
 
@@ -44,7 +44,7 @@ LateStatistics lateStatistics(const std::vector<JudgedPrediction>& predictions) 
   return statistics;
 }
 
-double StabilityStatistics::jumpShare() const { return ratio(static_cast<double>(jumps), static_cast<double>(steps)); }
+double StabilityStatistics::jumpRatio() const { return ratio(static_cast<double>(jumps), static_cast<double>(steps)); }
 
 double StabilityStatistics::signChangesPerMinute() const {
   return ratio(60.0 * static_cast<double>(sign_changes), watched_s);
@@ -63,7 +63,7 @@ StabilityStatistics stabilityOf(const std::vector<JudgedPrediction>& episode) {
     const double expected_s = std::max(0.0, before.predicted.seconds - passed_s);
     const double deviation_s = now.predicted.seconds - expected_s;
     if (std::abs(deviation_s) <= kSteady_s) continue;
-    if (std::abs(deviation_s) > kJumpShare * expected_s) ++statistics.jumps;
+    if (std::abs(deviation_s) > kJumpRatio * expected_s) ++statistics.jumps;
     if (deviation_s * last_deviation_s < 0.0) ++statistics.sign_changes;
     last_deviation_s = deviation_s;
   }

@@ -1,9 +1,9 @@
-// Corner alignment in the live graph (core/registration/corner_measurement.hpp).
+// Corner alignment in the live graph (core/registration/corner_svd.hpp).
 #include <fail_aware_lidar_odometry/CornerSvdConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/registration/corner_measurement.hpp"
+#include "fail_aware_lidar_odometry/core/registration/corner_svd.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"
@@ -48,12 +48,12 @@ class CornerSvdAlgorithm {
  private:
   ros::Publisher markers_;
   Tuning tuning_;
-  CornerMeasurement corners_;
+  CornerSvd corners_;
   Pose T_odom_cog_ = Pose::Identity();  ///< where the last corners were seen from
 };
 
-using CornerSvd = MeasurementNodelet<CornerSvdAlgorithm>;
+using CornerSvdNodelet = MeasurementNodelet<CornerSvdAlgorithm>;
 
 }  // namespace fail_aware
 
-PLUGINLIB_EXPORT_CLASS(fail_aware::CornerSvd, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(fail_aware::CornerSvdNodelet, nodelet::Nodelet)

@@ -30,8 +30,8 @@ class FusionDiagnosis {
   /// A sweep whose estimate has been published. `arrived_s`: its cloud, by the steady clock.
   void closed(const ros::Time& stamp, double arrived_s) {
     const FilterState& state = estimator_.state();
-    if (!state.corrected && state.dt_s > 0.0) ++predicted_only_;
-    last_corrected_ = state.corrected;
+    if (!state.measurement_applied && state.dt_s > 0.0) ++predicted_only_;
+    last_corrected_ = state.measurement_applied;
     arrived_s_ = arrived_s;
     latency_s_ = ros::SteadyTime::now().toSec() - arrived_s;
     progress_.done(stamp);

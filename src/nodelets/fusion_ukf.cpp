@@ -90,9 +90,9 @@ class FusionUkfNodelet : public GraphNodelet {
     scheduler_.setParams({static_cast<std::size_t>(tuning.node.queue_size), tuning.node.deadline_s,
                           tuning.node.late_deadline_s, tuning.node.first_deadline_s});
     sources_->setAbsentAfter(tuning.node.absent_after_sweeps);
-    sources_->use(kIcpPointToPoint, tuning.registration.use_point);
-    sources_->use(kIcpPointToPlane, tuning.registration.use_plane);
-    sources_->use(kCornerSvd, tuning.registration.use_corners);
+    sources_->use(kIcpPointToPoint, tuning.registration.use_icp_point_to_point);
+    sources_->use(kIcpPointToPlane, tuning.registration.use_icp_point_to_plane);
+    sources_->use(kCornerSvd, tuning.registration.use_corner_svd);
   }
 
   // ---- which clouds become sweeps -----------------------------------------------------------------------------------

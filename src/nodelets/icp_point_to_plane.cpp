@@ -1,12 +1,12 @@
-// Normal-filtered ICP in the live graph (core/registration/normal_filtered_icp.hpp). Its reference is also published,
+// Normal-filtered ICP in the live graph (core/registration/icp_point_to_plane.hpp). Its reference is also published,
 // as `local_map`, once a second of sweep time: as seen from the lidar at the sweep before, whose pose is final. In odom's
 // own axes FLOAT32 would move the points by half a metre where odom has coordinates of a map (UTM).
 #include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
+#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"
 #include "topics.hpp"
@@ -24,13 +24,13 @@ class IcpPointToPlaneAlgorithm {
   IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : local_map_(node.advertise<sensor_msgs::PointCloud2>(topics::kLocalMap, 1)),
         front_(params.profile.registration, params.sensor.correctedTiming()),
-        tuning_{params.profile.registration.plane},
+        tuning_{params.profile.registration.icp_point_to_plane},
         icp_(tuning_.icp) {}
 
   const Tuning& tuning() const { return tuning_; }
   void tune(const Tuning& tuning) {
     tuning_ = tuning;
-    icp_ = NormalFilteredIcp(tuning.icp);
+    icp_ = IcpPointToPlane(tuning.icp);
   }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
@@ -60,13 +60,13 @@ class IcpPointToPlaneAlgorithm {
 
   ros::Publisher local_map_;
   ros::Time shown_stamp_;
-  RegistrationFront front_;
+  LocalMapRegistration front_;
   Tuning tuning_;
-  NormalFilteredIcp icp_;
+  IcpPointToPlane icp_;
 };
 
-using IcpPointToPlane = MeasurementNodelet<IcpPointToPlaneAlgorithm>;
+using IcpPointToPlaneNodelet = MeasurementNodelet<IcpPointToPlaneAlgorithm>;
 
 }  // namespace fail_aware
 
-PLUGINLIB_EXPORT_CLASS(fail_aware::IcpPointToPlane, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(fail_aware::IcpPointToPlaneNodelet, nodelet::Nodelet)

@@ -1,10 +1,10 @@
-// Multiplex ICP in the live graph (core/registration/multiplex_icp.hpp).
+// Multiplex ICP in the live graph (core/registration/icp_point_to_point.hpp).
 #include <fail_aware_lidar_odometry/IcpPointToPointConfig.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_front.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"
@@ -21,13 +21,13 @@ class IcpPointToPointAlgorithm {
   IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
         front_(params.profile.registration, params.sensor.correctedTiming()),
-        tuning_{params.profile.registration.point},
+        tuning_{params.profile.registration.icp_point_to_point},
         icp_(tuning_.icp) {}
 
   const Tuning& tuning() const { return tuning_; }
   void tune(const Tuning& tuning) {
     tuning_ = tuning;
-    icp_ = MultiplexIcp(tuning.icp);
+    icp_ = IcpPointToPoint(tuning.icp);
   }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
@@ -44,14 +44,14 @@ class IcpPointToPointAlgorithm {
 
  private:
   ros::Publisher markers_;
-  RegistrationFront front_;
+  LocalMapRegistration front_;
   Tuning tuning_;
-  MultiplexIcp icp_;
+  IcpPointToPoint icp_;
   std::vector<SeedTrack> tracks_;  ///< of the last measurement
 };
 
-using IcpPointToPoint = MeasurementNodelet<IcpPointToPointAlgorithm>;
+using IcpPointToPointNodelet = MeasurementNodelet<IcpPointToPointAlgorithm>;
 
 }  // namespace fail_aware
 
-PLUGINLIB_EXPORT_CLASS(fail_aware::IcpPointToPoint, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(fail_aware::IcpPointToPointNodelet, nodelet::Nodelet)

@@ -132,7 +132,7 @@ bool MeasurementSources::allAnswered() const {
 }
 
 bool MeasurementSources::isAtWork(bool late_only) const {
-  const auto patience = [&](const AnswerRecord& record) {
+  const auto patience = [&](const SourceHealth& record) {
     return record.isAtWork() && (record.isLate() || !late_only);
   };
   if (checkAwaited()) return patience(check_record_);  // the others wait for it, too
@@ -167,7 +167,7 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
   const std::string frame = withoutSlash(message.header.frame_id);
   if (source.built_in || frame == odom_frame_) {
     source.measurement = fromMessage(message);
-    if (!source.built_in) source.measurement->interval_doubted = false;  // what is not made here cannot say that
+    if (!source.built_in) source.measurement->clock_jump_suspected = false;  // what is not made here cannot say that
   } else {
     refuse(source, "its frame is " + frame + ", must be " + odom_frame_);
     source.measurement = Measurement();  // an answer all the same: nobody waits for another
@@ -247,7 +247,7 @@ void MeasurementSources::addPoses(const std::vector<ExternalMeasurement>& poses,
 
 std::string MeasurementSources::absent() const {
   std::string names;
-  const auto add = [&](const std::string& name, const ros::Subscriber& subscriber, const AnswerRecord& record) {
+  const auto add = [&](const std::string& name, const ros::Subscriber& subscriber, const SourceHealth& record) {
     if (canAnswer(subscriber, record)) return;
     names += ' ' + name;
     if (record.isTooLate(absent_after_sweeps_)) names += " (too late)";

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "answer_record.hpp"
+#include "source_health.hpp"
 #include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
 #include "fail_aware_lidar_odometry/core/estimator.hpp"
 
@@ -89,7 +89,7 @@ class MeasurementSources {
     bool exact = true;  ///< carries the sweep's stamp
     ros::Subscriber subscriber;
     std::optional<Measurement> measurement;  ///< of the open sweep
-    AnswerRecord record;
+    SourceHealth record;
     std::size_t answers = 0, late = 0, refused = 0;
     std::string refused_because;
     std::string last_status = "none yet";
@@ -97,7 +97,7 @@ class MeasurementSources {
   };
 
   Source& add(const std::string& name);
-  bool canAnswer(const ros::Subscriber& subscriber, const AnswerRecord& record) const {
+  bool canAnswer(const ros::Subscriber& subscriber, const SourceHealth& record) const {
     return !record.isSilent(absent_after_sweeps_) && !record.isTooLate(absent_after_sweeps_) &&
            subscriber.getNumPublishers() > 0;
   }
@@ -126,7 +126,7 @@ class MeasurementSources {
   std::deque<Source> sources_;
   ros::Subscriber check_subscriber_;
   std::optional<SweepFindings> findings_;
-  AnswerRecord check_record_;
+  SourceHealth check_record_;
   int check_points_ = -1;
   int sweep_points_ = -1;
   std::unique_ptr<tf2_ros::Buffer> tf_buffer_;

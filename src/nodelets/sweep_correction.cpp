@@ -32,7 +32,7 @@ class SweepCorrectionNodelet : public GraphNodelet {
     const PipelineParameters params = readPipelineParameters(node);
     corrector_ = std::make_unique<SweepCorrector>(params.sensor.vertical_angle, params.sensor.azimuth,
                                                   params.sensor.correctedTiming(), params.profile.sweep_correction,
-                                                  params.profile.level_keeping);
+                                                  params.profile.vertical_reference);
     check_ = std::make_unique<SweepCheck>(params.sensor.check);
     diagnosis_ = std::make_unique<CorrectionDiagnosis>(params.sensor.timing);
     publisher_ = node.advertise<sensor_msgs::PointCloud2>(topics::kSweepPoints, topics::kQueue);

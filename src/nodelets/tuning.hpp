@@ -14,9 +14,9 @@ struct FusionUkfTuning {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("use_point", self.registration.use_point);
-    v("use_plane", self.registration.use_plane);
-    v("use_corners", self.registration.use_corners);
+    v("use_icp_point_to_point", self.registration.use_icp_point_to_point);
+    v("use_icp_point_to_plane", self.registration.use_icp_point_to_plane);
+    v("use_corner_svd", self.registration.use_corner_svd);
     v("deadline_s", self.node.deadline_s);
     v("late_deadline_s", self.node.late_deadline_s);
     v("first_deadline_s", self.node.first_deadline_s);
@@ -46,13 +46,13 @@ struct FailAwareMonitorTuning {
     v("failing_s", self.monitor.thresholds.failing_s);
     v("degraded_s", self.monitor.thresholds.degraded_s);
     v("disagreement_m", self.monitor.disagreement_m);
-    v("min_information_share", self.monitor.min_information_share);
+    v("min_information_ratio", self.monitor.min_information_ratio);
   }
   void validate() const { monitor.validate(); }
 };
 
 struct IcpPointToPointTuning {
-  MultiplexIcp::Params icp;
+  IcpPointToPoint::Params icp;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -62,13 +62,13 @@ struct IcpPointToPointTuning {
     v("max_iterations", self.icp.max_iterations);
     v("max_distance_m", self.icp.max_distance_m);
     v("kernel_m", self.icp.kernel_m);
-    v("min_inlier_share", self.icp.min_inlier_share);
+    v("min_inlier_ratio", self.icp.min_inlier_ratio);
   }
   void validate() const { icp.validate(); }
 };
 
 struct IcpPointToPlaneTuning {
-  NormalFilteredIcp::Params icp;
+  IcpPointToPlane::Params icp;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

@@ -46,7 +46,7 @@ void Road::planBend() {
   const RoadCharacter& character = roadCharacter(kindAt(end()));
   const double heading = points_.back().heading_rad;
   appendPiece({random_.uniform(character.straight_min_m, character.straight_max_m), 0.0, 0.0});
-  const bool corner = random_.chance(character.right_angle_share);
+  const bool corner = random_.chance(character.right_angle_ratio);
   double radius = random_.uniform(character.bend_radius_min_m, character.bend_radius_max_m);
   double angle = random_.uniform(character.bend_angle_min_rad, character.bend_angle_max_rad);
   double ramp = std::min(0.3 * radius, 0.4 * angle * radius);

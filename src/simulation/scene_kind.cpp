@@ -78,10 +78,10 @@ ScenePlan ScenePlan::parse(const std::string& text, double duration_s) {
     plan.parts_.push_back(part);
   }
   if (plan.parts_.empty() || text.back() == ',') throw ParameterError("scene = " + text + ": a part is empty");
-  const double share_s = duration_s / static_cast<double>(plan.parts_.size());
+  const double ratio_s = duration_s / static_cast<double>(plan.parts_.size());
   for (ScenePart& part : plan.parts_) {
     const double mean_mps = kMeanSpeed * roadCharacter(part.kind).speed_mps;
-    if (part.length_m == 0.0) part.length_m = std::max(share_s * mean_mps, kShortest_m);
+    if (part.length_m == 0.0) part.length_m = std::max(ratio_s * mean_mps, kShortest_m);
   }
   plan.parts_.back().length_m = kInfinity;
   return plan;

@@ -70,10 +70,10 @@ int run(const Options& options) {
   char text[160];
   std::snprintf(text, sizeof(text),
                 "%d motions, %.0f m: the vehicle travels %+.3f deg off base_link's x axis, +- %.3f deg", found.motions,
-                found.way_m, found.direction_deg, found.sigma_deg);
+                found.distance_m, found.direction_deg, found.sigma_deg);
   std::cerr << kName << ": " << text << std::endl;
-  if (found.bends_share > kMostBends) {
-    std::cerr << kName << ": warning: nearly all of that may be the bend of these drives; give some with bends to both "
+  if (found.curvature_ratio > kMostBends) {
+    std::cerr << kName << ": warning: nearly all of that may be the curvature of these drives; give some with curvatures to both "
               << "sides, or straight on" << std::endl;
   } else if (found.sigma_deg > kUsefulSigma_deg) {
     std::cerr << kName << ": warning: that is not known to " << kUsefulSigma_deg
@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
     CLI::App app(
         "Finds sensor.azimuth.angle_deg from runs of offline_odometry, without ground truth: turned by it, the "
         "vehicle goes along base_link's x axis when it goes straight on. Use drives on ordinary roads, as many "
-        "bends to the left as to the right, on which the odometry was not lost; use what is printed with "
+        "curvatures to the left as to the right, on which the odometry was not lost; use what is printed with "
         "--parameters.\n"
         "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);

@@ -27,8 +27,8 @@ struct Options {
   std::optional<double> alert_limit_m;
   std::optional<double> eta_failed_by;
   double eta_passed_by = 0.05;
-  double late_share = 0.1;
-  double alarm_share = 0.05;
+  double late_ratio = 0.1;
+  double alarm_ratio = 0.05;
 };
 
 template <class Change>
@@ -62,20 +62,20 @@ int run(Options options) {
           options.eta_failed_by ? "too few failures" : "every episode failed, or eta did not grow");
   const std::optional<double> confidence =
       add("monitor.predictor.confidence",
-          confidenceForLateShare(
+          confidenceForLateRatio(
               [&](double tried) {
                 return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
                   m.predictor.confidence = tried;
                   m.predictor.alarm_confidence = std::min(m.predictor.alarm_confidence, tried);
                 });
               },
-              options.late_share),
+              options.late_ratio),
           "no run fails (give some that do), or predictions are late whatever it is (calibrate_noise first)");
   // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
   // than the one that the published time already bears.
   const CovariancePredictor::Params& given = runs.front().params.profile.monitor.predictor;
   const double largest = confidence.value_or(given.confidence);
-  std::optional<double> alarm = confidenceForAlarmShare(
+  std::optional<double> alarm = confidenceForAlarmRatio(
       [&](double tried) {
         return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
           if (threshold) m.indicator.threshold = *threshold;
@@ -83,7 +83,7 @@ int run(Options options) {
           m.predictor.alarm_confidence = tried;
         });
       },
-      options.alarm_share, std::min(kSmallestAlarmConfidence, largest), largest);
+      options.alarm_ratio, std::min(kSmallestAlarmConfidence, largest), largest);
   if (!alarm && given.alarm_confidence > largest) {
     alarm = largest;
     std::cerr << kName << ": monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm "
@@ -119,10 +119,10 @@ int main(int argc, char** argv) {
     app.add_option("--eta-failed-by", options.eta_failed_by,
                    "instead: share of the episodes that failed by eta's threshold (0.5: the article's meaning)")
         ->check(realNumber(0.0, 1.0));
-    app.add_option("--late", options.late_share, "share of late predictions that is borne")
+    app.add_option("--late", options.late_ratio, "share of late predictions that is borne")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
-    app.add_option("--alarm", options.alarm_share, "share of the time without a failure that the alarm may be up")
+    app.add_option("--alarm", options.alarm_ratio, "share of the time without a failure that the alarm may be up")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
     if (!parseArguments(app, argc, argv)) return kExitDone;

@@ -23,7 +23,7 @@ struct Options {
   std::string output;
 };
 
-constexpr double kLeastShare = 0.1;
+constexpr double kLeastRatio = 0.1;
 
 bool isOfDrift(const std::string& key) { return key.rfind("monitor.drift.", 0) == 0; }
 bool isOfIncrement(const std::string& key) { return key.rfind("filter.increment_", 0) == 0; }
@@ -34,7 +34,7 @@ void keepWhatWasNotSeen(const ParameterList& given, ParameterList& fitted) {
     const auto& [key, before] = given[i];
     if (!isOfDrift(key) || !std::holds_alternative<double>(before)) continue;
     const double before_value = std::get<double>(before), value = std::get<double>(fitted[i].second);
-    if (value >= kLeastShare * before_value) continue;
+    if (value >= kLeastRatio * before_value) continue;
     std::cerr << kName << ": " << key << " left as it is, " << before_value << ": these drives show " << value
               << ", which is too little to be believed; give more of them, or set it by hand\n";
     fitted[i].second = before_value;
@@ -69,7 +69,7 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Fits filter.increment_* and of monitor.drift measured_share, position_ and heading_per_root_metre, "
+        "Fits filter.increment_* and of monitor.drift measured_ratio, position_ and heading_per_root_metre, "
         "heading_bias and scale_bias to recorded runs with ground truth, by (Gaussian) maximum likelihood. The jitter "
         "of "
         "the moment (passing_*), tilt and the predictor's degrees_of_freedom stay as they are: choose them by the "

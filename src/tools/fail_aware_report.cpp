@@ -131,10 +131,10 @@ Json timesJson(const std::vector<FailAwareEpisode>& episodes, const Predictor& p
   }
   const LateStatistics late = lateStatistics(all);
   Json json;
-  json["late_share"] = late.lateShare();
-  json["late_share_of_failing"] = late.lateShareOfFailing();
+  json["late_ratio"] = late.lateRatio();
+  json["late_ratio_of_failing"] = late.lateRatioOfFailing();
   json["late_decided"] = late.decided;
-  json["jump_share"] = stability.jumpShare();
+  json["jump_ratio"] = stability.jumpRatio();
   json["sign_changes_per_minute"] = stability.signChangesPerMinute();
   json["reliability"] = Json::array();
   for (const ReliabilityBin& bin : reliabilityCurve(all, kReliabilityEdges_s)) {
@@ -156,19 +156,19 @@ Json alarmJson(const std::vector<FailAwareEpisode>& episodes, double early_s) {
   json["episodes"] = alarm.episodes;
   json["failing"] = alarm.failing;
   json["missed"] = alarm.missed;
-  json["missed_share"] = alarm.missedShare();
+  json["missed_ratio"] = alarm.missedRatio();
   json["false_alarms"] = alarm.false_alarms;
   json["false_alarms_per_hour"] = alarm.falseAlarmsPerHour();
   json["watched_s"] = alarm.watched_s;
-  json["alarm_share"] = alarm.alarmShare();
-  json["available_share"] = alarm.availableShare();
+  json["alarm_ratio"] = alarm.alarmRatio();
+  json["available_ratio"] = alarm.availableRatio();
   json["lead_p5_s"] = leads_s.empty() ? Json(nullptr) : Json(quantile(leads_s, 0.05));
   json["lead_p50_s"] = leads_s.empty() ? Json(nullptr) : Json(quantile(leads_s, 0.5));
-  const auto stopShare = [&](double deceleration_mps2) {
-    return alarm.failing == 0 ? Json(nullptr) : Json(alarm.stopShare(deceleration_mps2));
+  const auto stopRatio = [&](double deceleration_mps2) {
+    return alarm.failing == 0 ? Json(nullptr) : Json(alarm.stopRatio(deceleration_mps2));
   };
-  json["stop_in_time_2mps2"] = stopShare(2.0);
-  json["stop_in_time_4mps2"] = stopShare(4.0);
+  json["stop_in_time_2mps2"] = stopRatio(2.0);
+  json["stop_in_time_4mps2"] = stopRatio(4.0);
   return json;
 }
 
@@ -352,11 +352,11 @@ void printTable(std::ostream& out, const Json& reports) {
   out << '\n';
   path("episodes", "/episodes", 0);
   path("  failing", "/failing", 0);
-  path("  missed, %", "/missed_share", 1, 100.0);
+  path("  missed, %", "/missed_ratio", 1, 100.0);
   path("  true time to failure p50, s", "/failure_p50_s", 1);
   path("  eta at its threshold p50, s", "/eta_threshold_p50_s", 1);
-  path("alarm up before the failure, % of time", "/alarm_share", 1, 100.0);
-  path("available, % of time", "/available_share", 1, 100.0);
+  path("alarm up before the failure, % of time", "/alarm_ratio", 1, 100.0);
+  path("available, % of time", "/available_ratio", 1, 100.0);
   path("false alarms per hour", "/false_alarms_per_hour", 1);
   path("lead time p5, s", "/lead_p5_s", 1);
   path("lead time p50, s", "/lead_p50_s", 1);
@@ -374,9 +374,9 @@ void printTable(std::ostream& out, const Json& reports) {
   for (const Predictor& predictor : predictors()) {
     if (!predictor.seconds) continue;
     const std::string base = std::string("/times/") + predictor.name, name = std::string(" ") + predictor.name;
-    path("late" + name + ", %", base + "/late_share", 1, 100.0);
-    path("  of failing episodes, %", base + "/late_share_of_failing", 1, 100.0);
-    path("  jumps over 50 %, %", base + "/jump_share", 1, 100.0);
+    path("late" + name + ", %", base + "/late_ratio", 1, 100.0);
+    path("  of failing episodes, %", base + "/late_ratio_of_failing", 1, 100.0);
+    path("  jumps over 50 %, %", base + "/jump_ratio", 1, 100.0);
     path("  sign changes per minute", base + "/sign_changes_per_minute", 1);
   }
   for (std::size_t i = 0; i < kIntegrityRegions; ++i) {

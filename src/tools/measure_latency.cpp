@@ -108,7 +108,7 @@ class Observer {
     const std::lock_guard<std::mutex> lock(mutex_);
     view_.dropped += state->dropped_before;
     view_.deadline_missed += state->deadline_missed != 0;
-    view_.predicted_only += state->corrected == 0 && state->dt > 0.0;
+    view_.predicted_only += state->measurement_applied == 0 && state->dt > 0.0;
   }
 
   const bool keep_trajectory_;

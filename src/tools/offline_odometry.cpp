@@ -110,13 +110,13 @@ double maxRssMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-Json levelSummary(const LevelKeeping::Report& report) {
+Json levelSummary(const VerticalReference::Report& report) {
   return {{"looks", report.looks},
           {"tilt_deg", report.tilt_deg},
           {"tilt_sigma_deg", report.tilt_sigma_deg},
           {"drift_deg_per_m", report.drift_deg_per_m},
           {"drift_sigma_deg_per_m", report.drift_sigma_deg_per_m},
-          {"bend_deg_per_m", report.bend_deg_per_m}};
+          {"curvature_deg_per_m", report.curvature_deg_per_m}};
 }
 
 /// Null: not found.
@@ -214,7 +214,7 @@ int run(const Options& options) {
   results.write();
   Json summary = results.summary(options.first);
   summary["max_rss_mb"] = maxRssMb();
-  summary["level_keeping"] = levelSummary(pipeline.levelKeeping().report());
+  summary["vertical_reference"] = levelSummary(pipeline.verticalReference().report());
   summary["sweep_clock"] = clockSummary(pipeline.sweepClock());
   summary["threads"] = options.threads;
   summary["profile"] = options.files.profile;

@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t kStatuses = 5;
 
 void writeMeasurement(std::ostream& out, const Measurement& m) {
-  out << ',' << toString(m.status) << ',' << m.iterations << ',' << m.inlier_share << ',' << m.rms_residual_m << ','
-      << m.weak_directions;
+  out << ',' << toString(m.status) << ',' << m.iterations << ',' << m.inlier_ratio << ',' << m.rms_residual_m << ','
+      << m.degenerate_directions;
 }
 
 }  // namespace
@@ -43,15 +43,15 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   measurement_log_ << measurementLogHeader() << '\n';
   out_
       << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_point,weight_plane,weight_corners,nis_point,nis_plane,nis_"
+         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_icp_point_to_point,weight_icp_point_to_plane,weight_corner_svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_"
          "corners,nis_fused,"
-         "ms_total,ms_correction,ms_point,ms_plane,ms_corners,ms_fusion,ms_reference";
+         "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference";
   for (const char* name : {"point", "plane", "corners"}) {
-    for (const char* column : {"status", "iterations", "inlier_share", "rms_m", "weak_directions"}) {
+    for (const char* column : {"status", "iterations", "inlier_ratio", "rms_m", "degenerate_directions"}) {
       out_ << ',' << name << '_' << column;
     }
   }
-  out_ << ",seed_spread_m,min_information_share,disagreement_m,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw,speed_mps,"
+  out_ << ",seed_spread_m,min_information_ratio,disagreement_m,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw,speed_mps,"
           "yaw_rate_rps,odom_sigma_x,odom_sigma_y,odom_sigma_z,odom_sigma_roll,odom_sigma_pitch,odom_sigma_yaw\n";
 }
 
@@ -67,10 +67,10 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < w.size() ? w[i] : 0.0);
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < nis.size() ? nis[i] : -1.0);
   const StageTimes& t = r.times;
-  out_ << ',' << (r.state.corrected ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ',' << t.correction_ms << ','
+  out_ << ',' << (r.state.measurement_applied ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ',' << t.correction_ms << ','
        << t.point_ms << ',' << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ',' << t.reference_ms;
   for (const Measurement* measurement : {&r.point, &r.plane, &r.corners}) writeMeasurement(out_, *measurement);
-  out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_share << ',' << r.state.fusion.disagreement_m;
+  out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_ratio << ',' << r.state.fusion.disagreement_m;
   const Matrix6d& c = m.covariance_since_start;
   for (const double entry : {c(0, 0), c(0, 1), c(1, 1), c(2, 2), c(5, 5)}) out_ << ',' << entry;
   const double dt_s = r.state.dt_s;

@@ -10,8 +10,8 @@
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
 #include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/core/registration/corner_extraction.hpp"
-#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
-#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 
@@ -128,9 +128,9 @@ void findPlane(benchmark::State& state) {
 BENCHMARK(findPlane);
 
 void multiplexIcp(benchmark::State& state) {
-  MultiplexIcp::Params params;
+  IcpPointToPoint::Params params;
   params.seeds = static_cast<int>(state.range(0));
-  const MultiplexIcp icp(params);
+  const IcpPointToPoint icp(params);
   for (auto _ : state) {
     benchmark::DoNotOptimize(
         icp.align(scene().cloud.point_points_cog, scene().map, scene().T_odom_cog_guess, scene().covariance));
@@ -139,7 +139,7 @@ void multiplexIcp(benchmark::State& state) {
 BENCHMARK(multiplexIcp)->Arg(1)->Arg(8)->ArgName("seeds")->Unit(benchmark::kMillisecond);
 
 void normalFilteredIcp(benchmark::State& state) {
-  const NormalFilteredIcp icp{NormalFilteredIcp::Params()};
+  const IcpPointToPlane icp{IcpPointToPlane::Params()};
   for (auto _ : state) {
     benchmark::DoNotOptimize(icp.align(scene().cloud.plane_points_cog, scene().map, scene().T_odom_cog_guess, 0.004));
   }

@@ -100,25 +100,25 @@ TEST(GraphMessages, measurementThereAndBack) {
   measurement.T_odom_cog = somePose(3.0);
   measurement.covariance = someCovariance();
   measurement.rms_residual_m = 0.04;
-  measurement.inlier_share = 0.7;
+  measurement.inlier_ratio = 0.7;
   measurement.inliers = 123;
   measurement.iterations = 9;
   measurement.seed_spread_m = 0.02;
-  measurement.weak_directions = 2;
-  measurement.min_information_share = 0.3;
-  measurement.interval_doubted = true;
+  measurement.degenerate_directions = 2;
+  measurement.min_information_ratio = 0.3;
+  measurement.clock_jump_suspected = true;
   const Measurement back = fromMessage(toMessage(measurement, "x", someHeader()));
   EXPECT_EQ(back.status, measurement.status);
-  EXPECT_TRUE(back.interval_doubted);
+  EXPECT_TRUE(back.clock_jump_suspected);
   EXPECT_TRUE(back.T_odom_cog.isApprox(measurement.T_odom_cog, 1e-14));
   EXPECT_EQ(back.covariance, measurement.covariance);
   EXPECT_EQ(back.rms_residual_m, 0.04);
-  EXPECT_EQ(back.inlier_share, 0.7);
+  EXPECT_EQ(back.inlier_ratio, 0.7);
   EXPECT_EQ(back.inliers, 123u);
   EXPECT_EQ(back.iterations, 9);
   EXPECT_EQ(back.seed_spread_m, 0.02);
-  EXPECT_EQ(back.weak_directions, 2);
-  EXPECT_EQ(back.min_information_share, 0.3);
+  EXPECT_EQ(back.degenerate_directions, 2);
+  EXPECT_EQ(back.min_information_ratio, 0.3);
 }
 
 TEST(GraphMessages, measurementThatIsNoPoseIsNotFinite) {
@@ -132,11 +132,11 @@ TEST(GraphMessages, measurementThatIsNoPoseIsNotFinite) {
 
 TEST(GraphMessages, whatAMeasurementSaysOfItselfIsFinite) {
   messages::PoseMeasurement message;
-  message.rms_residual = message.inlier_share = std::numeric_limits<double>::quiet_NaN();
-  message.seed_spread = message.min_information_share = std::numeric_limits<double>::infinity();
+  message.rms_residual = message.inlier_ratio = std::numeric_limits<double>::quiet_NaN();
+  message.seed_spread = message.min_information_ratio = std::numeric_limits<double>::infinity();
   const Measurement measurement = fromMessage(message);
-  for (const double value : {measurement.rms_residual_m, measurement.inlier_share, measurement.seed_spread_m,
-                             measurement.min_information_share}) {
+  for (const double value : {measurement.rms_residual_m, measurement.inlier_ratio, measurement.seed_spread_m,
+                             measurement.min_information_ratio}) {
     EXPECT_EQ(value, 0.0);
   }
 }
@@ -147,13 +147,13 @@ FilterState someState() {
   state.T_odom_cog = somePose(4.0);
   state.covariance = someCovariance();
   state.sigma_yaw_rad = 0.003;
-  state.corrected = true;
+  state.measurement_applied = true;
   state.map_update = MapUpdate::kRestart;
   state.T_previous_now = somePose(1.2);
   state.increment_covariance = 0.1 * someCovariance();
   state.unobserved_covariance = 0.01 * someCovariance();
   state.speed_error = {2.5, 0.75};
-  state.interval_wrong = true;
+  state.clock_jump = true;
   state.set_back_s = 0.3;
   state.stamp_error_s = 0.007;
   state.started = false;
@@ -180,14 +180,14 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_TRUE(back->T_odom_cog.isApprox(state.T_odom_cog, 1e-14));
   EXPECT_EQ(back->covariance, state.covariance);
   EXPECT_EQ(back->sigma_yaw_rad, state.sigma_yaw_rad);
-  EXPECT_TRUE(back->corrected);
+  EXPECT_TRUE(back->measurement_applied);
   EXPECT_EQ(back->map_update, MapUpdate::kRestart);
   EXPECT_TRUE(back->T_previous_now.isApprox(state.T_previous_now, 1e-14));
   EXPECT_EQ(back->increment_covariance, state.increment_covariance);
   EXPECT_EQ(back->unobserved_covariance, state.unobserved_covariance);
   EXPECT_EQ(back->speed_error.variance_m2_s2, 2.5);
   EXPECT_EQ(back->speed_error.kept, 0.75);
-  EXPECT_TRUE(back->interval_wrong);
+  EXPECT_TRUE(back->clock_jump);
   EXPECT_EQ(back->set_back_s, 0.3);
   EXPECT_EQ(back->stamp_error_s, 0.007);
   EXPECT_FALSE(back->started);
@@ -206,7 +206,7 @@ TEST(GraphMessages, stateThereAndBack) {
 TEST(GraphMessages, conditionTellsWhatIsMissing) {
   Measurement ok;
   ok.status = MeasurementStatus::kOk;
-  ok.min_information_share = 0.25;
+  ok.min_information_ratio = 0.25;
   SweepAccount account;
   account.sources = {{kIcpPointToPoint, Measurement()}, {kIcpPointToPlane, ok}, {kCornerSvd, std::nullopt}};
   account.sweep_points = 0;
@@ -222,7 +222,7 @@ TEST(GraphMessages, conditionTellsWhatIsMissing) {
   EXPECT_TRUE(condition.point_missing);
   EXPECT_FALSE(condition.plane_missing);
   EXPECT_TRUE(condition.corners_missing);
-  EXPECT_EQ(condition.min_information_share, 0.25);
+  EXPECT_EQ(condition.min_information_ratio, 0.25);
   account.sweep_points = -1;
   EXPECT_FALSE(conditionOf(toMessage(someState(), account, someHeader())).empty);
   account.sources.pop_back();
@@ -236,14 +236,14 @@ TEST(GraphMessages, conditionTellsWhatTheSweepsCheckFound) {
   findings.incomplete = findings.frozen = true;
   findings.repetitions = 4;
   findings.middle_s = -0.05;
-  findings.far_share = 0.25;
+  findings.far_ratio = 0.25;
   findings.azimuth_coverage = 0.5;
   const messages::SweepCheck check = toMessage(findings, 77, someHeader());
   EXPECT_EQ(check.points, 77);
   account.findings = fromMessage(check);
   EXPECT_EQ(account.findings->repetitions, 4);
   EXPECT_EQ(account.findings->middle_s, -0.05);
-  EXPECT_EQ(account.findings->far_share, 0.25);
+  EXPECT_EQ(account.findings->far_ratio, 0.25);
   EXPECT_EQ(account.findings->azimuth_coverage, 0.5);
   account.sources = {{"gps", std::nullopt, false}};
   SweepCondition condition = conditionOf(toMessage(someState(), account, someHeader()));

@@ -215,7 +215,7 @@ TEST(OdometryPipeline, OverEmptySweepsTheModelCarriesThePose) {
     const SweepResult& r = results[i];
     const bool lost = sweeps[i].empty();
     EXPECT_EQ(r.status, lost ? SweepStatus::kPredicted : SweepStatus::kCorrected) << i;
-    EXPECT_EQ(r.state.corrected, !lost) << i;
+    EXPECT_EQ(r.state.measurement_applied, !lost) << i;
     expectNear(r, kDrive.T_odom_base(static_cast<double>(i) * kPeriod_s), lost ? 0.15 : 0.06,
                "sweep " + std::to_string(i));
     constexpr std::uint32_t kLost = kReasonSweepEmpty | kReasonNoMeasurement | kReasonPredictionOnly;
@@ -509,9 +509,9 @@ TEST(OdometryPipeline, MeasurementsCanBeLeftOut) {
   const std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 5);
   const auto lastWith = [&](bool point, bool plane, bool corners) {
     PipelineParameters params = streetParameters();
-    params.profile.registration.use_point = point;
-    params.profile.registration.use_plane = plane;
-    params.profile.registration.use_corners = corners;
+    params.profile.registration.use_icp_point_to_point = point;
+    params.profile.registration.use_icp_point_to_plane = plane;
+    params.profile.registration.use_corner_svd = corners;
     OdometryPipeline pipeline(params, 2);
     return run(pipeline, sweeps).back();
   };

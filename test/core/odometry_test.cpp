@@ -36,9 +36,9 @@ Parameters parameters() {
 
 TEST(Odometry, GivesThePipelinesResults) {
   Parameters chosen = parameters();
-  chosen.overrides = {{"registration.use_corners", "false"}};
+  chosen.overrides = {{"registration.use_corner_svd", "false"}};
   PipelineParameters same = loadPipelineParameters({FAIL_AWARE_SOURCE_CFG});
-  setParameter(same, "registration.use_corners=false");
+  setParameter(same, "registration.use_corner_svd=false");
   Odometry odometry(chosen, 1);
   OdometryPipeline pipeline(same, 1);
   odometry.startRedundant();

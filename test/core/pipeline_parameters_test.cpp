@@ -43,7 +43,7 @@ TEST(PipelineParameters, KeysAreUniqueAndTheProfilesStandWithoutAPrefix) {
   for (const char* key :
        {"sensor.timing.source", "sensor.vertical_angle.angle_deg", "sensor.azimuth.angle_deg", "sensor.lidar_in_base",
         "vehicle.dynamics.mass_kg", "vehicle.cog_in_base", "sweep_correction.enabled", "model.six_dof",
-        "history.window_sweeps", "registration.reference.voxels.voxel_size_m", "registration.plane.kernel_m",
+        "history.window_sweeps", "registration.reference.voxels.voxel_size_m", "registration.icp_point_to_plane.kernel_m",
         "monitor.indicator.threshold"}) {
     EXPECT_EQ(keys.count(key), 1u) << key;
   }
@@ -57,15 +57,15 @@ TEST(PipelineParameters, MessagesCarryTheFullName) {
                           "vehicle.dynamics.mass_kg",
                           "model.sigma_x_m",
                           "filter.increment_scale",
-                          "filter.coasting.acceleration_mps2",
+                          "filter.dead_reckoning.acceleration_mps2",
                           "registration.cloud.map_voxel_m",
                           "registration.reference.range_m",
                           "registration.reference.voxels.voxel_size_m",
                           "registration.initialization.standstill_m",
-                          "registration.point.kernel_m",
-                          "registration.point.observability.min_information_share",
-                          "registration.plane.kernel_m",
-                          "registration.plane.observability.min_information_share",
+                          "registration.icp_point_to_point.kernel_m",
+                          "registration.icp_point_to_point.observability.min_information_ratio",
+                          "registration.icp_point_to_plane.kernel_m",
+                          "registration.icp_point_to_plane.observability.min_information_ratio",
                           "registration.corner_extraction.max_corner_gap_m",
                           "fusion.gate_sigma",
                           "monitor.rate_window_s",
@@ -105,16 +105,16 @@ TEST(PipelineParameters, EveryFieldRefusesWhatCannotBe) {
 
 TEST(PipelineParameters, OneOfTheIcpsMustBeUsed) {
   PipelineParameters params;
-  params.profile.registration.use_corners = params.profile.registration.use_plane = false;
+  params.profile.registration.use_corner_svd = params.profile.registration.use_icp_point_to_plane = false;
   EXPECT_EQ(refusal(params), kNoError);
-  params.profile.registration.use_corners = true;
-  params.profile.registration.use_point = false;
-  EXPECT_TRUE(startsWith(refusal(params), "registration.use_point = false")) << refusal(params);
+  params.profile.registration.use_corner_svd = true;
+  params.profile.registration.use_icp_point_to_point = false;
+  EXPECT_TRUE(startsWith(refusal(params), "registration.use_icp_point_to_point = false")) << refusal(params);
 }
 
 TEST(PipelineParameters, AStructAloneNamesWhatItKnows) {
   RegistrationParameters registration;
-  registration.plane.observability.lever_m = -1.0;
+  registration.icp_point_to_plane.observability.lever_m = -1.0;
   try {
     registration.validate();
     FAIL();

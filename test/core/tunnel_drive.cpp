@@ -65,8 +65,8 @@ TEST(Tunnel, EnteredAtAKnownSpeedItIsCoastedThrough) {
   EXPECT_LT(error_m, 2.0 * last.sigma_m);
   EXPECT_GT(last.sigma_m, 1.0) << "it says that it does not know the place along the tunnel";
   EXPECT_LT(std::sqrt(last.result.state.fusion.R(1, 1)), 0.1) << "but across";
-  EXPECT_GT(last.result.plane.weak_directions, 0);
-  EXPECT_GT(last.result.point.weak_directions, 0);
+  EXPECT_GT(last.result.plane.degenerate_directions, 0);
+  EXPECT_GT(last.result.point.degenerate_directions, 0);
   EXPECT_LT(last.result.T_odom_base.translation().tail<2>().norm(), 0.5);
 }
 
@@ -90,7 +90,7 @@ TEST(Tunnel, BegunInsideAnUnknownSpeedIsNoConfidentStandstill) {
 
 TEST(Tunnel, BegunInsideTheReliefOfTheRoadTellsTheSpeed) {
   Tunnel tunnel;
-  tunnel.relief_m = 0.006;
+  tunnel.profile_m = 0.006;
   const std::vector<Sample> samples = drive(tunnel, 120.0, 12.0, 50);
   for (std::size_t i = 20; i < samples.size(); ++i) ASSERT_NEAR(speedOf(samples[i]), 12.0, 0.8) << i;
   const double driven_m = samples.back().driven_m - samples[20].driven_m;

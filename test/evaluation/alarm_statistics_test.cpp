@@ -36,11 +36,11 @@ TEST(AlarmStatistics, CountsByHand) {
   EXPECT_EQ(s.episodes, 3u);
   EXPECT_EQ(s.failing, 2u);
   EXPECT_EQ(s.missed, 1u);
-  EXPECT_DOUBLE_EQ(s.missedShare(), 0.5);
+  EXPECT_DOUBLE_EQ(s.missedRatio(), 0.5);
   EXPECT_NEAR(s.watched_s, 2.4, 1e-9);
   EXPECT_NEAR(s.alarm_s, 0.6, 1e-9);
-  EXPECT_NEAR(s.alarmShare(), 0.25, 1e-9);
-  EXPECT_NEAR(s.availableShare(), 1.7 / 2.4, 1e-9);
+  EXPECT_NEAR(s.alarmRatio(), 0.25, 1e-9);
+  EXPECT_NEAR(s.availableRatio(), 1.7 / 2.4, 1e-9);
   EXPECT_EQ(s.false_alarms, 1u) << "the first's, 0.4 s before its failure; the third's run ends 0.2 s after it";
   EXPECT_NEAR(s.falseAlarmsPerHour(), 3600.0 / 1.8, 1e-6);
   EXPECT_EQ(alarmStatistics(episodes, 0.45).false_alarms, 0u);
@@ -74,14 +74,14 @@ TEST(AlarmStatistics, TheLeadMustSufficeForAStop) {
   // 4 m/s: 2 s at 2 m/s^2, 1 s at 4 m/s^2; the alarm comes 1.5 s before the failure
   const std::string states = "oooooFFFFFFFFFFFFFFFX";
   const AlarmStatistics s = alarmStatistics({madeUpEpisode(states, 20, 4.0), madeUpEpisode("ooooo", 4, 4.0)});
-  EXPECT_DOUBLE_EQ(s.stopShare(2.0), 0.0);
-  EXPECT_DOUBLE_EQ(s.stopShare(4.0), 0.5) << "a missed failure counts as none";
+  EXPECT_DOUBLE_EQ(s.stopRatio(2.0), 0.0);
+  EXPECT_DOUBLE_EQ(s.stopRatio(4.0), 0.5) << "a missed failure counts as none";
 }
 
 TEST(AlarmStatistics, WithoutEpisodesAllIsZero) {
   const AlarmStatistics s = alarmStatistics({});
-  EXPECT_EQ(s.missedShare(), 0.0);
-  EXPECT_EQ(s.alarmShare(), 0.0);
+  EXPECT_EQ(s.missedRatio(), 0.0);
+  EXPECT_EQ(s.alarmRatio(), 0.0);
   EXPECT_EQ(s.falseAlarmsPerHour(), 0.0);
 }
 

@@ -20,7 +20,7 @@ struct Drive {
   double azimuth_deg = 0.0;
   double slip_s2_per_m = 0.0;
   double noise_m = 0.0;  ///< sideways, a sweep
-  double bends = 0.4;    ///< largest yaw rate, rad/s
+  double curvatures = 0.4;    ///< largest yaw rate, rad/s
   double least_mps = 5.0, most_mps = 15.0;
   int sweeps = 400;
 
@@ -37,7 +37,7 @@ struct Drive {
       for (int k = 0; k < kSteps; ++k) {
         const double t = 0.1 * (i + static_cast<double>(k) / kSteps) + seed;
         const double speed = 0.5 * (least_mps + most_mps) + 0.5 * (most_mps - least_mps) * std::sin(0.23 * t);
-        const double yaw_rate = bends * std::sin(0.41 * t) * 5.0 / speed;
+        const double yaw_rate = curvatures * std::sin(0.41 * t) * 5.0 / speed;
         const double slip = -slip_s2_per_m * speed * yaw_rate;
         T_axle = T_axle * at(speed * std::cos(slip) * kDt_s / kSteps, speed * std::sin(slip) * kDt_s / kSteps, 0.0,
                              yaw_rate * kDt_s / kSteps);
@@ -56,14 +56,14 @@ TEST(AzimuthCalibration, FindsTheAzimuthWhateverTheLeverAndTheSlip) {
     drive.azimuth_deg = 0.7;
     drive.slip_s2_per_m = slip_s2_per_m;
     const std::vector<Pose> poses = drive.trajectory(0);
-    double way_m = 0.0;
+    double distance_m = 0.0;
     for (std::size_t i = 1; i < poses.size(); ++i)
-      way_m += (poses[i].translation() - poses[i - 1].translation()).norm();
+      distance_m += (poses[i].translation() - poses[i - 1].translation()).norm();
     const DirectionOfTravel found = directionOfTravel({poses});
     EXPECT_NEAR(found.direction_deg, 0.7, 0.002) << slip_s2_per_m;
     EXPECT_LT(found.sigma_deg, 0.002);
     EXPECT_EQ(found.motions, drive.sweeps - 1);
-    EXPECT_NEAR(found.way_m, way_m, 1.0);
+    EXPECT_NEAR(found.distance_m, distance_m, 1.0);
   }
 }
 
@@ -97,7 +97,7 @@ TEST(AzimuthCalibration, DrivesAreTakenTogether) {
 TEST(AzimuthCalibration, StraightOnAtOneSpeedWillDo) {
   Drive straight;
   straight.azimuth_deg = 0.25;
-  straight.bends = 0.0;
+  straight.curvatures = 0.0;
   straight.least_mps = straight.most_mps = 10.0;
   EXPECT_NEAR(directionOfTravel({straight.trajectory(1)}).direction_deg, 0.25, 1e-6);
 }
@@ -136,9 +136,9 @@ TEST(AzimuthCalibration, HugeMotionsAreNoMotions) {
 TEST(AzimuthCalibration, ASteadyBendIsSaidToTellNothing) {
   std::vector<Pose> circle = {Pose::Identity()};
   for (int i = 0; i < 200; ++i) circle.push_back(circle.back() * at(1.0, 0.0, 0.0, 0.02));
-  EXPECT_GT(directionOfTravel({circle}).bends_share, 0.99);
+  EXPECT_GT(directionOfTravel({circle}).curvature_ratio, 0.99);
   Drive both_sides;
-  EXPECT_LT(directionOfTravel({both_sides.trajectory(1)}).bends_share, 0.2);
+  EXPECT_LT(directionOfTravel({both_sides.trajectory(1)}).curvature_ratio, 0.2);
 }
 
 TEST(AzimuthCalibration, AWayThatIsNotAheadIsRefused) {

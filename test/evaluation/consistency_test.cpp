@@ -27,7 +27,7 @@ TEST(Consistency, NoValueWithoutACovariance) {
   EXPECT_FALSE(normalisedErrorSquared(Eigen::Vector2d(std::nan(""), 0.0), Eigen::Matrix2d::Identity()));
 }
 
-TEST(Consistency, TrueCovariancesGiveOneAndTheGaussianShares) {
+TEST(Consistency, TrueCovariancesGiveOneAndTheGaussianRatios) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   std::vector<double> six, two, overconfident;

@@ -19,7 +19,7 @@ FailAwareEpisode withEta(int sweeps, int fails_at) {
   return episode;
 }
 
-TEST(FailAwareCalibration, EtasThresholdIsItsValueWhereThatShareFailed) {
+TEST(FailAwareCalibration, EtasThresholdIsItsValueWhereThatRatioFailed) {
   const std::vector<FailAwareEpisode> episodes = {withEta(100, 20), withEta(100, 40), withEta(100, 60),
                                                   withEta(100, 80)};
   EXPECT_NEAR(etaThreshold(episodes, 0.25).value(), 20e-5, 1e-12);
@@ -57,11 +57,11 @@ TEST(FailAwareCalibration, TheLargestAlarmConfidenceThatIsSeldomUp) {
     }
     return episodes;
   };
-  EXPECT_NEAR(confidenceForAlarmShare(episodes_with, 0.2, 0.05, 0.95).value(), 0.2, 0.011);
-  EXPECT_EQ(confidenceForAlarmShare(episodes_with, 1.0, 0.05, 0.95).value(), 0.95);
-  EXPECT_FALSE(confidenceForAlarmShare(episodes_with, 0.0, 0.05, 0.95));
+  EXPECT_NEAR(confidenceForAlarmRatio(episodes_with, 0.2, 0.05, 0.95).value(), 0.2, 0.011);
+  EXPECT_EQ(confidenceForAlarmRatio(episodes_with, 1.0, 0.05, 0.95).value(), 0.95);
+  EXPECT_FALSE(confidenceForAlarmRatio(episodes_with, 0.0, 0.05, 0.95));
   const auto failing = [](double) { return std::vector<FailAwareEpisode>{madeUpEpisode("XXXXXXXXXXXXXXXX", 12)}; };
-  EXPECT_FALSE(confidenceForAlarmShare(failing, 0.2, 0.05, 0.95)) << "no time without a failure to judge by";
+  EXPECT_FALSE(confidenceForAlarmRatio(failing, 0.2, 0.05, 0.95)) << "no time without a failure to judge by";
 }
 
 TEST(FailAwareCalibration, TheSmallestConfidenceThatIsSeldomLate) {
@@ -78,11 +78,11 @@ TEST(FailAwareCalibration, TheSmallestConfidenceThatIsSeldomLate) {
     return episodes;
   };
   // late at most once: the prediction must be at most 2 s
-  const double confidence = confidenceForLateShare(episodes_with, 0.1).value();
+  const double confidence = confidenceForLateRatio(episodes_with, 0.1).value();
   EXPECT_NEAR(confidence, 1.0 - 2.0 / 10.4, 0.0035);
   EXPECT_LE(10.4 * (1.0 - confidence), 2.0);
-  EXPECT_EQ(confidenceForLateShare(episodes_with, 1.0).value(), 0.5);
-  EXPECT_FALSE(confidenceForLateShare(episodes_with, 0.1, 0.5, 0.6));
+  EXPECT_EQ(confidenceForLateRatio(episodes_with, 1.0).value(), 0.5);
+  EXPECT_FALSE(confidenceForLateRatio(episodes_with, 0.1, 0.5, 0.6));
 }
 
 TEST(FailAwareCalibration, AConfidenceNearOneIsFoundAsWell) {
@@ -93,7 +93,7 @@ TEST(FailAwareCalibration, AConfidenceNearOneIsFoundAsWell) {
         TimeToFailure::fromSeconds(10.0 + 2.0 * std::log10(1.0 - confidence), 60.0);
     return std::vector<FailAwareEpisode>{episode};
   };
-  EXPECT_NEAR(1.0 - confidenceForLateShare(episodes_with, 0.0).value(), 1e-4, 2.1e-6);
+  EXPECT_NEAR(1.0 - confidenceForLateRatio(episodes_with, 0.0).value(), 1e-4, 2.1e-6);
   EXPECT_LT(CovariancePredictor::Params().confidence, kLargestConfidence) << "what is shipped can be found";
 }
 

@@ -23,7 +23,7 @@ struct Drive {
       input.state.dt_s = i == 0 ? 0.0 : 0.1;
       input.state.T_odom_cog.translation() << i, drift_m * i, 0.0;
       if (i > 0) input.state.T_previous_now.translation() << 1.0, drift_m, 0.0;
-      input.state.corrected = true;
+      input.state.measurement_applied = true;
       input.state.motion_status = MotionStatus::kObserved;
       input.state.fusion.valid_inputs = 3;
       input.state.fusion.confirmed = true;

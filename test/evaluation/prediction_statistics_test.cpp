@@ -16,7 +16,7 @@ TEST(PredictionStatistics, LateIsLongerThanTheTruth) {
                                            {1.0, 10.0, true, TimeToFailure::unknown()}});
   EXPECT_EQ(s.decided, 5u);
   EXPECT_EQ(s.late, 2u);
-  EXPECT_DOUBLE_EQ(s.lateShare(), 0.4);
+  EXPECT_DOUBLE_EQ(s.lateRatio(), 0.4);
 }
 
 TEST(PredictionStatistics, WithoutAFailureOnlyShorterPredictionsAreDecided) {
@@ -24,9 +24,9 @@ TEST(PredictionStatistics, WithoutAFailureOnlyShorterPredictionsAreDecided) {
       {{1.0, 10.0, false, seconds(9.0)}, {1.0, 10.0, false, seconds(11.0)}, {1.0, 10.0, true, seconds(11.0)}});
   EXPECT_EQ(s.decided, 2u);
   EXPECT_EQ(s.failing_decided, 1u);
-  EXPECT_DOUBLE_EQ(s.lateShare(), 0.5);
-  EXPECT_DOUBLE_EQ(s.lateShareOfFailing(), 1.0);
-  EXPECT_EQ(lateStatistics({}).lateShare(), 0.0);
+  EXPECT_DOUBLE_EQ(s.lateRatio(), 0.5);
+  EXPECT_DOUBLE_EQ(s.lateRatioOfFailing(), 1.0);
+  EXPECT_EQ(lateStatistics({}).lateRatio(), 0.0);
 }
 
 TEST(PredictionStatistics, ACountdownIsSteady) {
@@ -50,8 +50,8 @@ TEST(PredictionStatistics, JumpsAndSignChangesByHand) {
   EXPECT_EQ(s.jumps, 1u);
   EXPECT_EQ(s.sign_changes, 2u);
   EXPECT_DOUBLE_EQ(s.signChangesPerMinute(), 30.0);
-  EXPECT_DOUBLE_EQ(s.jumpShare(), 0.25);
-  EXPECT_DOUBLE_EQ((s + s).jumpShare(), 0.25);
+  EXPECT_DOUBLE_EQ(s.jumpRatio(), 0.25);
+  EXPECT_DOUBLE_EQ((s + s).jumpRatio(), 0.25);
   EXPECT_EQ((s + s).steps, 8u);
 }
 

@@ -173,7 +173,7 @@ void predictions(FieldSource& source) {
   PipelineParameters params;
   params.sensor.azimuth.angle_deg = params.sensor.vertical_angle.angle_deg = 0.25;
   SweepCorrector corrector(params.sensor.vertical_angle, params.sensor.azimuth, params.sensor.correctedTiming(),
-                           params.profile.sweep_correction, params.profile.level_keeping);
+                           params.profile.sweep_correction, params.profile.vertical_reference);
   for (int sweeps = 0; sweeps < 3; ++sweeps) {
     const std::optional<SweepTask> task = fromMessage(source.message<messages::SweepPrediction>());
     if (!task) continue;
@@ -197,8 +197,8 @@ void predictions(FieldSource& source) {
 
 Measurement measurement(const messages::PoseMeasurement& message) {
   const Measurement measurement = fromMessage(message);
-  promise(std::isfinite(measurement.rms_residual_m) && std::isfinite(measurement.inlier_share) &&
-              std::isfinite(measurement.seed_spread_m) && std::isfinite(measurement.min_information_share),
+  promise(std::isfinite(measurement.rms_residual_m) && std::isfinite(measurement.inlier_ratio) &&
+              std::isfinite(measurement.seed_spread_m) && std::isfinite(measurement.min_information_ratio),
           "a measurement's numbers are finite");
   promise(measurement.T_odom_cog.linear().allFinite(), "a measurement's rotation is finite");
   return measurement;

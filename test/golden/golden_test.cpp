@@ -28,7 +28,7 @@ namespace {
 
 struct Tolerance {
   double position_m, angle_rad;
-  double share_of_variance;  ///< of sqrt(Pii Pjj), for P(i, j)
+  double ratio_of_variance;  ///< of sqrt(Pii Pjj), for P(i, j)
   double covariance;         ///< m^2, m rad, rad^2, where that is less
 };
 constexpr Tolerance kWhereItWasMade{1e-6, 1e-6, 1e-3, 1e-6};
@@ -91,8 +91,8 @@ std::vector<Row> drive(double wider = 0.0) {
   const synthetic::Street street;
   const synthetic::Drive drive;
   PipelineParameters params = synthetic::streetParameters();
-  params.profile.registration.point.kernel_m *= 1.0 + wider;
-  params.profile.registration.plane.kernel_m *= 1.0 + wider;
+  params.profile.registration.icp_point_to_point.kernel_m *= 1.0 + wider;
+  params.profile.registration.icp_point_to_plane.kernel_m *= 1.0 + wider;
   OdometryPipeline pipeline(params, 1);
   pipeline.startRedundant();
   std::vector<Row> rows;
@@ -161,7 +161,7 @@ std::string difference(const Row& now, const Row& committed, const Tolerance& to
       for (std::size_t j = i; j < 6; ++j) {
         const double size = std::sqrt(committed[columnOf(block, i, i)] * committed[columnOf(block, j, j)]);
         const std::size_t column = columnOf(block, i, j);
-        if (differs(column, std::min(tolerance.covariance, tolerance.share_of_variance * size)))
+        if (differs(column, std::min(tolerance.covariance, tolerance.ratio_of_variance * size)))
           return text(block.name, column);
       }
     }

@@ -136,7 +136,7 @@ class Python : public Installed {
 /// Numbers as hexadecimal floats: the same bits as in C++.
 TEST_F(Python, GivesTheSameBits) {
   const ToolRun run = python(R"(
-odometry = fail_aware.Odometry(parameters={"registration.use_corners": False, "sensor.lidar_in_base": (0.1, 0, 1.7, 0, 0, 0)})
+odometry = fail_aware.Odometry(parameters={"registration.use_corner_svd": False, "sensor.lidar_in_base": (0.1, 0, 1.7, 0, 0, 0)})
 odometry.start_redundant()
 for i, path in enumerate(sorted(pathlib.Path(sys.argv[1], "velodyne").iterdir())):
     points = numpy.fromfile(path, dtype=numpy.float32).reshape(-1, 4)[:, :3]
@@ -147,7 +147,7 @@ for i, path in enumerate(sorted(pathlib.Path(sys.argv[1], "velodyne").iterdir())
 )");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   Parameters parameters;
-  parameters.overrides = {{"registration.use_corners", "false"}, {"sensor.lidar_in_base", "[0.1, 0, 1.7, 0, 0, 0]"}};
+  parameters.overrides = {{"registration.use_corner_svd", "false"}, {"sensor.lidar_in_base", "[0.1, 0, 1.7, 0, 0, 0]"}};
   Odometry odometry(parameters);
   odometry.startRedundant();
   std::istringstream lines(run.out);

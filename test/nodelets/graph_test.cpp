@@ -91,7 +91,7 @@ TEST(Graph, everyCloudHasItsEstimateAndItIsOfflines) {
     const SweepResult expected = offline.step(sweep);
     const messages::FilterState& state = graph.states.at(stamp);
     EXPECT_FALSE(state.deadline_missed);
-    EXPECT_EQ(state.corrected != 0, expected.state.corrected) << "sweep " << i;
+    EXPECT_EQ(state.measurement_applied != 0, expected.state.measurement_applied) << "sweep " << i;
     const Vector6d error = logSe3(expected.T_odom_base.inverse() * graph.T_odom_base(stamp));
     EXPECT_LT(error.head<3>().norm(), 1e-4) << "sweep " << i;
     EXPECT_LT(error.tail<3>().norm(), 1e-5) << "sweep " << i;

@@ -291,9 +291,9 @@ TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
   drive(0, 5);
   const Pose T_new_old = poseFromVector((Vector6d() << 500.0, -200.0, 3.0, 0.0, 0.0, 2.0).finished());
   publisher.publish(poseMessage(T_new_old * poseAt(5), 0.1, 0.01, "map", stampOfSweep(5)));  // refused
-  const auto epoch = stateAt(5).odom_epoch;
+  const auto epoch = stateAt(5).odom_reset_count;
   drive(6, 6);
-  EXPECT_EQ(stateAt(6).odom_epoch, epoch) << "another frame's pose is refused";
+  EXPECT_EQ(stateAt(6).odom_reset_count, epoch) << "another frame's pose is refused";
   expectNear(poseAt(6), truthAt(6), 0.05, "refused");
 
   // topics of one publisher and another are not ordered: it takes effect with one of the next sweeps
@@ -302,7 +302,7 @@ TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
   for (;; ++set_at) {
     ASSERT_LT(set_at, 16);
     drive(set_at, set_at);
-    if (stateAt(set_at).odom_epoch != epoch) break;
+    if (stateAt(set_at).odom_reset_count != epoch) break;
   }
   expectNear(poseAt(set_at), T_new_old * truthAt(set_at), 0.15, "moved on from its stamp");
   const nav_msgs::Odometry& odometry = graph_->odometry.at(stampOfSweep(set_at));
@@ -313,18 +313,18 @@ TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
   drive(set_at + 1, set_at + 5);
   for (int i = set_at + 1; i <= set_at + 5; ++i) {
     EXPECT_TRUE(stateAt(i).corrected) << i;
-    EXPECT_EQ(stateAt(i).odom_epoch, stateAt(set_at).odom_epoch);
+    EXPECT_EQ(stateAt(i).odom_reset_count, stateAt(set_at).odom_reset_count);
     EXPECT_GT(stateAt(i).valid_inputs, 1u) << "references began anew, the motion is known";
     expectNear(T_set.inverse() * poseAt(i), truthAt(i, set_at), 0.06, std::to_string(i));
   }
 
   publisher.publish(poseMessage(Pose::Identity(), 0.0, 0.0, "odom", ros::Time()));  // known exactly
-  const auto epoch_set = stateAt(set_at + 5).odom_epoch;
+  const auto epoch_set = stateAt(set_at + 5).odom_reset_count;
   int known_at = set_at + 6;
   for (;; ++known_at) {
     ASSERT_LT(known_at, set_at + 16);
     drive(known_at, known_at);
-    if (stateAt(known_at).odom_epoch != epoch_set) break;
+    if (stateAt(known_at).odom_reset_count != epoch_set) break;
   }
   const Matrix6d known = fromMessage(graph_->odometry.at(stampOfSweep(known_at)).pose.covariance);
   EXPECT_GT(symmetricEigenvalues(known)[0], 0.0) << "others invert it";
@@ -443,7 +443,7 @@ TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
   EXPECT_EQ(valueOf(reply.doubles, "deadline_s")->value, 60.0) << "the launch file's";
 
   dynamic_reconfigure::BoolParameter off;
-  off.name = "use_corners";
+  off.name = "use_corner_svd";
   off.value = false;
   request.bools = {off};
   ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
@@ -456,12 +456,12 @@ TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
   EXPECT_GE(sourceOf(stateAt(3), "corner_svd"), 0);
 
   request.bools.clear();
-  for (const char* name : {"use_point", "use_plane"}) {
+  for (const char* name : {"use_icp_point_to_point", "use_icp_point_to_plane"}) {
     off.name = name;
     request.bools.push_back(off);
   }
   ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
-  EXPECT_TRUE(valueOf(reply.bools, "use_point")->value && valueOf(reply.bools, "use_plane")->value) << "refused";
+  EXPECT_TRUE(valueOf(reply.bools, "use_icp_point_to_point")->value && valueOf(reply.bools, "use_icp_point_to_plane")->value) << "refused";
   drive(4, 4);
   EXPECT_TRUE(stateAt(4).corrected);
 

@@ -21,12 +21,12 @@ class PlannerExample : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     publisher_ = kept<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure");
-    standing_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/standing");
+    above_ground_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/standing");
     subscriber_ =
         node_.subscribe<std_msgs::String>(std::string("/") + GetParam() + "/action", 1,
                                           [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
     ASSERT_TRUE(waitFor([&] {
-      return publisher_.getNumSubscribers() == 2 && standing_.getNumSubscribers() == 1 && !action_.empty();
+      return publisher_.getNumSubscribers() == 2 && above_ground_.getNumSubscribers() == 1 && !action_.empty();
     })) << "not up";
     setStanding(true);
   }
@@ -78,10 +78,10 @@ class PlannerExample : public testing::TestWithParam<const char*> {
   void setStanding(bool standing) {
     std_msgs::Bool message;
     message.data = standing;
-    standing_.publish(message);
+    above_ground_.publish(message);
   }
 
-  ros::Publisher publisher_, standing_;
+  ros::Publisher publisher_, above_ground_;
   ros::Subscriber subscriber_;
   std::string action_;
 };

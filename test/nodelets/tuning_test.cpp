@@ -48,9 +48,9 @@ TEST(Tuning, DefaultsOfCfgCodeAndYamlAgree) {
       FusionUkfTuning(), FusionUkfTuning{FusionUkfNodeletParams(), yaml.registration, yaml.fusion});
   expectSameDefaults<config::FailAwareMonitorConfig>(FailAwareMonitorTuning(), FailAwareMonitorTuning{yaml.monitor});
   expectSameDefaults<config::IcpPointToPointConfig>(IcpPointToPointTuning(),
-                                                    IcpPointToPointTuning{yaml.registration.point});
+                                                    IcpPointToPointTuning{yaml.registration.icp_point_to_point});
   expectSameDefaults<config::IcpPointToPlaneConfig>(IcpPointToPlaneTuning(),
-                                                    IcpPointToPlaneTuning{yaml.registration.plane});
+                                                    IcpPointToPlaneTuning{yaml.registration.icp_point_to_plane});
   expectSameDefaults<config::CornerSvdConfig>(CornerSvdTuning(), CornerSvdTuning{yaml.registration.corner_alignment});
 }
 
@@ -98,7 +98,7 @@ TEST(Tuning, AnInvalidSetIsRefusedWithTheRule) {
     EXPECT_NE(std::string(error.what()).find("degraded_s"), std::string::npos) << error.what();
   }
   auto blind = configOf<config::FusionUkfConfig>(FusionUkfTuning());
-  blind.use_point = blind.use_plane = false;
+  blind.use_icp_point_to_point = blind.use_icp_point_to_plane = false;
   EXPECT_THROW(tunedBy(blind, FusionUkfTuning()), ParameterError);
 }
 

@@ -94,7 +94,7 @@ def check(root, name, arguments, config, nodelets):
     expect({"SweepCorrection", "IcpPointToPoint", "IcpPointToPlane", "CornerSvd", "FusionUkf",
             "FailAwareMonitor"} <= set(loaded), "a nodelet is missing: %s" % loaded)
     expect(("rviz" in names) == (arguments.get("rviz") == "true"), "rviz")
-    for key in ("profile/registration/use_point", "profile/fusion/min_weight", "vehicle/cog_in_base", "sensor/lidar_in_base"):
+    for key in ("profile/registration/use_icp_point_to_point", "profile/fusion/min_weight", "vehicle/cog_in_base", "sensor/lidar_in_base"):
         expect("%s/%s" % (namespace, key) in values, "no parameter %s" % key)
     literal = values["%s/profile/fusion/literal" % namespace]
     expect(literal == (arguments.get("profile") == "paper"), "the profile over default and expert")

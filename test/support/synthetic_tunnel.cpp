@@ -11,14 +11,14 @@
 namespace fail_aware {
 namespace synthetic {
 
-double Tunnel::reliefAt(double x, double y) const {
-  if (relief_m == 0.0) return 0.0;
+double Tunnel::profileAt(double x, double y) const {
+  if (profile_m == 0.0) return 0.0;
   double sum = 0.0;
   for (int k = 0; k < 12; ++k) {
     const double wave = 2.0 * M_PI / (1.0 + 0.27 * k), heading = 2.4 * k;
     sum += std::sin(wave * (std::cos(heading) * x + std::sin(heading) * y) + 1.7 * k * k);
   }
-  return relief_m / 3.0 * sum;
+  return profile_m / 3.0 * sum;
 }
 
 Sweep Tunnel::scan(double start_x_m, double speed_mps, double stamp_s, std::uint32_t seed) const {
@@ -66,7 +66,7 @@ double Tunnel::range(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray, 
   };
   if (ray.z() < 0.0) {
     double t = -origin.z() / ray.z();
-    t = (reliefAt(origin.x() + t * ray.x(), origin.y() + t * ray.y()) - origin.z()) / ray.z();
+    t = (profileAt(origin.x() + t * ray.x(), origin.y() + t * ray.y()) - origin.z()) / ray.z();
     consider(t);
   }
   const auto inTunnel = [&](double t) { return origin.x() + t * ray.x() >= 0.0; };

@@ -14,7 +14,7 @@ namespace synthetic {
 
 struct Tunnel {
   double half_width_m = 5.0, height_m = 6.0;
-  double relief_m = 0.0;       ///< amplitude of the road's unevenness, waves of 1 to 4 m
+  double profile_m = 0.0;       ///< amplitude of the road's unevenness, waves of 1 to 4 m
   double lead_car_m = 18.0;    ///< distance to the car ahead; 0: none
   double beam_error_m = 0.02;  ///< of the ranges of one beam, the same all the time
   Lidar lidar = [] {
@@ -23,7 +23,7 @@ struct Tunnel {
     return l;
   }();
 
-  double reliefAt(double x, double y) const;
+  double profileAt(double x, double y) const;
 
   /// base_link drives along x at `speed_mps` and is at start_x_m at time 0.
   Sweep scan(double start_x_m, double speed_mps, double stamp_s, std::uint32_t seed) const;

@@ -192,18 +192,18 @@ TEST_F(Calibrate, AzimuthIsSoughtFromWhereTheLidarIsMounted) {
 }
 
 TEST_F(Calibrate, AzimuthSaysWhenItIsNotSure) {
-  std::vector<Pose> bend(200, Pose::Identity()), scatter = bend;
+  std::vector<Pose> curvature(200, Pose::Identity()), scatter = curvature;
   for (int i = 0; i < 200; ++i) {
     const double yaw_rad = 0.02 * i;
-    bend[static_cast<std::size_t>(i)] = poseFromVector(
+    curvature[static_cast<std::size_t>(i)] = poseFromVector(
         (Vector6d() << 50.0 * std::sin(yaw_rad), 50.0 * (1.0 - std::cos(yaw_rad)), 0.0, 0.0, 0.0, yaw_rad).finished());
     scatter[static_cast<std::size_t>(i)].translation() << i, i % 20 < 10 ? 0.02 * (i % 20) : 0.0, 0.0;
   }
   const std::string file = (folder_ / "poses.txt").string();
-  writeKittiTrajectory(file, bend);
+  writeKittiTrajectory(file, curvature);
   run(CALIBRATE_AZIMUTH, " --trajectory '" + file + "'");
   EXPECT_EQ(result_.exit_code, 0);
-  EXPECT_NE(result_.err.find("may be the bend of these drives"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("may be the curvature of these drives"), std::string::npos) << result_.err;
   scatter.resize(60);
   writeKittiTrajectory(file, scatter);
   run(CALIBRATE_AZIMUTH, " --trajectory '" + file + "'");

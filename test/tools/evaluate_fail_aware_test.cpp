@@ -156,7 +156,7 @@ TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   run(options("run") + output + " --parameters '" + (folder_ / "strict.yaml").string() + "' --parameters '" +
       (folder_ / "lax.yaml").string() + "' --alert-limit 1000");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  EXPECT_EQ(report()["run"]["alarm_share"], 0.0) << "the last file counts";
+  EXPECT_EQ(report()["run"]["alarm_ratio"], 0.0) << "the last file counts";
   EXPECT_TRUE(report()["run"]["stop_in_time_2mps2"].is_null()) << "nothing failed";
 }
 

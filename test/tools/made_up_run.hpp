@@ -50,7 +50,7 @@ struct MadeUpRun {
       input.row = static_cast<std::size_t>(i);
       s.stamp_s = 0.1 * i;
       s.sigma_yaw_rad = 1e-3 + 1e-6 * (i % 2);
-      s.corrected = true;
+      s.measurement_applied = true;
       s.motion_status = MotionStatus::kObserved;
       s.fusion.valid_inputs = 3;
       s.fusion.confirmed = true;

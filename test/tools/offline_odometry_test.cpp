@@ -208,14 +208,14 @@ TEST_F(OfflineOdometry, ParameterFilesOverrideTheProfileOneAfterAnother) {
     return " --parameters '" + (folder_ / name).string() + "'";
   };
   const std::string first = file("first.yaml", "monitor:\n  drift:\n    scale_bias: 1.0e-4\n    slow_mps: 11.0\n");
-  const std::string second = file("second.yaml", "monitor:\n  drift:\n    slow_mps: 12.0\n    passing_share: 0.25\n");
-  run(base() / "drive", "--count 2" + first + second + " --set monitor.drift.passing_share=0.125");
+  const std::string second = file("second.yaml", "monitor:\n  drift:\n    slow_mps: 12.0\n    transient_ratio: 0.25\n");
+  run(base() / "drive", "--count 2" + first + second + " --set monitor.drift.transient_ratio=0.125");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   PipelineParameters used;
   loadYaml(out("parameters.yaml").string(), used);
   EXPECT_EQ(used.profile.monitor.drift.scale_bias, 1e-4);
   EXPECT_EQ(used.profile.monitor.drift.slow_mps, 12.0);
-  EXPECT_EQ(used.profile.monitor.drift.passing_share, 0.125);
+  EXPECT_EQ(used.profile.monitor.drift.transient_ratio, 0.125);
 }
 
 TEST_F(OfflineOdometry, AStartAfterTheDrivesEndIsSaid) {
@@ -243,16 +243,16 @@ TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
                                             "sigma_x",
                                             "sigma_y",
                                             "protection_level",
-                                            "weight_point",
-                                            "weight_plane",
-                                            "weight_corners",
-                                            "nis_point",
-                                            "nis_plane",
-                                            "nis_corners",
+                                            "weight_icp_point_to_point",
+                                            "weight_icp_point_to_plane",
+                                            "weight_corner_svd",
+                                            "nis_icp_point_to_point",
+                                            "nis_icp_point_to_plane",
+                                            "nis_corner_svd",
                                             "ms_total",
-                                            "ms_point",
-                                            "ms_plane",
-                                            "ms_corners",
+                                            "ms_icp_point_to_point",
+                                            "ms_icp_point_to_plane",
+                                            "ms_corner_svd",
                                             "cov_xx",
                                             "cov_xy",
                                             "cov_yy",
@@ -509,8 +509,8 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
 
   expectRefused(good + "--set fusion.gate_sigmas=2.5", "fusion.gate_sigmas: unknown parameter");
   expectRefused(good + "--set fusion.gate_sigma=-2.5", "fusion.gate_sigma = -2.5");
-  expectRefused(good + "--set registration.plane.observability.min_information_share=2",
-                "registration.plane.observability.min_information_share = 2");
+  expectRefused(good + "--set registration.icp_point_to_plane.observability.min_information_ratio=2",
+                "registration.icp_point_to_plane.observability.min_information_ratio = 2");
   expectRefused(good + "--set fusion.gate_sigma=wide", "fusion.gate_sigma: must be a number");
   expectRefused(good + "--set fusion.gate_sigma", "key=value");
   std::ofstream(folder_ / "wrong.yaml") << "fusion:\n  gate_sigmas: 2.5\n";

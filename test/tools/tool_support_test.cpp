@@ -89,7 +89,7 @@ TEST(ParseArguments, ANumberOutOfItsLimitsIsAnsweredWithThem) {
   EXPECT_EQ(lengths_m, (std::vector<double>{5.0, 10.0}));
 }
 
-TEST(ProgressText, CountShareRateAndTimeLeft) {
+TEST(ProgressText, CountRatioRateAndTimeLeft) {
   EXPECT_EQ(progressText(0, 271, 0.0), "0/271 (0 %)");
   EXPECT_EQ(progressText(120, 270, 12.0), "120/270 (44 %), 10.0 per s, 0:15 left");
   EXPECT_EQ(progressText(10, 1210, 10.0), "10/1210 (0 %), 1.0 per s, 20:00 left");

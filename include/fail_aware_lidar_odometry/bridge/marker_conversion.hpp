@@ -23,7 +23,7 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/registration/corner.hpp"
-#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
 #include "fail_aware_lidar_odometry/core/types/monitor_output.hpp"
 
 namespace fail_aware {

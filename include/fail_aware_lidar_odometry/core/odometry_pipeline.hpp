@@ -15,7 +15,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
 #include "fail_aware_lidar_odometry/core/types/external_pose.hpp"
 #include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
@@ -83,7 +83,7 @@ class OdometryPipeline {
   std::string offer(const std::string& source, const ExternalPose& pose);
 
   /// What has been found of tilt and drift so far.
-  const LevelKeeping& levelKeeping() const;
+  const VerticalReference& verticalReference() const;
 
   /// One line: how the clouds contradict the sensor's timing parameters (sweep_seam.hpp). Empty: they do not.
   std::string seamContradiction() const;

@@ -1,5 +1,5 @@
 // All parameters of the odometry as one tree: what the profile, vehicle and sensor files fill, offline and on the
-// vehicle alike. Keys are the dotted names, e.g. `registration.plane.kernel_m`. The profile's are of two tiers, what a
+// vehicle alike. Keys are the dotted names, e.g. `registration.icp_point_to_plane.kernel_m`. The profile's are of two tiers, what a
 // user may have to set (default.yaml) and what a developer varies (expert.yaml); members that visit() leaves out are
 // constants, with the reason for their value beside them.
 #pragma once
@@ -12,7 +12,7 @@
 #include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
@@ -62,7 +62,7 @@ struct VehicleFileParameters {
 /// cfg/profiles/*.yaml. The values in code are those of default.yaml and expert.yaml.
 struct ProfileParameters {
   SweepCorrectionParams sweep_correction;
-  LevelKeepingParams level_keeping;
+  LevelKeepingParams vertical_reference;
   VehicleModel::Params model;
   MotionHistory::Params history;
   RoadPlaneEstimator::Params road;  ///< constants
@@ -75,7 +75,7 @@ struct ProfileParameters {
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("sweep_correction", self.sweep_correction);
-    v("level_keeping", self.level_keeping);
+    v("vertical_reference", self.vertical_reference);
     v("model", self.model);
     v("history", self.history);
     v("filter", self.filter);

@@ -35,12 +35,12 @@ struct AlarmStatistics {
   double watched_s = 0.0, alarm_s = 0.0, unknown_s = 0.0;
   std::vector<LeadTime> leads;
 
-  double missedShare() const;  ///< of the failing episodes; 0 without any
-  double alarmShare() const;   ///< of the watched time
-  double availableShare() const;
+  double missedRatio() const;  ///< of the failing episodes; 0 without any
+  double alarmRatio() const;   ///< of the watched time
+  double availableRatio() const;
   double falseAlarmsPerHour() const;
   /// Share of all failing episodes whose lead time suffices for a stop; a missed one does not.
-  double stopShare(double deceleration_mps2) const;
+  double stopRatio(double deceleration_mps2) const;
 };
 
 AlarmStatistics alarmStatistics(const std::vector<FailAwareEpisode>& episodes, double early_s = 30.0);

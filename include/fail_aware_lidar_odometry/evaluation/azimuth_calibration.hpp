@@ -24,9 +24,9 @@ namespace fail_aware {
 struct DirectionOfTravel {
   double direction_deg = 0.0;  ///< psi
   double sigma_deg = 0.0;      ///< jackknife over ten stretches: what follows from one another is not counted twice
-  double bends_share = 0.0;  ///< of psi's part of the fit that b and k could take; 1: one steady bend, psi is not known
+  double curvature_ratio = 0.0;  ///< of psi's part of the fit that b and k could take; 1: one steady bend, psi is not known
   int motions = 0;           ///< that were used
-  double way_m = 0.0;        ///< of them
+  double distance_m = 0.0;        ///< of them
 };
 
 /// Trajectories: T_base0_base sweep by sweep, each of one drive, all of one lidar on one vehicle. Throws InputError for

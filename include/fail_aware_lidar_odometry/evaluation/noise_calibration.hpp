@@ -8,7 +8,7 @@
 // estimate.
 // Runs where the odometry is lost say nothing about either: leave them out.
 //
-// Not fitted: what only widens the error of the moment (DriftModel's passing_share, passing_rotation_share),
+// Not fitted: what only widens the error of the moment (DriftModel's transient_ratio, transient_rotation_ratio),
 // DriftModel's tilt, and the predictor's Student's t (degrees_of_freedom), which takes the fitted covariance as its
 // scale. They are chosen by hand, from coverage and missed failures of runs: doc/validation.md says which.
 #pragma once
@@ -43,7 +43,7 @@ struct DriftFitOptions {
   double episode_every_s = 5.0, every_s = 5.0, until_s = 60.0;
 };
 
-/// `others` with measured_share, position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws
+/// `others` with measured_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws
 /// InputError without data.
 DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
                             const DriftFitOptions& options = {});

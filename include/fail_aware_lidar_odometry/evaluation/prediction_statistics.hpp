@@ -28,8 +28,8 @@ struct LateStatistics {
   std::size_t decided = 0;  ///< it is known whether the prediction was late
   std::size_t late = 0;
   std::size_t failing_decided = 0;  ///< of them in failing episodes
-  double lateShare() const;         ///< of all decided
-  double lateShareOfFailing() const;
+  double lateRatio() const;         ///< of all decided
+  double lateRatioOfFailing() const;
 };
 
 LateStatistics lateStatistics(const std::vector<JudgedPrediction>& predictions);
@@ -37,7 +37,7 @@ LateStatistics lateStatistics(const std::vector<JudgedPrediction>& predictions);
 struct StabilityStatistics {
   double watched_s = 0.0;
   std::size_t steps = 0, jumps = 0, sign_changes = 0;
-  double jumpShare() const;
+  double jumpRatio() const;
   double signChangesPerMinute() const;
 };
 

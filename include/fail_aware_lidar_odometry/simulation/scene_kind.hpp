@@ -22,7 +22,7 @@ struct RoadCharacter {
   double straight_min_m, straight_max_m;
   double bend_radius_min_m, bend_radius_max_m;
   double bend_angle_min_rad, bend_angle_max_rad;
-  double right_angle_share;  ///< of the bends, those at street corners
+  double right_angle_ratio;  ///< of the bends, those at street corners
   double stop_spacing_m;     ///< mean distance of the stops (lights, junctions); 0: none
   double verge_roughness_m;  ///< height of the ground's bumps beside the road
   double oncoming_per_km, same_way_per_km;

@@ -150,8 +150,8 @@ const CovariancePredictor::Params& validated(const CovariancePredictor::Params& 
 bool isUsable(const CovarianceGrowth& g) {
   const auto bounded = [](double value) { return std::isfinite(value) && std::abs(value) <= kLargestEntry; };
   return isCovariance(g.covariance) && isCovariance(g.rate) && isCovariance(g.drivers) && g.cross.allFinite() &&
-         g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.passing.allFinite() &&
-         g.passing.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
+         g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.transient.allFinite() &&
+         g.transient.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
          bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.unobserved >= 0.0 &&
          g.unobserved <= 1.0 && bounded(g.pace) && g.pace >= 1.0;
 }
@@ -169,7 +169,7 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   S = (0.5 * (S + S.transpose())).eval();
   const Eigen::Matrix3d rate = 0.5 * params_.rate_scale * (growth.rate + growth.rate.transpose());
   const auto horizontal = [&](const Matrix6& covariance) {
-    return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.passing);
+    return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.transient);
   };
   const auto failed = [&](const Matrix6& covariance) {
     return exceedance(horizontal(covariance), params_.alert_limit_m, params_.degrees_of_freedom);

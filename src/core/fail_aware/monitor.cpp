@@ -33,7 +33,7 @@ void MonitorParameters::validate() const {
   requirePositive("rate_window_s", rate_window_s);
   requireWithin("sweeps_to_recover", sweeps_to_recover, 1, 10000);
   requirePositive("disagreement_m", disagreement_m);
-  requireWithin("min_information_share", min_information_share, 0.0, 1.0);
+  requireWithin("min_information_ratio", min_information_ratio, 0.0, 1.0);
   requireWithin("gap_ratio", gap_ratio, 1.0, 1e6);
 }
 
@@ -66,7 +66,7 @@ void FailAwareMonitor::setLimits(const MonitorParameters& params) {
   params_.predictor = params.predictor;
   params_.thresholds = params.thresholds;
   params_.disagreement_m = params.disagreement_m;
-  params_.min_information_share = params.min_information_share;
+  params_.min_information_ratio = params.min_information_ratio;
 }
 
 // The usual period is the median of the last intervals.
@@ -94,10 +94,10 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
   add(start_pending_, kReasonMotionUnknown);
   if (first) return reasons;
   add(state.fusion.valid_inputs == 0, kReasonNoMeasurement);
-  add(!state.corrected, kReasonPredictionOnly);
+  add(!state.measurement_applied, kReasonPredictionOnly);
   add(state.fusion.prediction_overruled, kReasonPredictionOverruled);
   add(state.fusion.disagreement_m > params_.disagreement_m, kReasonMeasurementsDisagree);
-  add(condition.min_information_share < params_.min_information_share, kReasonWeakDirection);
+  add(condition.min_information_ratio < params_.min_information_ratio, kReasonWeakDirection);
   add(condition.point_missing, kReasonMissingIcpPoint);
   add(condition.plane_missing, kReasonMissingIcpPlane);
   add(condition.corners_missing, kReasonMissingCorners);
@@ -112,12 +112,12 @@ Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
 CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftState& drift,
                                           const Pose& T_odom_mark) const {
   CovarianceGrowth growth;
-  growth.covariance = horizontalBlock(drift.lasting.topLeftCorner<6, 6>());
+  growth.covariance = horizontalBlock(drift.accumulated.topLeftCorner<6, 6>());
   if (error_unbounded_) growth.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
-  growth.drivers = drift.lasting.bottomRightCorner<3, 3>();
-  growth.cross << drift.lasting.block<2, 3>(0, DriftState::kHeadingBias),
-      drift.lasting.block<1, 3>(5, DriftState::kHeadingBias);
-  growth.passing = drift.passing.topLeftCorner<2, 2>();
+  growth.drivers = drift.accumulated.bottomRightCorner<3, 3>();
+  growth.cross << drift.accumulated.block<2, 3>(0, DriftState::kHeadingBias),
+      drift.accumulated.block<1, 3>(5, DriftState::kHeadingBias);
+  growth.transient = drift.transient.topLeftCorner<2, 2>();
   growth.speed_wander = speed_wander_;
   growth.unobserved = drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance);
   growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
@@ -168,15 +168,15 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     const double distance_m = state.T_previous_now.translation().norm();
     // What a drive begins with is unknown, and says nothing of what follows.
     if (state.motionObserved() || rate_.rate())
-      rate_.update(drift_.lasting(state.increment_covariance, state.unobserved_covariance, distance_m,
+      rate_.update(drift_.accumulated(state.increment_covariance, state.unobserved_covariance, distance_m,
                                   drift_.pace(distance_m, state.dt_s)),
                    state.dt_s);
   }
-  if (state.odom_epoch != odom_epoch_ && indicator_.started()) start_pending_ = true;
-  odom_epoch_ = state.odom_epoch;
+  if (state.odom_reset_count != odom_reset_count_ && indicator_.started()) start_pending_ = true;
+  odom_reset_count_ = state.odom_reset_count;
   has_previous_ = true;
   if (start_pending_ && state.motionObserved()) begin(state);
-  if (state.corrected || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
+  if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
     indicator_.update(state.time_s(), state.sigma_yaw_rad,
                       state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);
   }

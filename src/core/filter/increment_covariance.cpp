@@ -10,11 +10,11 @@ namespace {
 
 constexpr int kRotationSweeps = 2;  // in which what one leaves open is measured again
 
-bool isConfirmed(const FilterState& state) { return state.corrected && state.fusion.confirmed; }
+bool isConfirmed(const FilterState& state) { return state.measurement_applied && state.fusion.confirmed; }
 
 // Over a long interval a single measurement is no better than the prediction that it started from.
 bool isAsPredicted(const FilterState& state) {
-  return !state.corrected || (state.dt_s > kLongInterval_s && !isConfirmed(state));
+  return !state.measurement_applied || (state.dt_s > kLongInterval_s && !isConfirmed(state));
 }
 
 }  // namespace
@@ -35,10 +35,10 @@ void setIncrementCovariance(const IncrementFloor& floor, const Matrix6d& Q, doub
                             const SweepPrediction& prediction, FilterState& state) {
   // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T, along the
   // directions that R does not observe all of Q, and the measurement's part K R K^T.
-  Matrix6d from_prediction = Q, lasting = Q, from_measurement = Matrix6d::Zero();
-  if (state.interval_wrong) {  // the prediction tells nothing of it
+  Matrix6d from_prediction = Q, accumulated = Q, from_measurement = Matrix6d::Zero();
+  if (state.clock_jump) {  // the prediction tells nothing of it
     from_prediction.setZero();
-    lasting.setZero();
+    accumulated.setZero();
     from_measurement = state.fusion.R;
   } else if (!isAsPredicted(state)) {
     const Matrix6d sum = Q + state.fusion.R;
@@ -50,7 +50,7 @@ void setIncrementCovariance(const IncrementFloor& floor, const Matrix6d& Q, doub
     Matrix6d left_open = left, rotation = left;
     for (int sweep = 1; sweep < kRotationSweeps; ++sweep) rotation = (rotation * left).eval();
     left_open.bottomRows<3>() = rotation.bottomRows<3>();
-    lasting = left_open * Q * left_open.transpose();
+    accumulated = left_open * Q * left_open.transpose();
   }
   const Vector6d x = vectorFromPose(state.T_odom_cog);
   const Eigen::Matrix3d R_previous_odom = prediction.T_odom_cog_previous.linear().transpose();
@@ -62,7 +62,7 @@ void setIncrementCovariance(const IncrementFloor& floor, const Matrix6d& Q, doub
     if (least < 0.0) turned.diagonal().array() -= least;
     return turned;
   };
-  state.unobserved_covariance = aboutPrevious(lasting);
+  state.unobserved_covariance = aboutPrevious(accumulated);
   state.increment_covariance = aboutPrevious(from_prediction) + aboutPrevious(from_measurement);
   const double floor_m = floor.sigma_m + floor.sigma_per_metre_m * state.T_previous_now.translation().norm();
   const double floor_rad = floor.sigma_deg * kDegree;

@@ -58,7 +58,7 @@ MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& m
     skipped_sweeps_ = 0;
     decision.out_of_sight = true;
   }
-  held_sweeps_ = sweep.tells_no_motion ? held_sweeps_ + 1 : 0;
+  held_sweeps_ = sweep.velocity_unobservable ? held_sweeps_ + 1 : 0;
   const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isOfAnIcp);
   const bool spoilt = held_sweeps_ >= kMaxHeldSweeps;
   if (spoilt || icps_began) held_sweeps_ = 0;

@@ -15,17 +15,17 @@ constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
 
 }  // namespace
 
-MotionTracker::MotionTracker(const Limits& limits, const Coasting::Params& coasting,
+MotionTracker::MotionTracker(const Limits& limits, const DeadReckoning::Params& dead_reckoning,
                              const MotionHistory::Params& history, const RoadPlaneEstimator& road)
-    : limits_(limits), coasting_(coasting), history_(history), road_(road) {}
+    : limits_(limits), dead_reckoning_(dead_reckoning), history_(history), road_(road) {}
 
 void MotionTracker::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s) {
   history_.clear();
   motion_ = MotionDerivatives();
-  coasting_.reset(sigmas_mps, yaw_rate_sigma_rad_s);
+  dead_reckoning_.reset(sigmas_mps, yaw_rate_sigma_rad_s);
   road_.clear();
   last_measured_ = previous_measured_ = false;
-  tells_no_motion_ = told_no_motion_ = false;
+  velocity_unobservable_ = velocity_was_unobservable_ = false;
 }
 
 void MotionTracker::setPose(const Vector6d& before, const Vector6d& after, const Pose& T_new_old) {
@@ -37,9 +37,9 @@ void MotionTracker::setPose(const Vector6d& before, const Vector6d& after, const
   motion_.rpy_accelerations_rad_s2 = rates_after_before * motion_.rpy_accelerations_rad_s2;
 }
 
-void MotionTracker::setTellsNoMotion(bool tells_no_motion, bool corrected) {
-  told_no_motion_ = tells_no_motion_;
-  if (corrected) tells_no_motion_ = tells_no_motion;
+void MotionTracker::setVelocityUnobservable(bool velocity_unobservable, bool corrected) {
+  velocity_was_unobservable_ = velocity_unobservable_;
+  if (corrected) velocity_unobservable_ = velocity_unobservable;
 }
 
 void MotionTracker::update(const Sweep& sweep) {
@@ -60,7 +60,7 @@ void MotionTracker::remember(const Sweep& sweep) {
   Pose T_odom_cog = state.T_odom_cog;
   // the first motion, found over more than one interval, is not that of the last one
   const bool knows_motion = prediction.motionKnown() || previous_measured_;
-  if (state.corrected && knows_motion && state.dt_s > 0.0 && std::isfinite(middle_s)) {
+  if (state.measurement_applied && knows_motion && state.dt_s > 0.0 && std::isfinite(middle_s)) {
     const Pose T_previous_now = prediction.motionKnown()
                                     ? prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog
                                     : state.T_previous_now;  // the motion that was searched for
@@ -78,13 +78,13 @@ MotionDerivatives MotionTracker::historyDerivatives() const {
   return motion;
 }
 
-Coasting::Measured MotionTracker::measuredMotion(const Sweep& sweep) const {
+DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const {
   const FilterState& state = sweep.state;
   const SweepPrediction& prediction = sweep.prediction;
   const Eigen::Matrix3d R_odom_body = state.T_odom_cog.linear();
   const Pose T_previous_measured = prediction.T_odom_cog_previous.inverse() * poseFromVector(state.fusion.z);
   const double yaw_previous_rad = rpyFromRotation(prediction.T_odom_cog_previous.linear()).z();
-  Coasting::Measured measured;
+  DeadReckoning::Measured measured;
   if (previous_measured_) {
     measured.velocity_mps = logSe3(T_previous_measured).head<3>() / state.dt_s;
     measured.yaw_rate_rad_s = wrapAngle(state.fusion.z[5] - yaw_previous_rad) / state.dt_s;
@@ -98,15 +98,15 @@ Coasting::Measured MotionTracker::measuredMotion(const Sweep& sweep) const {
   return measured;
 }
 
-void MotionTracker::coast(const MotionDerivatives& last, double dt_s, const Coasting::Measured* measured) {
-  Coasting::Motion before;
+void MotionTracker::coast(const MotionDerivatives& last, double dt_s, const DeadReckoning::Measured* measured) {
+  DeadReckoning::Motion before;
   before.velocity_mps = last.velocity_body_mps;
   before.yaw_rate_rad_s = last.rpy_rates_rad_s.z();
   if (measured) {
     before.acceleration_mps2 = last.acceleration_body_mps2;
     before.yaw_acceleration_rad_s2 = last.rpy_accelerations_rad_s2.z();
   }
-  const Coasting::Motion motion = coasting_.coast(before, dt_s, measured);
+  const DeadReckoning::Motion motion = dead_reckoning_.coast(before, dt_s, measured);
   motion_.velocity_body_mps = motion.velocity_mps;
   motion_.acceleration_body_mps2 = motion.acceleration_mps2;
   motion_.rpy_rates_rad_s.z() = motion.yaw_rate_rad_s;
@@ -114,8 +114,8 @@ void MotionTracker::coast(const MotionDerivatives& last, double dt_s, const Coas
 }
 
 // What nothing of the speed can be taken from tells the heading still, roughly: all that is seen turns about the vehicle.
-Coasting::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
-  Coasting::Measured measured = measuredMotion(sweep);
+DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
+  DeadReckoning::Measured measured = measuredMotion(sweep);
   measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
   measured.yaw_variance += kDoubtfulTurn_rad * kDoubtfulTurn_rad;
   return measured;
@@ -124,7 +124,7 @@ Coasting::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
 void MotionTracker::updateMotion(const Sweep& sweep) {
   const FilterState& state = sweep.state;
   const MotionDerivatives last = motion_;
-  const bool told = state.corrected && !state.interval_wrong && !tells_no_motion_ && !told_no_motion_;
+  const bool told = state.measurement_applied && !state.clock_jump && !velocity_unobservable_ && !velocity_was_unobservable_;
   if (told) {
     motion_ = historyDerivatives();
   } else {
@@ -133,17 +133,17 @@ void MotionTracker::updateMotion(const Sweep& sweep) {
     motion_.acceleration_body_mps2.setZero();
   }
   if (state.dt_s > 0.0) {
-    if (!state.corrected) {
+    if (!state.measurement_applied) {
       coast(last, state.dt_s, nullptr);
-    } else if (!state.interval_wrong && (tells_no_motion_ || told_no_motion_)) {
+    } else if (!state.clock_jump && (velocity_unobservable_ || velocity_was_unobservable_)) {
       MotionDerivatives steady = last;
       steady.acceleration_body_mps2.setZero();
-      const Coasting::Measured turn = measuredTurn(sweep);
+      const DeadReckoning::Measured turn = measuredTurn(sweep);
       coast(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
     } else if (told) {
-      const Coasting::Measured measured = measuredMotion(sweep);
-      if (coasting_.settles(measured)) {
-        coasting_.observed(measured, state.dt_s);
+      const DeadReckoning::Measured measured = measuredMotion(sweep);
+      if (dead_reckoning_.settles(measured)) {
+        dead_reckoning_.observed(measured, state.dt_s);
       } else {
         coast(last, state.dt_s, &measured);
       }

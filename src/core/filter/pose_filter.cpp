@@ -29,12 +29,12 @@ bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
   return fusion.R(3, 3) < kOpenVariance * predicted_P(3, 3) && fusion.R(4, 4) < kOpenVariance * predicted_P(4, 4);
 }
 
-std::optional<double> planesFittingShare(const std::vector<FusionInput>& inputs) {
+std::optional<double> planesFittingRatio(const std::vector<FusionInput>& inputs) {
   const auto planes = std::find_if(inputs.begin(), inputs.end(), [](const FusionInput& input) {
     return input.name == kIcpPointToPlane && input.measurement != nullptr && input.measurement->ok();
   });
   if (planes == inputs.end()) return std::nullopt;
-  return planes->measurement->inlier_share;
+  return planes->measurement->inlier_ratio;
 }
 
 // An empty sweep, or no answer of those who look at it: nothing that the next sweep could be registered to.
@@ -66,12 +66,12 @@ void PoseFilter::Params::validate() const {
   requirePositive("max_speed_mps", max_speed_mps);
   requirePositive("max_yaw_rate_rps", max_yaw_rate_rps);
   requirePositive("increment_scale", increment_scale);
-  requirePositive("coasting_increment_factor", coasting_increment_factor);
+  requirePositive("dead_reckoning_increment_factor", dead_reckoning_increment_factor);
   requireNotNegative("increment_floor_m", increment_floor_m);
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
-  plausibility.validate();
-  coasting.validate();
+  consistency.validate();
+  dead_reckoning.validate();
 }
 
 PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
@@ -81,9 +81,9 @@ PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const Vehic
       model_(model),
       ukf_(ukf),
       fusion_(fusion),
-      motion_({params.max_speed_mps, params.max_yaw_rate_rps}, params.coasting, history,
+      motion_({params.max_speed_mps, params.max_yaw_rate_rps}, params.dead_reckoning, history,
               RoadPlaneEstimator(model.vehicle(), road)),
-      plausibility_(params.plausibility) {
+      consistency_(params.consistency) {
   params_.validate();
   reset(Pose::Identity());
 }
@@ -95,13 +95,13 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   ukf_.reset(vectorFromPose(T_odom_cog), sigmas.cwiseAbs2().asDiagonal());
   motion_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
   started_ = false;
-  plausibility_.clear();
+  consistency_.clear();
   map_update_policy_.clear();
   corrected_sweeps_ = 0;
   prediction_ = SweepPrediction();
-  const int odom_epoch = state_.odom_epoch;
+  const int odom_reset_count = state_.odom_reset_count;
   state_ = FilterState();
-  state_.odom_epoch = odom_epoch;
+  state_.odom_reset_count = odom_reset_count;
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
 }
@@ -120,9 +120,9 @@ bool PoseFilter::setPose(const Pose& T_odom_cog) {
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
   state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
-  ++state_.odom_epoch;
+  ++state_.odom_reset_count;
   map_update_policy_.setPose();
-  plausibility_.clear();
+  consistency_.clear();
   return true;
 }
 
@@ -136,7 +136,7 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
   prediction_.set_back_s = time.set_back_s;
   interval_sigma_s_ = time.interval_sigma_s;
   prediction_.T_odom_cog_previous = state_.T_odom_cog;
-  prediction_.odom_epoch = state_.odom_epoch;
+  prediction_.odom_reset_count = state_.odom_reset_count;
   if (started_) {
     prediction_.dt_s = dt;
     prediction_.motion_status = state_.motion_status;
@@ -151,8 +151,8 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
       const double sigma = params_.initial_speed_sigma_mps * dt;
       const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
       Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
-    } else if (motion_.coasting().active()) {
-      const Eigen::Matrix4d uncertain = motion_.coasting().incrementCovariance(dt);
+    } else if (motion_.dead_reckoning().active()) {
+      const Eigen::Matrix4d uncertain = motion_.dead_reckoning().incrementCovariance(dt);
       Q.topLeftCorner<3, 3>() += inOdom(uncertain);
       uncertain_yaw = uncertain(3, 3);
     }
@@ -167,11 +167,11 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
     process_noise_(5, 5) += uncertain_yaw;
     if (prediction_.motionKnown() && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
       const Eigen::Matrix4d driven =
-          motion_.coasting().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
+          motion_.dead_reckoning().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
       Q.topLeftCorner<3, 3>() += inOdom(driven);
       Q(5, 5) += driven(3, 3);
     }
-    if (!state_.corrected) {
+    if (!state_.measurement_applied) {
       // Roll and pitch do not walk away from the road: at most one step's noise. Added up over many sweeps it would
       // shorten the unscented mean of every step by cos(pitch), a tenth of the speed.
       const Matrix6d& P = ukf_.covariance();
@@ -193,7 +193,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.stamp_error_s = prediction_.stamp_error_s;
   next.dt_s = prediction_.dt_s;
   next.set_back_s = prediction_.set_back_s;
-  next.odom_epoch = state_.odom_epoch;
+  next.odom_reset_count = state_.odom_reset_count;
   next.started = started_ || isUsableStart(measurements);
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
@@ -201,63 +201,63 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const bool doubted = doubtPrediction(inputs);
   next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), inputs);
   if (next.fusion.has_measurement) {
-    next.corrected = ukf_.correct(next.fusion.z, next.fusion.R);
+    next.measurement_applied = ukf_.correct(next.fusion.z, next.fusion.R);
     next.filter_nis = ukf_.nis();
   }
-  next.interval_wrong = doubted && next.corrected;
-  next.fusion.prediction_overruled = next.fusion.prediction_overruled || next.interval_wrong;
+  next.clock_jump = doubted && next.measurement_applied;
+  next.fusion.prediction_overruled = next.fusion.prediction_overruled || next.clock_jump;
   next.T_odom_cog = poseFromVector(ukf_.state());
   next.covariance = ukf_.covariance();
   next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
-    const double factor = motion_.coasting().active() ? params_.coasting_increment_factor : 1.0;
+    const double factor = motion_.dead_reckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
     setIncrementCovariance({params_.increment_floor_m, params_.increment_per_metre_m, params_.increment_floor_deg},
                            process_noise_, params_.increment_scale * factor, prediction_, next);
-    const bool is_compared = next.corrected && !doubted && prediction_.motionKnown() && next.dt_s <= kLongInterval_s &&
+    const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() && next.dt_s <= kLongInterval_s &&
                              (motion_.lastMeasured() || motion_.previousMeasured());
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
-    motion_.setTellsNoMotion(addDoubt(inputs, innovation, next), next.corrected);
+    motion_.setVelocityUnobservable(addInflation(inputs, innovation, next), next.measurement_applied);
   }
   if (!next.started) {
     state_ = next;
     return state_;
   }
-  if (next.corrected || !started_) ++corrected_sweeps_;
+  if (next.measurement_applied || !started_) ++corrected_sweeps_;
   MapUpdatePolicy::Sweep sweep;
   sweep.motion_known = prediction_.motionKnown();
   sweep.follows = motion_.lastMeasured() && next.dt_s <= kLongInterval_s;
-  sweep.observed = next.corrected && observesTilt(next.fusion, predicted_P);
-  sweep.tells_no_motion = motion_.tellsNoMotion();
+  sweep.observed = next.measurement_applied && observesTilt(next.fusion, predicted_P);
+  sweep.velocity_unobservable = motion_.velocityUnobservable();
   const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
   next.map_update = map.update;
-  if (map.out_of_sight) plausibility_.clear();
-  const bool measured = next.corrected || map.begins;
+  if (map.out_of_sight) consistency_.clear();
+  const bool measured = next.measurement_applied || map.begins;
   started_ = true;
   state_ = next;
-  const bool forget_history = map.begins || next.interval_wrong || motion_.tellsAgain();
+  const bool forget_history = map.begins || next.clock_jump || motion_.velocityObservableAgain();
   motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
-  if (state_.dt_s > 0.0) state_.speed_error = motion_.coasting().speedError();
+  if (state_.dt_s > 0.0) state_.speed_error = motion_.dead_reckoning().speedError();
   state_.motion_status = motionStatus();
   return state_;
 }
 
 MotionStatus PoseFilter::motionStatus() const {
   if (corrected_sweeps_ < 2) return MotionStatus::kUnknown;  // the first one defines the start pose
-  const bool observed = state_.corrected && prediction_.motionKnown() && !motion_.coasting().active();
+  const bool observed = state_.measurement_applied && prediction_.motionKnown() && !motion_.dead_reckoning().active();
   return observed ? MotionStatus::kObserved : MotionStatus::kDeadReckoning;
 }
 
 FilterState PoseFilter::stateAsDriven() const {
   FilterState state = state_;
-  if (!prediction_.motionKnown() && !state.corrected) state.dt_s = 0.0;
-  if (!state.interval_wrong) return state;
+  if (!prediction_.motionKnown() && !state.measurement_applied) state.dt_s = 0.0;
+  if (!state.clock_jump) return state;
   state.dt_s = std::min(state.dt_s, kLongInterval_s);  // in which it turns by less than half a turn
   Vector6d twist_cog;
   twist_cog << motion_.motion().velocity_body_mps, 0.0, 0.0, motion_.motion().rpy_rates_rad_s.z();
   state.T_previous_now = expSe3(twist_cog * state.dt_s);
-  const double way_sigma_m = kDoubtfulSpeed_mps * state.dt_s, turn_sigma_rad = kDoubtfulRate_rad_s * state.dt_s;
-  state.increment_covariance.diagonal().head<3>().array() += way_sigma_m * way_sigma_m;
+  const double distance_sigma_m = kDoubtfulSpeed_mps * state.dt_s, turn_sigma_rad = kDoubtfulRate_rad_s * state.dt_s;
+  state.increment_covariance.diagonal().head<3>().array() += distance_sigma_m * distance_sigma_m;
   state.increment_covariance.diagonal().tail<3>().array() += turn_sigma_rad * turn_sigma_rad;
   return state;
 }
@@ -266,7 +266,7 @@ FilterState PoseFilter::stateAsDriven() const {
 // else.
 bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   const auto doubts = [](const FusionInput& input) {
-    return input.measurement != nullptr && input.measurement->ok() && input.measurement->interval_doubted &&
+    return input.measurement != nullptr && input.measurement->ok() && input.measurement->clock_jump_suspected &&
            !input.external;
   };
   const auto doubting = std::find_if(inputs.begin(), inputs.end(), doubts);
@@ -280,22 +280,22 @@ bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   return true;
 }
 
-bool PoseFilter::addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state) {
-  MotionPlausibility::Sweep sweep;
+bool PoseFilter::addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state) {
+  ConsistencyMonitor::Sweep sweep;
   sweep.dt_s = state.dt_s;
   sweep.undecided_m = state.fusion.undecided_m;
-  sweep.innovation_m = motion_.coasting().active() ? 0.0 : innovation.head<2>().norm();
+  sweep.innovation_m = motion_.dead_reckoning().active() ? 0.0 : innovation.head<2>().norm();
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
-  sweep.fitting_share = planesFittingShare(inputs);
-  const MotionPlausibility::Doubt doubt = plausibility_.add(sweep);
+  sweep.fitting_ratio = planesFittingRatio(inputs);
+  const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
   // after a gap the covariance would begin with the R of what is confirmed
-  if (doubt.unbelievable) state.fusion.confirmed = false;
+  if (inflation.unbelievable) state.fusion.confirmed = false;
   for (Matrix6d* covariance : {&state.increment_covariance, &state.unobserved_covariance}) {
-    covariance->diagonal().head<2>().array() += doubt.sigma_m * doubt.sigma_m;
-    (*covariance)(5, 5) += doubt.sigma_yaw_rad * doubt.sigma_yaw_rad;
+    covariance->diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;
+    (*covariance)(5, 5) += inflation.sigma_yaw_rad * inflation.sigma_yaw_rad;
   }
-  return doubt.tells_no_motion;
+  return inflation.velocity_unobservable;
 }
 
 }  // namespace fail_aware

@@ -33,7 +33,7 @@ constexpr double kMaxGapSigma_m = 5.0;  // beyond it the search after a gap may 
 // From a pose taken as certain; only the speed's error is brought along.
 DriftState beginAt(const DriftState& state) {
   DriftState begun;
-  begun.lasting(DriftState::kSpeed, DriftState::kSpeed) = state.lasting(DriftState::kSpeed, DriftState::kSpeed);
+  begun.accumulated(DriftState::kSpeed, DriftState::kSpeed) = state.accumulated(DriftState::kSpeed, DriftState::kSpeed);
   return begun;
 }
 
@@ -59,18 +59,18 @@ void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_pre
   F.block<3, 1>(0, DriftState::kScaleBias) = pace * step;
   F.block<3, 1>(0, DriftState::kSpeed) = u * increment.dt_s * R.col(0);
   F(DriftState::kSpeed, DriftState::kSpeed) = increment.speed_error.kept;
-  state.lasting = symmetric(DriftState::Matrix(F * state.lasting * F.transpose()));
-  state.lasting.topLeftCorner<6, 6>() +=
-      symmetric(rotateCovariance(drift_.lasting(increment.covariance, increment.unobserved, distance_m, pace), R));
-  double& speed_variance = state.lasting(DriftState::kSpeed, DriftState::kSpeed);
+  state.accumulated = symmetric(DriftState::Matrix(F * state.accumulated * F.transpose()));
+  state.accumulated.topLeftCorner<6, 6>() +=
+      symmetric(rotateCovariance(drift_.accumulated(increment.covariance, increment.unobserved, distance_m, pace), R));
+  double& speed_variance = state.accumulated(DriftState::kSpeed, DriftState::kSpeed);
   speed_variance = std::max(speed_variance, increment.speed_error.variance_m2_s2);
-  state.passing = symmetric(rotateCovariance(drift_.passing(increment.covariance, increment.unobserved), R));
+  state.transient = symmetric(rotateCovariance(drift_.transient(increment.covariance, increment.unobserved), R));
 }
 
 // The motion from before the gap to now as one increment, with what the measurement leaves of the prediction's error.
 OdometryIncrement OdometryCovariance::sinceGap(const Gap& gap, const Pose& T_gap_now,
                                                const OdometryIncrement& increment) {
-  const Matrix6d P = gap.since.lasting.topLeftCorner<6, 6>();
+  const Matrix6d P = gap.since.accumulated.topLeftCorner<6, 6>();
   const Matrix6d R = symmetric(rotateCovariance(*increment.confirmed, gap.T_odom_base.linear().transpose()));
   const Matrix6d left = Matrix6d::Identity() - Matrix6d(solutionOf(P + R, P).transpose());
   OdometryIncrement whole = increment;
@@ -105,7 +105,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   if (gap) {
     const Pose T_gap_previous = gap->T_odom_base.inverse() * T_odom_base_previous;
     advance(T_gap_previous, T_previous_now, sane, gap->since);
-    const double sigma_m = std::sqrt(gap->since.lasting.topLeftCorner<2, 2>().diagonal().maxCoeff());
+    const double sigma_m = std::sqrt(gap->since.accumulated.topLeftCorner<2, 2>().diagonal().maxCoeff());
     if (sane.map_restarted || ++gap->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
       gap.reset();
       lost = true;
@@ -119,41 +119,41 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
     }
   }
   const Eigen::Vector3d& previous_odom = T_odom_base_previous.translation();
-  const bool is_new_map = !map_way_ || sane.map_restarted;
-  const MapWay before = is_new_map ? MapWay{previous_odom, 0.0} : *map_way_;
-  MapWay way = before;
+  const bool is_new_map = !map_distance_ || sane.map_restarted;
+  const MapDistance before = is_new_map ? MapDistance{previous_odom, 0.0} : *map_distance_;
+  MapDistance way = before;
   way.farthest_m = std::max(before.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
   const Vector6d new_map = drift_.newMapVariances(before.farthest_m, way.farthest_m);
-  since_start.lasting.diagonal().head<6>() += new_map;
-  if (T_odom_mark_) since_mark.lasting.diagonal().head<6>() += new_map;
-  if (!since_start.lasting.allFinite() || !since_mark.lasting.allFinite()) return false;
+  since_start.accumulated.diagonal().head<6>() += new_map;
+  if (T_odom_mark_) since_mark.accumulated.diagonal().head<6>() += new_map;
+  if (!since_start.accumulated.allFinite() || !since_mark.accumulated.allFinite()) return false;
   lost_ = lost;
   gap_ = gap;
-  map_way_ = way;
+  map_distance_ = way;
   since_start_ = since_start;
   since_mark_ = since_mark;
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
-  passing_base_ =
-      rotateCovariance(drift_.passing(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
-  largest_passing_base_ += positiveSemidefinite(passing_base_ - largest_passing_base_);
-  covariance_ = since_start_.lasting.topLeftCorner<6, 6>() +
-                symmetric(rotateCovariance(largest_passing_base_, T_odom_base_now.linear()));
-  speed_variance_ = since_start_.lasting(DriftState::kSpeed, DriftState::kSpeed);
+  transient_base_ =
+      rotateCovariance(drift_.transient(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
+  largest_transient_base_ += positiveSemidefinite(transient_base_ - largest_transient_base_);
+  covariance_ = since_start_.accumulated.topLeftCorner<6, 6>() +
+                symmetric(rotateCovariance(largest_transient_base_, T_odom_base_now.linear()));
+  speed_variance_ = since_start_.accumulated(DriftState::kSpeed, DriftState::kSpeed);
   return true;
 }
 
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   const Eigen::Vector2d biases = drift_.biasVariances();
   since_start_ = DriftState();
-  if (start_covariance.allFinite()) since_start_.lasting.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
-  since_start_.lasting.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
+  if (start_covariance.allFinite()) since_start_.accumulated.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
+  since_start_.accumulated.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
   covariance_ = since_start_.pose();
-  passing_base_.setZero();
-  largest_passing_base_.setZero();
+  transient_base_.setZero();
+  largest_transient_base_.setZero();
   speed_variance_ = 0.0;
   gap_.reset();
   lost_ = false;
-  map_way_.reset();
+  map_distance_.reset();
   T_odom_mark_.reset();
   since_mark_ = DriftState();
   since_mark_covariance_.setZero();
@@ -167,9 +167,9 @@ void OdometryCovariance::mark(const Pose& T_odom_mark) {
   if (!isFinite(T_odom_mark)) return;
   T_odom_mark_ = T_odom_mark;
   // The jitter of the mark itself stays: all that follows is seen from there.
-  since_mark_.lasting.topLeftCorner<6, 6>() = passing_base_;
-  since_mark_.lasting.diagonal().segment<2>(DriftState::kHeadingBias) = drift_.biasVariances();
-  since_mark_.lasting(DriftState::kSpeed, DriftState::kSpeed) = speed_variance_;
+  since_mark_.accumulated.topLeftCorner<6, 6>() = transient_base_;
+  since_mark_.accumulated.diagonal().segment<2>(DriftState::kHeadingBias) = drift_.biasVariances();
+  since_mark_.accumulated(DriftState::kSpeed, DriftState::kSpeed) = speed_variance_;
 }
 
 std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s) {

@@ -109,6 +109,6 @@ Pose poseOf(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation)
   return T;
 }
 
-Pose asExchanged(const Pose& T) { return poseOf(T.translation(), quaternionOf(T)); }
+Pose quaternionRoundTrip(const Pose& T) { return poseOf(T.translation(), quaternionOf(T)); }
 
 }  // namespace fail_aware

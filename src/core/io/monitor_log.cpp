@@ -21,7 +21,7 @@ struct MonitorLogTable {
     number_table::visitMatrix("T_odom_cog", s.T_odom_cog.affine(), v);
     number_table::visitMatrix("covariance", s.covariance, v);
     v("sigma_yaw", s.sigma_yaw_rad);
-    v("corrected", s.corrected);
+    v("measurement_applied", s.measurement_applied);
     v("started", s.started);
     v("motion_status", s.motion_status);
     number_table::visitMatrix("T_previous_now", s.T_previous_now.affine(), v);
@@ -29,7 +29,7 @@ struct MonitorLogTable {
     number_table::visitMatrix("unobserved_covariance", s.unobserved_covariance, v);
     v("speed_variance", s.speed_error.variance_m2_s2);
     v("speed_kept", s.speed_error.kept);
-    v("odom_epoch", s.odom_epoch);
+    v("odom_reset_count", s.odom_reset_count);
     v("map_update", s.map_update);
     v("filter_nis", s.filter_nis);
     auto& f = s.fusion;

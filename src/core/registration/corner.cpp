@@ -51,7 +51,7 @@ Corner atHeight(const Corner& corner_odom, double z_odom_m) {
 Corner withOtherPlane(const Corner& corner_odom) {
   Corner corner = corner_odom;
   std::swap(corner.normals[0], corner.normals[1]);
-  std::swap(corner.plane_rms_m[0], corner.plane_rms_m[1]);
+  std::swap(corner.icp_point_to_plane_rms_m[0], corner.icp_point_to_plane_rms_m[1]);
   std::swap(corner.plane_points[0], corner.plane_points[1]);
   std::swap(corner.rectangles[0], corner.rectangles[1]);
   const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(corner.normals[0]).normalized();

@@ -79,7 +79,7 @@ Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const
   measurement.iterations = 1;
   measurement.status = MeasurementStatus::kTooFewCorners;
   if (associated.size() < static_cast<std::size_t>(params_.min_corners)) return measurement;
-  measurement.inlier_share = static_cast<double>(pairs.size()) / static_cast<double>(associated.size());
+  measurement.inlier_ratio = static_cast<double>(pairs.size()) / static_cast<double>(associated.size());
   if (pairs.size() < static_cast<std::size_t>(params_.min_corners)) return measurement;
 
   measurement.status = MeasurementStatus::kDegenerate;
@@ -191,12 +191,12 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) covariance(kPlanar[i], kPlanar[j]) = 0.5 * (planar(i, j) + planar(j, i));
   }
-  measurement.weak_directions = 3;
+  measurement.degenerate_directions = 3;
   measurement.rms_residual_m = std::sqrt(squares_m2 / corners);
   // Of good_corners all around at the mean weight: information about a horizontal direction = their summed weight.
   const Eigen::Vector2d variances = symmetricEigen(Eigen::Matrix2d(planar.topLeftCorner<2, 2>())).eigenvalues();
   const double good_information = total_weight / corners * static_cast<double>(params_.good_corners);
-  measurement.min_information_share = std::min(1.0, 1.0 / (variances(1) * good_information));
+  measurement.min_information_ratio = std::min(1.0, 1.0 / (variances(1) * good_information));
 }
 
 double CornerAlignment::placeVariance(const Corner& corner) const {
@@ -204,7 +204,7 @@ double CornerAlignment::placeVariance(const Corner& corner) const {
   for (std::size_t k = 0; k < 2; ++k) {
     const double samples =
         std::max(1.0, static_cast<double>(corner.plane_points[k]) / params_.points_per_independent_sample);
-    variance += kVarianceAtEnd * corner.plane_rms_m[k] * corner.plane_rms_m[k] / samples;
+    variance += kVarianceAtEnd * corner.icp_point_to_plane_rms_m[k] * corner.icp_point_to_plane_rms_m[k] / samples;
   }
   const double sine2 = std::max(0.1, corner.normals[0].cross(corner.normals[1]).squaredNorm());
   return params_.min_sigma_m * params_.min_sigma_m + 0.5 * variance / sine2;
@@ -214,7 +214,7 @@ double CornerAlignment::directionVariance(const Corner& corner) const {
   const double samples =
       std::max(1.0, static_cast<double>(corner.plane_points[0]) / params_.points_per_independent_sample);
   const double sigma = params_.min_direction_sigma_deg * kDegree;
-  return sigma * sigma + corner.plane_rms_m[0] * corner.plane_rms_m[0] / samples;  // over a wall of about 3 m
+  return sigma * sigma + corner.icp_point_to_plane_rms_m[0] * corner.icp_point_to_plane_rms_m[0] / samples;  // over a wall of about 3 m
 }
 
 }  // namespace fail_aware

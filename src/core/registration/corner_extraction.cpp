@@ -268,7 +268,7 @@ bool CornerExtractor::makeCorner(const Plane& a, const Plane& b, const Eigen::Ma
   corner.J = corner.M + Corner::kLineLength * direction;
   corner.N = corner.M + (along.dot(forward) < 0.0 ? -Corner::kPlaneLength : Corner::kPlaneLength) * along;
   corner.normals = {reference.normal, other.normal};
-  corner.plane_rms_m = {reference.rms_m, other.rms_m};
+  corner.icp_point_to_plane_rms_m = {reference.rms_m, other.rms_m};
   corner.plane_points = {static_cast<int>(reference.inliers.size()), static_cast<int>(other.inliers.size())};
   corner.rectangles = {rectangleOf(reference.inliers, corner.M, direction, reference.normal),
                        rectangleOf(other.inliers, corner.M, direction, other.normal)};

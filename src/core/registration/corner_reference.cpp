@@ -17,7 +17,7 @@ Corner blended(const Corner& corner, const Corner& seen, double share) {
   mean.N = mean.M + Corner::kPlaneLength * mix((corner.N - corner.M).eval(), (seen.N - seen.M).eval()).normalized();
   for (std::size_t k = 0; k < 2; ++k) {
     mean.normals[k] = mix(corner.normals[k], seen.normals[k]).normalized();
-    mean.plane_rms_m[k] = (1.0 - share) * corner.plane_rms_m[k] + share * seen.plane_rms_m[k];
+    mean.icp_point_to_plane_rms_m[k] = (1.0 - share) * corner.icp_point_to_plane_rms_m[k] + share * seen.icp_point_to_plane_rms_m[k];
     mean.plane_points[k] = seen.plane_points[k];
     mean.rectangles[k] = seen.rectangles[k];
   }

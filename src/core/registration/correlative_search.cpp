@@ -6,7 +6,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/standing_points.hpp"
+#include "fail_aware_lidar_odometry/core/registration/above_ground_points.hpp"
 
 namespace fail_aware {
 
@@ -22,7 +22,7 @@ constexpr double kRefineStep = 0.25;    // of this part of a coarse one
 constexpr double kSigmas = 3.0;         // of the prediction: that far it is searched,
 constexpr double kMinReach_m = 1.0;     // and at least that far
 constexpr double kMinReach_rad = 2.0 * kDegree;
-constexpr double kPriorShare = 0.02;  // what a unit of the squared Mahalanobis distance from the prediction costs
+constexpr double kPriorRatio = 0.02;  // what a unit of the squared Mahalanobis distance from the prediction costs
 
 // Cells of the horizontal plane around the predicted position: has the map been seen there, does something stand there.
 class PlanGrid {
@@ -103,7 +103,7 @@ struct Candidate {
 };
 
 // How much of what stands fits; 0..1.
-double shareOf(const std::vector<Eigen::Vector2d>& points, const PlanGrid& grid, const Eigen::Vector2d& shift_m) {
+double ratioOf(const std::vector<Eigen::Vector2d>& points, const PlanGrid& grid, const Eigen::Vector2d& shift_m) {
   int fits = 0, seen = 0;
   for (const Eigen::Vector2d& p : points) {
     const std::uint8_t cell = grid.at(p.x() + shift_m.x(), p.y() + shift_m.y());
@@ -134,7 +134,7 @@ class Judge {
   double reachRad(double most) const { return std::min(most, std::max(kMinReach_rad, kSigmas * sigma_rad_)); }
   double value(const Candidate& c) const {
     const double turn = c.turn_rad / sigma_rad_;
-    return c.share - kPriorShare * (c.shift_m.dot(information_ * c.shift_m) + turn * turn);
+    return c.share - kPriorRatio * (c.shift_m.dot(information_ * c.shift_m) + turn * turn);
   }
 
  private:
@@ -152,7 +152,7 @@ void tryAround(const Candidate& centre, double step_m, double step_rad, int shif
     for (int y = -shifts; y <= shifts; ++y) {
       for (int x = -shifts; x <= shifts; ++x) {
         candidate.shift_m = centre.shift_m + step_m * Eigen::Vector2d(x, y);
-        candidate.share = shareOf(of, grid, candidate.shift_m);
+        candidate.share = ratioOf(of, grid, candidate.shift_m);
         candidate.value = judge.value(candidate);
         tried.push_back(candidate);
       }
@@ -161,7 +161,7 @@ void tryAround(const Candidate& centre, double step_m, double step_rad, int shif
 }
 
 // Seen from above about odom's axes; none if they are too few for a picture.
-std::vector<Eigen::Vector2d> standingPoints(const std::vector<Eigen::Vector3f>& points_cog,
+std::vector<Eigen::Vector2d> aboveGroundPoints(const std::vector<Eigen::Vector3f>& points_cog,
                                             const Eigen::Matrix3d& R_odom_cog, double range_m) {
   std::vector<Eigen::Vector3f> level;
   level.reserve(points_cog.size());
@@ -169,7 +169,7 @@ std::vector<Eigen::Vector2d> standingPoints(const std::vector<Eigen::Vector3f>& 
   for (const Eigen::Vector3f& p : points_cog) {
     if (p.norm() <= static_cast<float>(range_m)) level.push_back(R * p);
   }
-  const StandingPoints standing = findStandingPoints(level, StandingPointsParams(), kEnough);
+  const AboveGroundPoints standing = findStandingPoints(level, StandingPointsParams(), kEnough);
   std::vector<Eigen::Vector2d> points;
   if (standing.places < kMinPlaces) return points;
   points.reserve(standing.points.size());
@@ -183,7 +183,7 @@ void CorrelativeSearch::Params::validate() const {
   requireWithin("range_m", range_m, 1.0, 200.0);
   requireWithin("max_shift_m", max_shift_m, 0.5, 100.0);
   requireWithin("max_turn_deg", max_turn_deg, 0.5, 180.0);
-  requireWithin("min_share", min_share, 0.0, 1.0);
+  requireWithin("min_ratio", min_ratio, 0.0, 1.0);
 }
 
 CorrelativeSearch::CorrelativeSearch(const Params& params) : params_(params) { params_.validate(); }
@@ -193,7 +193,7 @@ bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, con
                              std::optional<Found>& found) const {
   found.reset();
   const std::vector<Eigen::Vector2d> points =
-      standingPoints(points_cog, T_odom_cog_predicted.linear(), params_.range_m);
+      aboveGroundPoints(points_cog, T_odom_cog_predicted.linear(), params_.range_m);
   if (points.empty()) return false;
   const PlanGrid fine = gridOf(map, T_odom_cog_predicted.translation(), params_.range_m + params_.max_shift_m);
   const PlanGrid coarse = coarser(fine);
@@ -214,7 +214,7 @@ bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, con
   }
   // the first of the best, so that equal ones do not depend on the library
   const Candidate& best = *std::min_element(refined.begin(), refined.end(), better);
-  if (best.share < params_.min_share) return true;
+  if (best.share < params_.min_ratio) return true;
   found = Found{T_odom_cog_predicted, best.share};
   found->T_odom_cog.translation().head<2>() += best.shift_m;
   found->T_odom_cog.linear() =

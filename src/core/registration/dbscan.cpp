@@ -14,7 +14,7 @@ namespace fail_aware {
 namespace {
 
 constexpr int kNoise = -1;
-constexpr double kCellShareOfEps = 0.7071;  // just under 1 / sqrt(2): a cell's diagonal is below eps
+constexpr double kCellRatioOfEps = 0.7071;  // just under 1 / sqrt(2): a cell's diagonal is below eps
 constexpr int kReach = 2;                   // cells further away than this are out of reach
 constexpr double kMaxCoordinateInEps = 1e8;
 
@@ -36,7 +36,7 @@ struct Cell {
 class Grid {
  public:
   Grid(const std::vector<Eigen::Vector2f>& points_xy, double eps_m, const std::vector<int>& weights) {
-    const double inverse_cell = 1.0 / (kCellShareOfEps * eps_m);
+    const double inverse_cell = 1.0 / (kCellRatioOfEps * eps_m);
     std::vector<std::pair<std::uint64_t, int>> keys;
     keys.reserve(points_xy.size());
     for (std::size_t i = 0; i < points_xy.size(); ++i) {

@@ -15,15 +15,15 @@ void addSearchedMotion(const InitialGuess& guess, Measurement& measurement) {
   }
 }
 
-void doubtStandstill(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement) {
+void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement) {
   if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
   const Eigen::Vector3d forward = guess.T_odom_cog_previous.linear().col(0);
-  const double way_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());
-  if (std::abs(way_m) > params.standstill_m || measurement.min_information_share > params.standstill_share) return;
+  const double distance_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());
+  if (std::abs(distance_m) > params.standstill_m || measurement.min_information_ratio > params.standstill_ratio) return;
   const double sigma_m = params.max_speed_mps * guess.dt_s;
   measurement.covariance.topLeftCorner<3, 3>() += sigma_m * sigma_m * forward * forward.transpose();
-  measurement.weak_directions = std::min(measurement.weak_directions + 1, 6);
-  measurement.min_information_share = 0.0;
+  measurement.degenerate_directions = std::min(measurement.degenerate_directions + 1, 6);
+  measurement.min_information_ratio = 0.0;
 }
 
 }  // namespace fail_aware

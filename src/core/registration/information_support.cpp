@@ -10,8 +10,8 @@ namespace fail_aware {
 
 void InformationSupport::Params::validate() const {
   requireWithin("cell_m", cell_m, 0.05, 1000.0);
-  requireWithin("max_place_share", max_place_share, 0.01, 1.0);
-  requireWithin("below_share", below_share, 0.0, 1.0);
+  requireWithin("max_place_ratio", max_place_ratio, 0.01, 1.0);
+  requireWithin("below_ratio", below_ratio, 0.0, 1.0);
 }
 
 void InformationSupport::add(const Eigen::Vector3d& position_m, double information) {
@@ -19,7 +19,7 @@ void InformationSupport::add(const Eigen::Vector3d& position_m, double informati
       information;
 }
 
-double InformationSupport::countedShare() const {
+double InformationSupport::countedRatio() const {
   std::vector<double> sums;
   double total = 0.0;
   for (const auto& place : places_) {
@@ -28,13 +28,13 @@ double InformationSupport::countedShare() const {
   }
   if (!(total > 0.0)) return 0.0;
   std::sort(sums.begin(), sums.end(), std::greater<double>());
-  // with the k largest at the limit c and the rest whole: counted = k c + rest, c = max_place_share * counted
+  // with the k largest at the limit c and the rest whole: counted = k c + rest, c = max_place_ratio * counted
   double rest = total;
   for (std::size_t k = 0; k < sums.size(); ++k) {
-    const double free = 1.0 - static_cast<double>(k) * params_.max_place_share;
+    const double free = 1.0 - static_cast<double>(k) * params_.max_place_ratio;
     if (free <= 0.0) return 0.0;  // too few places
     const double counted = rest / free;
-    if (sums[k] <= params_.max_place_share * counted) return std::min(1.0, counted / total);
+    if (sums[k] <= params_.max_place_ratio * counted) return std::min(1.0, counted / total);
     rest -= sums[k];
   }
   return 0.0;

@@ -22,8 +22,8 @@ InitialGuess predictedGuess(const RegistrationScan& scan, const SweepPrediction&
 
 InitialGuessResolver::InitialGuessResolver(const RegistrationParameters& params)
     : first_motion_(params.initialization, params.cloud.min_range_m),
-      relocalization_(params.relocalization, params.point),
-      turn_search_(params.turn_search, params.plane) {}
+      relocalization_(params.relocalization, params.icp_point_to_point),
+      deskew_refinement_(params.deskew_refinement, params.icp_point_to_plane) {}
 
 InitialGuess InitialGuessResolver::resolve(const CorrectedSweep& sweep, const RegistrationScan& scan,
                                            const LocalMap& map, const EstimateTrack& track,
@@ -35,8 +35,8 @@ InitialGuess InitialGuessResolver::resolve(const CorrectedSweep& sweep, const Re
     return guess;
   }
   take(relocalize(scan, map, track, guess));
-  take(checkInterval(scan, map, track, prediction, guess));
-  take(findTurn(scan, map, prediction.sigma_yaw_rad, guess));
+  take(detectClockJump(scan, map, track, prediction, guess));
+  take(refineDeskew(scan, map, prediction.sigma_yaw_rad, guess));
   return guess;
 }
 
@@ -82,33 +82,33 @@ InitialGuessResolver::Better InitialGuessResolver::relocalize(const Registration
   return found;
 }
 
-InitialGuessResolver::Better InitialGuessResolver::checkInterval(const RegistrationScan& scan, const LocalMap& map,
+InitialGuessResolver::Better InitialGuessResolver::detectClockJump(const RegistrationScan& scan, const LocalMap& map,
                                                                  const EstimateTrack& track,
                                                                  const SweepPrediction& prediction,
                                                                  const InitialGuess& guess) {
   if (map.empty() || track.tooManyUnplaced()) return std::nullopt;
-  IntervalCheck::Interval interval;
+  ClockJumpDetector::Interval interval;
   interval.stamps = {prediction.dt_s, prediction.set_back_s};
   interval.unplaced = track.unplaced();
   interval.T_odom_cog_placed = track.T_odom_cog_placed();
   interval.twist_cog = track.placedTwist().value_or(guess.twist_cog);
   interval.T_odom_cog_predicted = prediction.T_odom_cog;
   if (!guess.lost) interval.T_odom_cog_by_the_stamps = guess.T_odom_cog;
-  const std::optional<Pose> T_odom_cog = interval_check_.findOther(
+  const std::optional<Pose> T_odom_cog = clock_jump_detector_.findOther(
       interval, [&](const Pose& T) { return relocalization_.fit(scan.cloud, map.map(), T, guess.covariance); });
   if (!T_odom_cog) return std::nullopt;
   InitialGuess found = guess;
   found.T_odom_cog = *T_odom_cog;
   found.lost = false;
-  found.interval_doubted = true;
+  found.clock_jump_suspected = true;
   return found;
 }
 
-InitialGuessResolver::Better InitialGuessResolver::findTurn(const RegistrationScan& scan, const LocalMap& map,
+InitialGuessResolver::Better InitialGuessResolver::refineDeskew(const RegistrationScan& scan, const LocalMap& map,
                                                             double sigma_yaw_rad, const InitialGuess& guess) const {
   if (guess.lost) return std::nullopt;
   const std::optional<Eigen::Vector3d> rate_rad_s =
-      turn_search_.find(scan.cloud.plane_points_cog, scan.cloud.plane_times_s, scan.cloud.middle_s, map.map(),
+      deskew_refinement_.find(scan.cloud.plane_points_cog, scan.cloud.plane_times_s, scan.cloud.middle_s, map.map(),
                         guess.T_odom_cog, sigma_yaw_rad);
   if (!rate_rad_s) return std::nullopt;
   InitialGuess found = guess;
@@ -119,7 +119,7 @@ InitialGuessResolver::Better InitialGuessResolver::findTurn(const RegistrationSc
 
 void InitialGuessResolver::reset() {
   first_motion_.reset();
-  interval_check_.reset();
+  clock_jump_detector_.reset();
 }
 
 }  // namespace fail_aware

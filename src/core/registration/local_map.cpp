@@ -10,17 +10,17 @@ constexpr double kOtherReference_s = 0.02;  // between sweeps' middles; less is 
 
 }  // namespace
 
-LocalMap::LocalMap(const ReferenceMap::Params& map, const StandingReference::Params& standing)
-    : reference_(map), standing_(standing) {}
+LocalMap::LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& standing)
+    : reference_(map), above_ground_(standing) {}
 
 bool LocalMap::enterOdom(int epoch) {
-  if (epoch == odom_epoch_) return false;
-  odom_epoch_ = epoch;
+  if (epoch == odom_reset_count_) return false;
+  odom_reset_count_ = epoch;
   clear();
   return true;
 }
 
-void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_standing) {
+void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_above_ground) {
   only_first_ = empty();
   if (only_first_) {
     first_cloud_ = cloud;
@@ -28,7 +28,7 @@ void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, do
   }
   reference_.add(cloud.map_points_cog, T_odom_cog);
   newest_ = {time_s, T_odom_cog};
-  if (keep_standing && standing_.isDue(T_odom_cog, time_s)) standing_.keep(cloud.map_points_cog, T_odom_cog, time_s);
+  if (keep_above_ground && above_ground_.isDue(T_odom_cog, time_s)) above_ground_.keep(cloud.map_points_cog, T_odom_cog, time_s);
 }
 
 void LocalMap::redeskewFirst(const Vector6d& twist_cog, double middle_s) {
@@ -36,15 +36,15 @@ void LocalMap::redeskewFirst(const Vector6d& twist_cog, double middle_s) {
   RegistrationCloud first = first_cloud_;
   // one whose time field failed was timed with no other before it: a head's sweeps lie alike about their stamps
   const double shift_s = first.middle_s - middle_s;
-  first.recorrect(twist_cog, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
+  first.redeskew(twist_cog, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
   reference_.clear();
   reference_.add(first.map_points_cog, T_odom_cog_first_);
-  standing_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);
+  above_ground_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);
 }
 
 void LocalMap::clear() {
   reference_.clear();
-  standing_.clear();
+  above_ground_.clear();
 }
 
 void LocalMap::reset() {

@@ -42,7 +42,7 @@ void MotionInitialization::Params::validate() const {
   requireWithin("column_m", column_m, 0.05, 100.0);
   requireNotNegative("min_height_m", min_height_m);
   requireNotNegative("standstill_m", standstill_m);
-  requireWithin("standstill_share", standstill_share, 0.0, 1.0);
+  requireWithin("standstill_ratio", standstill_ratio, 0.0, 1.0);
 }
 
 MotionInitialization::MotionInitialization(const Params& params, double min_range_m)
@@ -71,7 +71,7 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
                                                         double dt_s, double* places_met) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
   constexpr std::size_t kEnough = 2000;
-  const StandingPoints standing = findStandingPoints(thinned(sweep, T_cog_lidar),
+  const AboveGroundPoints standing = findStandingPoints(thinned(sweep, T_cog_lidar),
                                                      {params_.cell_m, params_.column_m, params_.min_height_m}, kEnough);
   Vector6d best = Vector6d::Zero();
   double best_votes = 0.0;

@@ -40,20 +40,20 @@ double weightOf(const NormalEquations& equations) {
 }
 
 bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params) {
-  return !(eigenvalue > params.min_information_share * weight);
+  return !(eigenvalue > params.min_information_ratio * weight);
 }
 
 }  // namespace
 
 void ObservabilityParams::validate() const {
   requirePositive("lever_m", lever_m);
-  requireWithin("min_information_share", min_information_share, 0.0, 0.3);
-  requireWithin("min_sliding_share", min_sliding_share, 0.0, 1.0);
+  requireWithin("min_information_ratio", min_information_ratio, 0.0, 0.3);
+  requireWithin("min_sliding_ratio", min_sliding_ratio, 0.0, 1.0);
   requirePositive("weak_sigma_m", weak_sigma_m);
   requirePositive("weak_sigma_deg", weak_sigma_deg);
 }
 
-void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_share) {
+void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_ratio) {
   if (!equations.has_information) {
     equations.has_information = true;
     equations.information = equations.H;
@@ -61,7 +61,7 @@ void discount(NormalEquations& equations, const Eigen::Vector2d& direction, doub
     equations.information_weight = equations.weight;
   }
   Matrix6d D = Matrix6d::Identity();
-  D.topLeftCorner<2, 2>() -= (1.0 - std::sqrt(counted_share)) * direction * direction.transpose();
+  D.topLeftCorner<2, 2>() -= (1.0 - std::sqrt(counted_ratio)) * direction * direction.transpose();
   equations.information = (D * equations.information * D).eval();
   equations.information_b = (D * equations.information_b).eval();
 }
@@ -86,7 +86,7 @@ Observed observedOf(const NormalEquations& equations, const ObservabilityParams&
   observed.information_alone =
       equations.has_information &&
       (!equations.slides ||
-       (observed.weak < 6 && observed.spectrum.eigenvalues[observed.weak] <= params.min_sliding_share * weight));
+       (observed.weak < 6 && observed.spectrum.eigenvalues[observed.weak] <= params.min_sliding_ratio * weight));
   return observed;
 }
 
@@ -95,7 +95,7 @@ Observed observedOf(const NormalEquations& equations, const ObservabilityParams&
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params) {
   Solution solution;
   const Observed observed = observedOf(equations, params);
-  solution.weak_directions = observed.weak;
+  solution.degenerate_directions = observed.weak;
   if (observed.weak < 6) {
     const Matrix6d& H = observed.information_alone ? equations.information : equations.H;
     const Vector6d& b = observed.information_alone ? equations.information_b : equations.b;
@@ -109,7 +109,7 @@ Solution solveObserved(const NormalEquations& equations, const ObservabilityPara
     const Eigen::Matrix2d horizontal = informationOf(equations).topLeftCorner<2, 2>() / weight;
     const double mean = 0.5 * horizontal.trace();
     const double spread = std::hypot(0.5 * (horizontal(0, 0) - horizontal(1, 1)), horizontal(0, 1));
-    solution.min_horizontal_share = std::clamp(mean - spread, 0.0, 1.0);
+    solution.min_horizontal_ratio = std::clamp(mean - spread, 0.0, 1.0);
   }
   return solution;
 }
@@ -121,9 +121,9 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   Matrix6d covariance = Matrix6d::Zero();
   const auto weakVariance = [&](int i) {
     // the direction's own share of rotation decides which weak sigma it gets; both are in metres here
-    const double rotation_share = s.eigenvectors.col(i).tail<3>().squaredNorm();
-    return (1.0 - rotation_share) * params.weak_sigma_m * params.weak_sigma_m +
-           rotation_share * weak_rotation_m * weak_rotation_m;
+    const double rotation_ratio = s.eigenvectors.col(i).tail<3>().squaredNorm();
+    return (1.0 - rotation_ratio) * params.weak_sigma_m * params.weak_sigma_m +
+           rotation_ratio * weak_rotation_m * weak_rotation_m;
   };
   for (int i = 0; i < observed.weak; ++i) {
     const Vector6d v = s.scale.cwiseProduct(s.eigenvectors.col(i));

@@ -21,17 +21,17 @@ constexpr double kClearlyOpen = 0.5;  // less than that of the limit
 OpenCountryAid::Result OpenCountryAid::find(const RegistrationScan& scan, const LocalMap& map,
                                             const InitialGuess& guess, double sigma_yaw_rad) {
   Result result;
-  const StandingMatch::Params& params = match_.params();
+  const AboveGroundMatcher::Params& params = match_.params();
   if (!params.enabled) return result;
   const double slack = open_sweeps_left_ > 0 ? kStaysOpen : 1.0;
   open_sweeps_left_ = std::max(0, open_sweeps_left_ - 1);
-  const double share = match_.shareOfPlanes(scan.cloud.plane_points_cog, map.map(), guess.T_odom_cog, sigma_yaw_rad);
-  nearly_open_ = share <= kStaysOpen * params.max_information_share;
-  if (share > slack * params.max_information_share) return result;
-  const StandingPoints standing = match_.select(scan.cloud.map_points_cog);
-  result.open_country = standing.share <= params.max_standing_share;
+  const double share = match_.ratioOfPlanes(scan.cloud.plane_points_cog, map.map(), guess.T_odom_cog, sigma_yaw_rad);
+  nearly_open_ = share <= kStaysOpen * params.max_information_ratio;
+  if (share > slack * params.max_information_ratio) return result;
+  const AboveGroundPoints standing = match_.select(scan.cloud.map_points_cog);
+  result.open_country = standing.share <= params.max_above_ground_ratio;
   if (!result.open_country) return result;
-  if (share <= params.max_information_share && standing.share <= kClearlyOpen * params.max_standing_share) {
+  if (share <= params.max_information_ratio && standing.share <= kClearlyOpen * params.max_above_ground_ratio) {
     open_sweeps_left_ = kOpenSweeps;
   }
   result.pose = match_.find(standing, map.standing(), guess.T_odom_cog);
@@ -43,12 +43,12 @@ void OpenCountryAid::reset() {
   nearly_open_ = true;
 }
 
-void addOpenCountry(const OpenCountryAid::Result& found, const StandingMatch::Params& params, const InitialGuess& guess,
+void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params, const InitialGuess& guess,
                     Measurement& measurement) {
   if (!found.open_country || !measurement.ok()) return;
   // what travels with the sensor is off by no more than the way
-  const double way_m = guess.twist_cog.head<3>().norm() * guess.dt_s;
-  const double surface_sigma_m = std::min(params.surface_sigma_m, 0.5 * way_m);
+  const double distance_m = guess.twist_cog.head<3>().norm() * guess.dt_s;
+  const double surface_sigma_m = std::min(params.surface_sigma_m, 0.5 * distance_m);
   const double surface_sigma_rad = params.surface_sigma_deg * kDegree * surface_sigma_m / params.surface_sigma_m;
   measurement.covariance.diagonal().head<2>().array() += surface_sigma_m * surface_sigma_m;
   measurement.covariance(5, 5) += surface_sigma_rad * surface_sigma_rad;

@@ -1,5 +1,5 @@
 // A sweep's points and the plane patches that they are measured against: which pairs count for the point-to-plane
-// registrations (normal_filtered_icp.hpp), and how much.
+// registrations (icp_point_to_plane.hpp), and how much.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 #include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/registration/normal_filtered_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
 #include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
 
 namespace fail_aware {
@@ -18,7 +18,7 @@ namespace fail_aware {
 // Which plane patches may take part, given the predicted heading.
 class NormalFilter {
  public:
-  NormalFilter(const NormalFilteredIcp::Params& params, double heading_rad, double sigma_yaw_rad)
+  NormalFilter(const IcpPointToPlane::Params& params, double heading_rad, double sigma_yaw_rad)
       : enabled_(params.filter_normals),
         keep_ground_(params.keep_ground),
         min_ground_z_(static_cast<float>(std::cos(params.ground_tolerance_deg * kDegree))),
@@ -72,7 +72,7 @@ inline constexpr auto kAsCorrected = [](const Eigen::Vector3d& arm, std::size_t)
 /// Of one cloud and one map, which stay as they are as long as this is used.
 class PlanePairs {
  public:
-  PlanePairs(const NormalFilteredIcp::Params& params, const std::vector<Eigen::Vector3f>& points_cog,
+  PlanePairs(const IcpPointToPlane::Params& params, const std::vector<Eigen::Vector3f>& points_cog,
              const VoxelMap& map, const Pose& T_odom_cog_predicted, double sigma_yaw_rad, std::size_t stride = 1)
       : params_(params),
         points_cog_(points_cog),
@@ -114,7 +114,7 @@ class PlanePairs {
   }
 
  private:
-  const NormalFilteredIcp::Params& params_;
+  const IcpPointToPlane::Params& params_;
   const std::vector<Eigen::Vector3f>& points_cog_;
   const VoxelMap& map_;
   std::size_t stride_;
@@ -122,7 +122,7 @@ class PlanePairs {
   std::vector<VoxelMap::Neighborhood> neighborhoods_;  // of the points that are used
 };
 
-inline bool stepWithin(const Vector6d& step, const NormalFilteredIcp::Params& params, double factor) {
+inline bool stepWithin(const Vector6d& step, const IcpPointToPlane::Params& params, double factor) {
   return step.head<3>().norm() < factor * params.step_translation_m &&
          step.tail<3>().norm() < factor * params.step_rotation_deg * kDegree;
 }

@@ -117,7 +117,7 @@ std::optional<PointPairs::WeakHorizontal> PointPairs::weakHorizontal(std::size_t
   if (!(equations.information_weight > 0.0)) return std::nullopt;
   WeakHorizontal weak;
   weak.direction = weakestHorizontal(horizontal);
-  if (weak.direction.dot(horizontal * weak.direction) > params_.support.below_share * equations.information_weight) {
+  if (weak.direction.dot(horizontal * weak.direction) > params_.support.below_ratio * equations.information_weight) {
     return std::nullopt;
   }
   InformationSupport support(params_.support);
@@ -132,7 +132,7 @@ std::optional<PointPairs::WeakHorizontal> PointPairs::weakHorizontal(std::size_t
       support.add(p, w * along * along);
     });
   }
-  weak.counted_share = support.countedShare();
+  weak.counted_ratio = support.countedRatio();
   return weak;
 }
 

@@ -41,8 +41,8 @@ void drawSample(const std::vector<Eigen::Vector3f>& points, std::size_t count, c
 }
 
 // Draws needed so that, with the given confidence, one pair had inliers only.
-double drawsNeeded(double inlier_share, double confidence) {
-  const double pair = inlier_share * inlier_share;
+double drawsNeeded(double inlier_ratio, double confidence) {
+  const double pair = inlier_ratio * inlier_ratio;
   if (pair >= 1.0) return 1.0;
   return pair > 0.0 ? std::log(1.0 - confidence) / std::log1p(-pair) : std::numeric_limits<double>::infinity();
 }
@@ -89,8 +89,8 @@ void RansacPlane::Params::validate() const {
   requireWithin("iterations", iterations, 1, 100000);
   requireWithin("confidence", confidence, 0.0, 1.0 - 1e-12);
   requirePositive("inlier_distance_m", inlier_distance_m);
-  requirePositive("sample_share", sample_share);
-  requireWithin("sample_share", sample_share, 0.0, 1.0);
+  requirePositive("sample_ratio", sample_ratio);
+  requireWithin("sample_ratio", sample_ratio, 0.0, 1.0);
   requireWithin("max_sample_points", max_sample_points, 10, 1000000);
   requireWithin("min_inliers", min_inliers, 3, 1000000);
   requireWithin("max_tilt_deg", max_tilt_deg, 0.0, 90.0);
@@ -102,7 +102,7 @@ RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen:
   if (points.size() < static_cast<std::size_t>(params.min_inliers)) return result;
   std::mt19937 generator(seed);
   const Eigen::Vector3d axis_u = up.unitOrthogonal(), axis_v = up.cross(axis_u);
-  const double share = std::ceil(params.sample_share * static_cast<double>(points.size()));
+  const double share = std::ceil(params.sample_ratio * static_cast<double>(points.size()));
   const std::size_t count =
       std::min({points.size(), static_cast<std::size_t>(params.max_sample_points), static_cast<std::size_t>(share)});
   Eigen::ArrayXf u, v;
@@ -111,11 +111,11 @@ RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen:
   // Score of a hypothesis: the mean of min((distance / inlier distance)^2, 1); 1 - score never exceeds the inlier
   // share.
   const float inverse_distance = static_cast<float>(1.0 / params.inlier_distance_m);
-  const double least_share = static_cast<double>(params.min_inliers) / static_cast<double>(points.size());
+  const double least_ratio = static_cast<double>(params.min_inliers) / static_cast<double>(points.size());
   float best_score = std::numeric_limits<float>::infinity();
   Eigen::Vector3f best_line = Eigen::Vector3f::Zero();  // (n_u, n_v, c), in inlier distances
   double needed = params.iterations;
-  if (params.stop_early) needed = std::min(needed, drawsNeeded(least_share, params.confidence));
+  if (params.stop_early) needed = std::min(needed, drawsNeeded(least_ratio, params.confidence));
   for (; result.iterations < needed; ++result.iterations) {
     const Eigen::Index i = static_cast<Eigen::Index>(drawBelow(generator, count));
     const Eigen::Index j = static_cast<Eigen::Index>(drawBelow(generator, count));
@@ -128,8 +128,8 @@ RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen:
     best_score = score;
     best_line << n_u, n_v, c;
     if (!params.stop_early) continue;
-    const double inlier_share = 1.0 - static_cast<double>(score) / static_cast<double>(count);
-    needed = std::min(needed, drawsNeeded(inlier_share, params.confidence));
+    const double inlier_ratio = 1.0 - static_cast<double>(score) / static_cast<double>(count);
+    needed = std::min(needed, drawsNeeded(inlier_ratio, params.confidence));
   }
   if (!std::isfinite(best_score)) return result;
 

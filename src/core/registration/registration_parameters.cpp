@@ -6,8 +6,8 @@
 namespace fail_aware {
 
 void RegistrationParameters::validate() const {
-  requireParameter(use_point || use_plane, "use_point", use_point,
-                   "true, or use_plane be true (corners alone cannot find the first motion)");
+  requireParameter(use_icp_point_to_point || use_icp_point_to_plane, "use_icp_point_to_point", use_icp_point_to_point,
+                   "true, or use_icp_point_to_plane be true (corners alone cannot find the first motion)");
   validateNested(*this);
 }
 

@@ -9,23 +9,23 @@ namespace {
 // The turn that is left in them is looked for by the azimuth; without that search nobody asks for times.
 std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& params,
                                                  const SweepTimingParams& timing) {
-  if (timing.source != "none" || !params.turn_search.enabled) return std::nullopt;
+  if (timing.source != "none" || !params.deskew_refinement.enabled) return std::nullopt;
   return timing;
 }
 
 }  // namespace
 
 void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s) {
-  cloud.recorrect(other_twist_cog - twist_cog, still_s);
+  cloud.redeskew(other_twist_cog - twist_cog, still_s);
   twist_cog = other_twist_cog;
 }
 
 RegistrationScanBuilder::RegistrationScanBuilder(const RegistrationParameters& params, const SweepTimingParams& timing)
-    : builder_(params.cloud, compensatedHead(params, timing)), beam_ranges_(params.beam_ranges, params.plane) {}
+    : builder_(params.cloud, compensatedHead(params, timing)), beam_range_bias_(params.beam_range_bias, params.icp_point_to_plane) {}
 
 void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                     const Pose& T_cog_lidar, RegistrationScan& scan) {
-  builder_.build(sweep, T_cog_lidar, scan.cloud, beam_ranges_.offsets_m());
+  builder_.build(sweep, T_cog_lidar, scan.cloud, beam_range_bias_.offsets_m());
   scan.T_cog_lidar = T_cog_lidar;
   scan.twist_cog.setZero();
   if (prediction.dt_s > 0.0) {
@@ -35,7 +35,7 @@ void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPred
 }
 
 void RegistrationScanBuilder::observeBeams(const RegistrationScan& scan, const VoxelMap& map, const Pose& T_odom_cog) {
-  beam_ranges_.observe(scan.cloud.plane_points_cog, scan.cloud.plane_rings, scan.T_cog_lidar.translation(), map,
+  beam_range_bias_.observe(scan.cloud.plane_points_cog, scan.cloud.plane_rings, scan.T_cog_lidar.translation(), map,
                        T_odom_cog);
 }
 

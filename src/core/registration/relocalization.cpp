@@ -14,9 +14,9 @@ constexpr double kShortGap_s = 0.75;  // up to which the seeds around the predic
 constexpr double kTurn_rad_s2 = 0.2;  // standard deviations of a vehicle's yaw and forward acceleration
 constexpr double kAcceleration_mps2 = 0.5;
 
-MultiplexIcp::Params widened(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
+IcpPointToPoint::Params widened(const Relocalization::Params& params, const IcpPointToPoint::Params& usual) {
   params.validate();
-  MultiplexIcp::Params wide = usual;
+  IcpPointToPoint::Params wide = usual;
   wide.seeds = 8;
   wide.max_spread_m = std::max(params.max_spread_m, usual.max_spread_m);
   wide.max_distance_m = params.max_distance_m;
@@ -27,22 +27,22 @@ MultiplexIcp::Params widened(const Relocalization::Params& params, const Multipl
 }
 
 // From the place that the search found: z, roll and pitch are the prediction's still, which takes its steps.
-MultiplexIcp::Params narrowing(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
-  MultiplexIcp::Params one = widened(params, usual);
+IcpPointToPoint::Params narrowing(const Relocalization::Params& params, const IcpPointToPoint::Params& usual) {
+  IcpPointToPoint::Params one = widened(params, usual);
   one.seeds = 1;
-  one.max_iterations = std::min(kNarrowingSteps * usual.max_iterations, MultiplexIcp::kMostIterations);
+  one.max_iterations = std::min(kNarrowingSteps * usual.max_iterations, IcpPointToPoint::kMostIterations);
   return one;
 }
 
-MultiplexIcp::Params fromOneSeed(const MultiplexIcp::Params& usual) {
-  MultiplexIcp::Params one = usual;
+IcpPointToPoint::Params fromOneSeed(const IcpPointToPoint::Params& usual) {
+  IcpPointToPoint::Params one = usual;
   one.seeds = 1;
   return one;
 }
 
-MultiplexIcp::Params strict(const Relocalization::Params& params, const MultiplexIcp::Params& usual) {
-  MultiplexIcp::Params one = fromOneSeed(usual);
-  one.min_inlier_share = params.min_inlier_share;
+IcpPointToPoint::Params strict(const Relocalization::Params& params, const IcpPointToPoint::Params& usual) {
+  IcpPointToPoint::Params one = fromOneSeed(usual);
+  one.min_inlier_ratio = params.min_inlier_ratio;
   return one;
 }
 
@@ -51,7 +51,7 @@ MultiplexIcp::Params strict(const Relocalization::Params& params, const Multiple
 Matrix6d steered(const Relocalization::Gap& gap, const Eigen::Matrix3d& R_odom_cog) {
   const double yaw_rad = 0.5 * kTurn_rad_s2 * gap.duration_s * gap.duration_s;
   const double along_m = 0.5 * kAcceleration_mps2 * gap.duration_s * gap.duration_s;
-  const double across_m = gap.way_m * yaw_rad / 3.0;  // the turn began with the gap and grew with its square
+  const double across_m = gap.distance_m * yaw_rad / 3.0;  // the turn began with the gap and grew with its square
   const Eigen::Vector2d ahead = R_odom_cog.col(0).head<2>().normalized(), across(-ahead.y(), ahead.x());
   Matrix6d covariance = Matrix6d::Zero();
   covariance.topLeftCorner<2, 2>() =
@@ -60,7 +60,7 @@ Matrix6d steered(const Relocalization::Gap& gap, const Eigen::Matrix3d& R_odom_c
   return covariance;
 }
 
-std::optional<Pose> confirmedBy(const MultiplexIcp& icp, const RegistrationCloud& cloud, const VoxelMap& map,
+std::optional<Pose> confirmedBy(const IcpPointToPoint& icp, const RegistrationCloud& cloud, const VoxelMap& map,
                                 const Measurement& found, const Matrix6d& covariance) {
   const Measurement confirmed = icp.align(cloud.point_points_cog, map, found.T_odom_cog, covariance);
   return confirmed.ok() ? std::optional<Pose>(confirmed.T_odom_cog) : std::nullopt;
@@ -70,14 +70,14 @@ std::optional<Pose> confirmedBy(const MultiplexIcp& icp, const RegistrationCloud
 
 void Relocalization::Params::validate() const {
   requirePositive("min_sigma_m", min_sigma_m);
-  requireWithin("max_spread_m", max_spread_m, kSmallestParameter, MultiplexIcp::kLargestSpread_m);
+  requireWithin("max_spread_m", max_spread_m, kSmallestParameter, IcpPointToPoint::kLargestSpread_m);
   requirePositive("max_distance_m", max_distance_m);
-  requireWithin("min_inlier_share", min_inlier_share, 0.0, 1.0);
+  requireWithin("min_inlier_ratio", min_inlier_ratio, 0.0, 1.0);
   requirePositive("narrow_m", narrow_m);
   search.validate();
 }
 
-Relocalization::Relocalization(const Params& params, const MultiplexIcp::Params& usual)
+Relocalization::Relocalization(const Params& params, const IcpPointToPoint::Params& usual)
     : params_(params),
       search_(params.search),
       wide_(widened(params, usual)),

@@ -31,32 +31,32 @@ std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
 RoadSpeedAid::Result RoadSpeedAid::find(const CorrectedSweep& sweep, const RegistrationScan& scan,
                                         const SweepPrediction& prediction, const EstimateTrack& track) {
   Result result;
-  if (!relief_.params().enabled) return result;
+  if (!odometry_.params().enabled) return result;
   const std::bitset<8> before = std::exchange(eighths_seen_, eighthsSeen(scan.cloud.map_points_cog));
   // parts of a revolution show another road each
   const bool looks_elsewhere = 2 * (before & eighths_seen_).count() < (before | eighths_seen_).count();
   if (!scan.usable || track.speedObserved() || looks_elsewhere) {
-    relief_.clear();
+    odometry_.clear();
     return result;
   }
-  relief_.add(sweep, scan.T_cog_lidar, scan.twist_cog, rpyFromRotation(prediction.T_odom_cog.linear()).z());
-  const bool known_before = relief_.hasSpeed();
+  odometry_.add(sweep, scan.T_cog_lidar, scan.twist_cog, rpyFromRotation(prediction.T_odom_cog.linear()).z());
+  const bool known_before = odometry_.hasSpeed();
   const double assumed_mps = scan.twist_cog[0];
   result.speed =
-      track.speedWasObserved() ? relief_.findSpeed(assumed_mps, track.speedSigma_mps()) : relief_.findSpeed();
+      track.speedWasObserved() ? odometry_.findSpeed(assumed_mps, track.speedSigma_mps()) : odometry_.findSpeed();
   result.map_is_wrong =
       result.speed && !known_before && std::abs(result.speed->speed_mps - assumed_mps) > kMaxWrongSpeed_mps;
   return result;
 }
 
-void addRoadSpeed(const RoadRelief::Speed& speed, const InitialGuess& guess, const Pose& T_odom_cog_start,
+void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess, const Pose& T_odom_cog_initial_guess,
                   Measurement& measurement) {
   if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
   const Eigen::Vector3d forward =
-      (guess.T_odom_cog_previous.linear().col(0) + T_odom_cog_start.linear().col(0)).normalized();
-  const double way_m = (speed.speed_mps - 0.5 * speed.acceleration_mps2 * guess.dt_s) * guess.dt_s;
+      (guess.T_odom_cog_previous.linear().col(0) + T_odom_cog_initial_guess.linear().col(0)).normalized();
+  const double distance_m = (speed.speed_mps - 0.5 * speed.acceleration_mps2 * guess.dt_s) * guess.dt_s;
   const double measured_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());
-  addPosition(forward, way_m - measured_m, speed.sigma_mps * guess.dt_s, measurement);
+  addPosition(forward, distance_m - measured_m, speed.sigma_mps * guess.dt_s, measurement);
 }
 
 }  // namespace fail_aware

@@ -124,7 +124,7 @@ CorrectionResult SweepCorrection::correct(const Sweep& sweep, const std::vector<
   return result;
 }
 
-bool SweepCorrection::recorrect(std::vector<Eigen::Vector3f>& points_lidar,
+bool SweepCorrection::redeskew(std::vector<Eigen::Vector3f>& points_lidar,
                                 const std::vector<float>& times_relative_to_stamp_s,
                                 const Vector6d& delta_twist_lidar) const {
   const std::vector<float>& times_s = times_relative_to_stamp_s;

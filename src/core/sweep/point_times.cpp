@@ -9,8 +9,8 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kSample = 2000;       // values, of which the range is found
-constexpr double kSoundShare = 0.9;         // of the values, at least, are times
-constexpr double kShortestSweep_s = 0.018;  // of kSoundShare of a sweep: 50 Hz
+constexpr double kSoundRatio = 0.9;         // of the values, at least, are times
+constexpr double kShortestSweep_s = 0.018;  // of kSoundRatio of a sweep: 50 Hz
 constexpr double kLongestSweep_s = 1.0;
 constexpr double kCoarsestStep_s = 1e-3;
 constexpr double kLargestOwnTime_s = 2.0;  // a sweep's own times are below, a clock's above
@@ -46,9 +46,9 @@ struct Interval {
   double low = 0.0, high = 0.0;
 };
 
-/// The shortest that holds kSoundShare of what was looked at.
+/// The shortest that holds kSoundRatio of what was looked at.
 std::optional<Interval> coreOf(const Sample& sample) {
-  const auto needed = static_cast<std::size_t>(std::ceil(kSoundShare * static_cast<double>(sample.looked_at)));
+  const auto needed = static_cast<std::size_t>(std::ceil(kSoundRatio * static_cast<double>(sample.looked_at)));
   const std::vector<double>& v = sample.sorted;
   if (needed == 0 || v.size() < needed) return std::nullopt;
   std::size_t best = 0;

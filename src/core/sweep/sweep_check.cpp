@@ -33,7 +33,7 @@ void look(const std::vector<Eigen::Vector3f>& points, double visible_range_m, Sw
   }
   const auto seen = std::count_if(counts.begin(), counts.end(), [](int n) { return n >= kMinPointsInSector; });
   findings.azimuth_coverage = static_cast<double>(seen) / kSectors;
-  findings.far_share = static_cast<double>(beyond) / static_cast<double>(looked_at);
+  findings.far_ratio = static_cast<double>(beyond) / static_cast<double>(looked_at);
 }
 
 // 64-bit multiplicative hash over all coordinates' bits.
@@ -60,7 +60,7 @@ const char* describeIncomplete() {
 void SweepCheckParams::validate() const {
   requireWithin("min_azimuth_coverage", min_azimuth_coverage, 0.0, 1.0);
   requirePositive("visible_range_m", visible_range_m);
-  requireWithin("min_far_share", min_far_share, 0.0, 1.0);
+  requireWithin("min_far_ratio", min_far_ratio, 0.0, 1.0);
   requireWithin("frozen_sweeps", frozen_sweeps, 0, 1000);
   requirePositive("max_gap_s", max_gap_s);
 }
@@ -87,7 +87,7 @@ SweepFindings SweepCheck::check(const Sweep& sweep) {
   }
   look(sweep.points_lidar, params_.visible_range_m, findings);
   findings.incomplete = findings.azimuth_coverage < params_.min_azimuth_coverage;
-  findings.low_visibility = findings.far_share < params_.min_far_share;
+  findings.low_visibility = findings.far_ratio < params_.min_far_ratio;
   const std::uint64_t print = fingerprint(sweep.points_lidar);
   repetitions_ = last_fingerprint_ == print ? repetitions_ + 1 : 0;
   last_fingerprint_ = print;

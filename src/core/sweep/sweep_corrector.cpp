@@ -39,13 +39,13 @@ void dropUntimed(Sweep& sweep, std::vector<float>& times_s) {
 
 SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle,
                                const AzimuthCorrectionParams& azimuth, const SweepTimingParams& timing,
-                               const SweepCorrectionParams& correction, const LevelKeepingParams& level_keeping)
+                               const SweepCorrectionParams& correction, const LevelKeepingParams& vertical_reference)
     : vertical_angle_(vertical_angle),
       azimuth_(azimuth),
       timing_(timing),
       seam_(timingOfRawPoints(timing, azimuth)),
       correction_(correction),
-      level_keeping_(level_keeping) {
+      vertical_reference_(vertical_reference) {
   vertical_angle_.validate();
   azimuth_.validate();
 }
@@ -57,7 +57,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   const std::optional<SweepSeam> seam = findSweepSeam(sweep.points_lidar);
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
   correctAzimuth(azimuth_, sweep.points_lidar);
-  level_keeping_.apply(sweep.points_lidar);
+  vertical_reference_.apply(sweep.points_lidar);
   report.timing = timing_.assign(sweep, prediction.period_s, times_s_);
   if (report.timing.outliers > 0) dropUntimed(sweep, times_s_);
   if (report.timing.source == TimingSource::kField) {
@@ -72,7 +72,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
     report.middle_s = wholeMicroseconds(0.5 * (static_cast<double>(*first) + static_cast<double>(*last)));
   }
   if (prediction.motionKnown()) {
-    level_keeping_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar, prediction.odom_epoch);
+    vertical_reference_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar, prediction.odom_reset_count);
   }
   return report;
 }

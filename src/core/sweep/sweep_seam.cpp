@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kBlocks = 72;
 constexpr std::size_t kLooks = 20;            // a block
-constexpr std::size_t kFirstShare = 720;      // the first points: half a degree of the revolution
+constexpr std::size_t kFirstRatio = 720;      // the first points: half a degree of the revolution
 constexpr double kMinLength = 0.8;            // of a block's mean direction: 1 if all its points lie in one direction
 constexpr double kLargestStep_deg = 60.0;     // between blocks: no returns in between
 constexpr double kMinRevolution_deg = 300.0;  // from the first block to the last; the ends may see nothing
@@ -66,7 +66,7 @@ std::optional<SweepSeam> findSweepSeam(const std::vector<Eigen::Vector3f>& point
       std::abs(turned_deg) > kMaxRevolution_deg) {
     return std::nullopt;
   }
-  const Eigen::Vector2d first = meanDirection(points_lidar, 0, std::max(kLooks, size / kFirstShare));
+  const Eigen::Vector2d first = meanDirection(points_lidar, 0, std::max(kLooks, size / kFirstRatio));
   if (first.norm() < kMinLength) return std::nullopt;
   return SweepSeam{azimuth_deg(first), turned_deg < 0.0};
 }

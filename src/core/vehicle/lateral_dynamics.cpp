@@ -41,9 +41,9 @@ LateralState solveLateralDynamics(const VehicleParameters& vehicle, const Latera
   const double delta_dynamic =
       beta_dynamic + l_f * curvature + rolling * state.force_front_n / vehicle.cornering_stiffness_front_n_per_rad;
 
-  const double dynamic_share = smoothStep((std::abs(v_x) - limits.min_speed_mps) / limits.min_speed_mps);
-  state.beta_rad = beta_kinematic + dynamic_share * (beta_dynamic - beta_kinematic);
-  state.delta_rad = delta_kinematic + dynamic_share * (delta_dynamic - delta_kinematic);
+  const double dynamic_ratio = smoothStep((std::abs(v_x) - limits.min_speed_mps) / limits.min_speed_mps);
+  state.beta_rad = beta_kinematic + dynamic_ratio * (beta_dynamic - beta_kinematic);
+  state.delta_rad = delta_kinematic + dynamic_ratio * (delta_dynamic - delta_kinematic);
   return state;
 }
 

@@ -139,7 +139,7 @@ TEST(CovariancePredictor, DriversInClosedForm) {
 
 TEST(CovariancePredictor, TheJitterOfTheMomentIsOnTopAndDoesNotGrow) {
   CovarianceGrowth growth;
-  growth.passing(1, 1) = 0.16;
+  growth.transient(1, 1) = 0.16;
   EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
   EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).radius_m, 0.4, 1e-4);
   growth.rate(1, 1) = 0.02;

@@ -24,10 +24,10 @@ std::vector<MonitorInput> drive(int sweeps) {
     s.T_previous_now = i == 0 ? Pose::Identity() : poseFromVector(step);
     T = T * s.T_previous_now;
     s.T_odom_cog = T;
-    s.corrected = i % 7 != 3;
+    s.measurement_applied = i % 7 != 3;
     s.motion_status = MotionStatus::kObserved;
-    s.fusion.valid_inputs = s.corrected ? 3 : 0;
-    s.fusion.confirmed = s.corrected;
+    s.fusion.valid_inputs = s.measurement_applied ? 3 : 0;
+    s.fusion.confirmed = s.measurement_applied;
     s.sigma_yaw_rad = 1e-3 * (1.0 + 0.2 * std::sin(0.9 * i));
     s.increment_covariance.diagonal() << 1e-4, 1e-4, 1e-4, 1e-8, 1e-8, 1e-7;
     input.condition.corners_missing = i % 2 == 0;

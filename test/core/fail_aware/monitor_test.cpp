@@ -31,7 +31,7 @@ class Road {
       state.T_previous_now.translation().x() = speed_mps * kDt_s;
       state.increment_covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, 0.0, 0.0, 0.0,
           sigma_yaw_step_rad * sigma_yaw_step_rad;
-      state.corrected = true;
+      state.measurement_applied = true;
       state.fusion.valid_inputs = 3;
       state.fusion.confirmed = true;
     }
@@ -308,12 +308,12 @@ TEST(FailAwareMonitor, EachConditionHasItsReason) {
       {"no answer", kReasonNoAnswer, true, [](FilterState&, SweepCondition& c) { c.no_answer = true; }},
       {"dropped", kReasonDroppedSweeps, true, [](FilterState&, SweepCondition& c) { c.dropped_before = 2; }},
       {"none", kReasonNoMeasurement, false, [](FilterState& s, SweepCondition&) { s.fusion.valid_inputs = 0; }},
-      {"predicted", kReasonPredictionOnly, false, [](FilterState& s, SweepCondition&) { s.corrected = false; }},
+      {"predicted", kReasonPredictionOnly, false, [](FilterState& s, SweepCondition&) { s.measurement_applied = false; }},
       {"overruled", kReasonPredictionOverruled, false,
        [](FilterState& s, SweepCondition&) { s.fusion.prediction_overruled = true; }},
       {"disagree", kReasonMeasurementsDisagree, false,
        [](FilterState& s, SweepCondition&) { s.fusion.disagreement_m = 0.31; }},
-      {"weak", kReasonWeakDirection, false, [](FilterState&, SweepCondition& c) { c.min_information_share = 0.005; }},
+      {"weak", kReasonWeakDirection, false, [](FilterState&, SweepCondition& c) { c.min_information_ratio = 0.005; }},
       {"no point", kReasonMissingIcpPoint, false, [](FilterState&, SweepCondition& c) { c.point_missing = true; }},
       {"no plane", kReasonMissingIcpPlane, false, [](FilterState&, SweepCondition& c) { c.plane_missing = true; }},
       {"no corners", kReasonMissingCorners, false, [](FilterState&, SweepCondition& c) { c.corners_missing = true; }},
@@ -346,7 +346,7 @@ TEST(FailAwareMonitor, AtTheThresholdsThereIsNoReasonYet) {
   FilterState state = road.next();
   state.fusion.disagreement_m = params.disagreement_m;
   SweepCondition condition;
-  condition.min_information_share = params.min_information_share;
+  condition.min_information_ratio = params.min_information_ratio;
   EXPECT_EQ(monitor.update(state, condition).reasons, 0u);
 }
 
@@ -453,7 +453,7 @@ TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
         FilterState state = road.next();
         if (i == fault_at) fault(state);
         SweepCondition condition;
-        if (i == fault_at) condition.min_information_share = kNan;
+        if (i == fault_at) condition.min_information_ratio = kNan;
         expectFinite(monitor.update(state, condition));
       }
       EXPECT_TRUE(monitor.odometryCovariance().allFinite());
@@ -496,7 +496,7 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   EXPECT_NE(refused([](MonitorParameters& p) { p.sweeps_to_recover = 0; }).find("sweeps_to_recover"),
             std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.disagreement_m = 0.0; }).find("disagreement_m"), std::string::npos);
-  EXPECT_NE(refused([](MonitorParameters& p) { p.min_information_share = 1.1; }).find("min_information_share"),
+  EXPECT_NE(refused([](MonitorParameters& p) { p.min_information_ratio = 1.1; }).find("min_information_ratio"),
             std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.rate_window_s = kNan; }).find("rate_window_s"), std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"), std::string::npos);
@@ -532,7 +532,7 @@ TEST(FailAwareMonitor, APoseThatIsSetIsANewT1OnceItServes) {
   Road road, idle_road;
   drive(idle, idle_road, 50);
   FilterState state = idle_road.next();
-  state.odom_epoch = 1;
+  state.odom_reset_count = 1;
   EXPECT_FALSE(idle.update(state, {}).time_to_failure.isKnown()) << "it does not serve";
   monitor.start();
   const double sigma_before_m = drive(monitor, road, 50).sigma_x_m;
@@ -542,7 +542,7 @@ TEST(FailAwareMonitor, APoseThatIsSetIsANewT1OnceItServes) {
   for (int i = 0; i < 10; ++i) {
     state = road.next();
     state.T_odom_cog = T_new_old * state.T_odom_cog;
-    state.odom_epoch = 1;
+    state.odom_reset_count = 1;
     const MonitorOutput output = monitor.update(state, {});
     EXPECT_TRUE(output.time_to_failure_covariance.isKnown()) << "the rates are still known";
     EXPECT_NEAR(output.sigma_x_m, road.sigma_m * std::sqrt(i), 1e-9) << "no lever arm to where odom was";

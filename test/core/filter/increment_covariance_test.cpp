@@ -10,7 +10,7 @@ namespace {
 FilterState measured(double sigma_m) {
   FilterState state;
   state.dt_s = 0.1;
-  state.corrected = true;
+  state.measurement_applied = true;
   state.fusion.R = sigma_m * sigma_m * Matrix6d::Identity();
   return state;
 }
@@ -26,7 +26,7 @@ TEST(IncrementCovariance, GoodMeasurementLeavesLittleOpen) {
 TEST(IncrementCovariance, PredictionLeavesAllOpen) {
   const Matrix6d Q = 0.01 * Matrix6d::Identity();
   FilterState state = measured(0.01);
-  state.corrected = false;
+  state.measurement_applied = false;
   setIncrementCovariance(IncrementFloor(), Q, 1.0, SweepPrediction(), state);
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.01, 1e-12);
   EXPECT_NEAR(state.unobserved_covariance(0, 0), 0.01, 1e-12);
@@ -39,7 +39,7 @@ TEST(IncrementCovariance, FloorAndScaleAreKept) {
   setIncrementCovariance({0.01, 0.005, 0.1}, 0.01 * Matrix6d::Identity(), 0.5, SweepPrediction(), state);
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.02 * 0.02, 1e-9);
   EXPECT_NEAR(state.increment_covariance(5, 5), 0.01 * kDegree * kDegree, 1e-9);
-  state.corrected = false;
+  state.measurement_applied = false;
   setIncrementCovariance(IncrementFloor(), 0.01 * Matrix6d::Identity(), 0.5, SweepPrediction(), state);
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.005, 1e-12);
 }

@@ -9,7 +9,7 @@ namespace {
 class MotionTrackerTest : public testing::Test {
  protected:
   MotionTrackerTest()
-      : tracker({80.0, 3.0}, Coasting::Params(), MotionHistory::Params(),
+      : tracker({80.0, 3.0}, DeadReckoning::Params(), MotionHistory::Params(),
                 RoadPlaneEstimator(VehicleParameters(), RoadPlaneEstimator::Params())) {
     tracker.reset({15.0, 1.0, 1.0}, 0.3);
   }
@@ -21,7 +21,7 @@ class MotionTrackerTest : public testing::Test {
     state.dt_s = 0.1;
     state.T_odom_cog = poseFromVector(x);
     state.T_previous_now = previous.inverse() * state.T_odom_cog;
-    state.corrected = measured;
+    state.measurement_applied = measured;
     state.fusion.z = x;
     state.fusion.R = sigma_m * sigma_m * Matrix6d::Identity();
     state.fusion.R.diagonal().tail<3>().setConstant(1e-8);
@@ -44,7 +44,7 @@ class MotionTrackerTest : public testing::Test {
 TEST_F(MotionTrackerTest, MeasuredSweepsGiveTheSpeed) {
   sweeps(10, 12.0);
   EXPECT_NEAR(tracker.motion().velocity_body_mps.x(), 12.0, 0.05);
-  EXPECT_FALSE(tracker.coasting().active());
+  EXPECT_FALSE(tracker.dead_reckoning().active());
   EXPECT_TRUE(tracker.lastMeasured() && tracker.previousMeasured());
 }
 
@@ -52,10 +52,10 @@ TEST_F(MotionTrackerTest, SpeedCoastsWithoutMeasurement) {
   sweeps(10, 12.0);
   for (int i = 0; i < 5; ++i) sweep(30.0, false);
   EXPECT_NEAR(tracker.motion().velocity_body_mps.x(), 12.0, 0.5) << "predictions tell nothing";
-  EXPECT_TRUE(tracker.coasting().active());
+  EXPECT_TRUE(tracker.dead_reckoning().active());
   EXPECT_FALSE(tracker.lastMeasured());
   sweeps(10, 12.0);
-  EXPECT_FALSE(tracker.coasting().active());
+  EXPECT_FALSE(tracker.dead_reckoning().active());
 }
 
 TEST_F(MotionTrackerTest, SpeedIsLimited) {
@@ -65,14 +65,14 @@ TEST_F(MotionTrackerTest, SpeedIsLimited) {
 
 TEST_F(MotionTrackerTest, TellingNoMotionLastsASweepLonger) {
   sweeps(10, 12.0);
-  tracker.setTellsNoMotion(true, true);
-  EXPECT_TRUE(tracker.tellsNoMotion());
-  tracker.setTellsNoMotion(false, false);
-  EXPECT_TRUE(tracker.tellsNoMotion()) << "no measurement, no answer";
-  tracker.setTellsNoMotion(false, true);
-  EXPECT_TRUE(tracker.tellsAgain());
+  tracker.setVelocityUnobservable(true, true);
+  EXPECT_TRUE(tracker.velocityUnobservable());
+  tracker.setVelocityUnobservable(false, false);
+  EXPECT_TRUE(tracker.velocityUnobservable()) << "no measurement, no answer";
+  tracker.setVelocityUnobservable(false, true);
+  EXPECT_TRUE(tracker.velocityObservableAgain());
   tracker.reset({15.0, 1.0, 1.0}, 0.3);
-  EXPECT_FALSE(tracker.tellsAgain());
+  EXPECT_FALSE(tracker.velocityObservableAgain());
   EXPECT_EQ(tracker.motion().velocity_body_mps.norm(), 0.0);
 }
 

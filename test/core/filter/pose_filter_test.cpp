@@ -37,7 +37,7 @@ Measurement measured(const Pose& T_odom_cog, const Matrix6d& covariance = diagon
   measurement.status = MeasurementStatus::kOk;
   measurement.T_odom_cog = T_odom_cog;
   measurement.covariance = covariance;
-  measurement.inlier_share = 1.0;
+  measurement.inlier_ratio = 1.0;
   return measurement;
 }
 
@@ -84,17 +84,17 @@ double angle(const Pose& a, const Pose& b) { return logSo3(a.linear().transpose(
 /// A vehicle that brakes, seen by a lidar whose stamps are -middle_s from its sweeps' middles: each sweep is measured
 /// where the speed that it was corrected for puts it. Returns the greatest error of a predicted increment.
 double worstPredictionInBraking(double middle_s, double told_middle_s) {
-  const auto way_m = [](double t_s) { return 12.0 * t_s - std::pow(std::max(0.0, t_s - 2.0), 2); };
+  const auto distance_m = [](double t_s) { return 12.0 * t_s - std::pow(std::max(0.0, t_s - 2.0), 2); };
   PoseFilter filter = makeFilter();
   double worst_m = 0.0;
   for (int i = 0; i <= 60; ++i) {
     SweepPrediction prediction;
     EXPECT_TRUE(filter.predict(100.0 + kDt_s * i, prediction));
-    const double t_s = kDt_s * i, driven_m = way_m(t_s) - way_m(t_s - kDt_s);
+    const double t_s = kDt_s * i, driven_m = distance_m(t_s) - distance_m(t_s - kDt_s);
     double predicted_m = (prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog).translation().x();
     if (i > 30) worst_m = std::max(worst_m, std::abs(predicted_m - driven_m));
     if (!prediction.motionKnown()) predicted_m = driven_m;  // searched for
-    const double x_m = way_m(t_s + middle_s) - predicted_m * middle_s / kDt_s;
+    const double x_m = distance_m(t_s + middle_s) - predicted_m * middle_s / kDt_s;
     const Measurement measurement = measured(pose(x_m, 0, 0, 0, 0, 0));
     filter.correct({{"m", i > 0 ? &measurement : nullptr}}, told_middle_s);
   }
@@ -121,7 +121,7 @@ TEST(PoseFilter, TheFirstSweepDefinesThePose) {
   EXPECT_TRUE(first.state.T_odom_cog.isApprox(T, 1e-12));
   EXPECT_EQ(first.state.stamp_s, 100.0);
   EXPECT_EQ(first.state.dt_s, 0.0);
-  EXPECT_FALSE(first.state.corrected);
+  EXPECT_FALSE(first.state.measurement_applied);
   EXPECT_TRUE(first.state.T_previous_now.isApprox(Pose::Identity()));
   EXPECT_TRUE(first.state.increment_covariance.isZero());
   EXPECT_NEAR(first.state.sigma_yaw_rad, PoseFilter::Params().initial_sigma_deg * kDegree, 1e-9);
@@ -134,11 +134,11 @@ TEST(PoseFilter, AWayInAnotherIntervalThanTheStampsIsTakenAsThePoseAndNotAsAMoti
   Pose T_odom_cog = drive.at(9);
   T_odom_cog.translation().x() += 5.0;
   Measurement doubted = measured(T_odom_cog);
-  doubted.interval_doubted = true;
+  doubted.clock_jump_suspected = true;
   // what began at the stamps' place and was not found elsewhere is not heard, and one that was is enough
   const Measurement by_the_stamps = measured(drive.at(9));
   const Step aside = step(filter, drive.stamp(9), {doubted, by_the_stamps, by_the_stamps});
-  EXPECT_TRUE(aside.state.interval_wrong && aside.state.fusion.prediction_overruled);
+  EXPECT_TRUE(aside.state.clock_jump && aside.state.fusion.prediction_overruled);
   EXPECT_EQ(aside.state.fusion.weights[1], 0.0);
   EXPECT_TRUE(aside.state.inMap());
   EXPECT_LT(distance(aside.state.T_odom_cog, T_odom_cog), 0.005);
@@ -175,7 +175,7 @@ TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
   const Drive drive;
   driveMeasured(filter, drive, 8);
   Measurement elsewhere = measured(drive.at(9));
-  elsewhere.interval_doubted = true;
+  elsewhere.clock_jump_suspected = true;
   SweepPrediction prediction;
   SweepTime time(drive.stamp(9));
   time.set_back_s = 0.3;
@@ -183,7 +183,7 @@ TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
   EXPECT_EQ(prediction.set_back_s, 0.3);
   const Measurement usual = measured(drive.at(9));
   const FilterState& state = filter.correct({{"m", &usual}, {"elsewhere", &elsewhere, true}});
-  EXPECT_FALSE(state.interval_wrong || state.fusion.prediction_overruled);
+  EXPECT_FALSE(state.clock_jump || state.fusion.prediction_overruled);
   EXPECT_EQ(state.set_back_s, 0.3);
   EXPECT_GT(state.fusion.weights[0], 0.0);
 }
@@ -217,7 +217,7 @@ TEST(PoseFilter, TracksADriveWithConstantVelocity) {
     EXPECT_LT(distance(filter.state().T_odom_cog, drive.at(1)), 0.01) << "the first motion is measured, not assumed";
     for (int i = 2; i <= 60; ++i) {
       const Step now = step(filter, drive.stamp(i), {measured(drive.at(i))});
-      ASSERT_TRUE(now.state.corrected) << i;
+      ASSERT_TRUE(now.state.measurement_applied) << i;
       EXPECT_EQ(now.prediction.motionKnown(), true);
       EXPECT_NEAR(now.prediction.dt_s, kDt_s, 1e-9);
       EXPECT_LT(distance(now.state.T_odom_cog, drive.at(i)), 0.005) << i;
@@ -243,7 +243,7 @@ TEST(PoseFilter, BeforeAMotionIsKnownOnlyTheSpeedAlongTheRoadIsUncertain) {
   const Measurement sideways = measured(pose(1.4, 0.0, 0.0, 0.0, 0.0, 0.5 * M_PI));
   EXPECT_FALSE(filter.correct({{"m", &sideways}}).corrected);
   const Measurement forward = measured(pose(0.0, 2.8, 0.0, 0.0, 0.0, 0.5 * M_PI));
-  EXPECT_TRUE(step(filter, 2.0 * kDt_s, {forward}).state.corrected);
+  EXPECT_TRUE(step(filter, 2.0 * kDt_s, {forward}).state.measurement_applied);
 }
 
 TEST(PoseFilter, WithoutAMeasurementTheEstimateIsThePredictionAndSaysSo) {
@@ -260,7 +260,7 @@ TEST(PoseFilter, WithoutAMeasurementTheEstimateIsThePredictionAndSaysSo) {
   for (const std::vector<Measurement>& measurements :
        {std::vector<Measurement>{}, {failed}, {nan}, {far_off}, {Measurement(), failed, nan}}) {
     const Step now = step(filter, drive.stamp(sweep), measurements);
-    EXPECT_FALSE(now.state.corrected);
+    EXPECT_FALSE(now.state.measurement_applied);
     EXPECT_FALSE(now.state.fusion.has_measurement);
     EXPECT_TRUE(now.state.T_odom_cog.isApprox(now.prediction.T_odom_cog, 1e-12));
     EXPECT_EQ(now.state.filter_nis, 0.0);
@@ -268,7 +268,7 @@ TEST(PoseFilter, WithoutAMeasurementTheEstimateIsThePredictionAndSaysSo) {
     EXPECT_GT(now.state.sigma_yaw_rad, sigma_before);
     ++sweep;
   }
-  EXPECT_TRUE(step(filter, drive.stamp(sweep), {measured(drive.at(sweep))}).state.corrected);
+  EXPECT_TRUE(step(filter, drive.stamp(sweep), {measured(drive.at(sweep))}).state.measurement_applied);
   EXPECT_LT(distance(filter.state().T_odom_cog, drive.at(sweep)), 0.01) << "and comes back";
 }
 
@@ -320,7 +320,7 @@ TEST(PoseFilter, TheSpeedIsHeldWhereTheMeasurementDoesNotObserveTheRoad) {
     const Pose T_last = filter.state().T_odom_cog;
     const Pose behind = pose(T_last.translation().x(), T_last.translation().y(), 0.0, 0.0, 0.0, 0.7);
     const Step now = step(filter, drive.stamp(i), {measured(behind, R)});
-    ASSERT_TRUE(now.state.corrected) << i;
+    ASSERT_TRUE(now.state.measurement_applied) << i;
     EXPECT_NEAR(distance(now.prediction.T_odom_cog_previous, now.prediction.T_odom_cog), 1.4, 0.014) << i;
     EXPECT_LT(std::abs((drive.T_start.inverse() * now.state.T_odom_cog).translation().y()), 0.02) << i;
   }
@@ -357,9 +357,9 @@ TEST(PoseFilter, TheIncrementsCovarianceIsThatOfOneKalmanStepFromCertainty) {
   EXPECT_NEAR(C(2, 2), kalman(q.sigma_z_m, 0.05), 1e-5);
   EXPECT_NEAR(C(5, 5), kalman(q.sigma_yaw_rad, 0.0025), 1e-7);
 
-  const Matrix6d coasting = step(filter, drive.stamp(12), {}).state.increment_covariance;
-  EXPECT_NEAR(coasting(0, 0), 2.0 * q.sigma_x_m * q.sigma_x_m, 1e-5);
-  EXPECT_NEAR(coasting(5, 5), 2.0 * q.sigma_yaw_rad * q.sigma_yaw_rad, 1e-7);
+  const Matrix6d dead_reckoning = step(filter, drive.stamp(12), {}).state.increment_covariance;
+  EXPECT_NEAR(dead_reckoning(0, 0), 2.0 * q.sigma_x_m * q.sigma_x_m, 1e-5);
+  EXPECT_NEAR(dead_reckoning(5, 5), 2.0 * q.sigma_yaw_rad * q.sigma_yaw_rad, 1e-7);
 }
 
 TEST(PoseFilter, TheIncrementsCovarianceIsOneAndGrowsWhenCoasting) {
@@ -370,11 +370,11 @@ TEST(PoseFilter, TheIncrementsCovarianceIsOneAndGrowsWhenCoasting) {
   expectCovariance(observed, "measured");
   const double floor_m = 0.001 + 0.001 * 1.4;
   EXPECT_GT(observed(0, 0), floor_m * floor_m);
-  const Matrix6d coasting = step(filter, drive.stamp(11), {}).state.increment_covariance;
-  expectCovariance(coasting, "coasting");
-  for (int i = 0; i < 6; ++i) EXPECT_GT(coasting(i, i), observed(i, i)) << i;
+  const Matrix6d dead_reckoning = step(filter, drive.stamp(11), {}).state.increment_covariance;
+  expectCovariance(dead_reckoning, "dead_reckoning");
+  for (int i = 0; i < 6; ++i) EXPECT_GT(dead_reckoning(i, i), observed(i, i)) << i;
   const Matrix6d longer = step(filter, drive.stamp(14), {}).state.increment_covariance;
-  EXPECT_GT(longer(5, 5) / coasting(5, 5), 3.0) << "three sweep periods, and the yaw rate's uncertainty";
+  EXPECT_GT(longer(5, 5) / dead_reckoning(5, 5), 3.0) << "three sweep periods, and the yaw rate's uncertainty";
 
   int sweep = 15;
   for (const double sigma : {1e-7, 1e-3, 1.0, 1e4, 1e9}) {
@@ -386,19 +386,19 @@ TEST(PoseFilter, TheIncrementsCovarianceIsOneAndGrowsWhenCoasting) {
 }
 
 TEST(PoseFilter, WhereItCoastsTheIncrementIsThatMuchLessSure) {
-  Matrix6d observed[2], coasting[2];
+  Matrix6d observed[2], dead_reckoning[2];
   for (const int factor : {1, 2}) {
     PoseFilter::Params params;
     params.increment_floor_m = params.increment_per_metre_m = params.increment_floor_deg = 0.0;
-    params.coasting_increment_factor = factor;
+    params.dead_reckoning_increment_factor = factor;
     PoseFilter filter = makeFilter(params);
     const Drive drive;
     observed[factor - 1] = driveMeasured(filter, drive, 10).state.increment_covariance;
     step(filter, drive.stamp(11), {});  // from here on the speed is unsure
-    coasting[factor - 1] = step(filter, drive.stamp(12), {}).state.increment_covariance;
+    dead_reckoning[factor - 1] = step(filter, drive.stamp(12), {}).state.increment_covariance;
   }
   EXPECT_TRUE(observed[1].isApprox(observed[0], 1e-9));
-  EXPECT_TRUE(coasting[1].isApprox(2.0 * coasting[0], 1e-9));
+  EXPECT_TRUE(dead_reckoning[1].isApprox(2.0 * dead_reckoning[0], 1e-9));
 }
 
 TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
@@ -418,15 +418,15 @@ TEST(PoseFilter, MeasurementsThatStayApartAddTheirDisagreement) {
     EXPECT_NEAR(out.state.fusion.disagreement_m, apart_sweeps > 0 ? 0.25 : 0.0, 1e-6);
     return Eigen::Vector2d(out.state.increment_covariance(1, 1), out.state.unobserved_covariance(1, 1));
   };
-  const Eigen::Vector2d together = variancesWith(0), now_and_then = variancesWith(2), lasting = variancesWith(4);
+  const Eigen::Vector2d together = variancesWith(0), now_and_then = variancesWith(2), accumulated = variancesWith(4);
   EXPECT_TRUE(now_and_then.isApprox(together, 0.1)) << "two of the last five sweeps";
-  EXPECT_NEAR(lasting[0] - together[0], 0.1 * 0.1, 1e-4) << "beyond 0.15 m";
-  EXPECT_NEAR(lasting[1] - together[1], 0.1 * 0.1, 1e-4) << "it stays";
+  EXPECT_NEAR(accumulated[0] - together[0], 0.1 * 0.1, 1e-4) << "beyond 0.15 m";
+  EXPECT_NEAR(accumulated[1] - together[1], 0.1 * 0.1, 1e-4) << "it stays";
 }
 
 /// By the two ICPs, which measure the same and fit the map by that share.
-FilterState correctByBoth(PoseFilter& filter, Measurement measurement, double inlier_share) {
-  measurement.inlier_share = inlier_share;
+FilterState correctByBoth(PoseFilter& filter, Measurement measurement, double inlier_ratio) {
+  measurement.inlier_ratio = inlier_ratio;
   return filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
 }
 
@@ -441,14 +441,14 @@ FilterState afterOddSweeps(const std::function<Measurement(int sweep, const Pose
     const Measurement measurement = odd(i, drive.at(i));
     EXPECT_TRUE(filter.predict(drive.stamp(i), out.prediction));
     out.state = filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
-    EXPECT_TRUE(out.state.corrected);
+    EXPECT_TRUE(out.state.measurement_applied);
   }
   return out.state;
 }
 
 PoseFilter::Params believingAll() {
   PoseFilter::Params params;
-  params.plausibility.lasting_innovation_m = params.plausibility.fitting_share = params.plausibility.usual_turn_deg =
+  params.plausibility.persistent_innovation_m = params.plausibility.fitting_ratio = params.plausibility.max_yaw_innovation_deg =
       0.0;
   return params;
 }
@@ -482,7 +482,7 @@ TEST(PoseFilter, WhereItCoastsMeasurementsMayJump) {
 TEST(PoseFilter, WhereNextToNothingFitsTheMapTheIncrementIsOpen) {
   const Eigen::Vector3d little = addedVariances([](int, const Pose& T) {
     Measurement measurement = measured(T);
-    measurement.inlier_share = 0.1;
+    measurement.inlier_ratio = 0.1;
     return measurement;
   });
   EXPECT_NEAR(std::sqrt(little[0]), 0.25 * 2.0 / 3.0, 1e-4);
@@ -551,12 +551,12 @@ TEST(PoseFilter, WhereTheSpeedIsHeldTheTurnIsFollowed) {
     EXPECT_NEAR(T_previous_next.translation().head<2>().norm(), 1.4, 0.1) << "the speed is held";
     return rpyFromRotation(T_previous_next.linear()).z();
   };
-  const double bend_rad = 0.02;
-  EXPECT_NEAR(predictedTurn(std::vector<double>(9, bend_rad)), bend_rad, 0.3 * bend_rad);
+  const double curvature_rad = 0.02;
+  EXPECT_NEAR(predictedTurn(std::vector<double>(9, curvature_rad)), curvature_rad, 0.3 * curvature_rad);
   EXPECT_LT(predictedTurn({0.0, 0.0, 3.0 * kDegree}), 1.3 * kDegree) << "one odd heading is no yaw rate";
 }
 
-TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {
+TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByARatio) {
   const auto turning = [](double turn_deg) {
     return addedVariances([=](int sweep, const Pose& T) {
       return measured(sweep < 31 ? T : T * pose(0, 0, 0, 0, turn_deg * kDegree, 0));
@@ -568,17 +568,17 @@ TEST(PoseFilter, ATurnThatNoVehicleMakesMayBeWrongByAShare) {
 
 TEST(PoseFilter, ATurnIsNotHeldAgainstAPredictionThatCouldNotKnow) {
   const Drive drive;
-  const auto yawVarianceAfter = [&](int sweep, bool interval_doubted, const PoseFilter::Params& params) {
+  const auto yawVarianceAfter = [&](int sweep, bool clock_jump_suspected, const PoseFilter::Params& params) {
     PoseFilter filter = makeFilter(params);
     driveMeasured(filter, drive, 20);
     Measurement turned = measured(drive.at(sweep) * pose(0, 0, 0, 0, 6.0 * kDegree, 0));
-    turned.interval_doubted = interval_doubted;
+    turned.clock_jump_suspected = clock_jump_suspected;
     const FilterState state = step(filter, drive.stamp(sweep), {turned, turned}).state;
-    EXPECT_TRUE(state.corrected);
+    EXPECT_TRUE(state.measurement_applied);
     return state.increment_covariance(5, 5);
   };
-  const auto added = [&](int sweep, bool interval_doubted) {
-    return yawVarianceAfter(sweep, interval_doubted, {}) - yawVarianceAfter(sweep, interval_doubted, believingAll());
+  const auto added = [&](int sweep, bool clock_jump_suspected) {
+    return yawVarianceAfter(sweep, clock_jump_suspected, {}) - yawVarianceAfter(sweep, clock_jump_suspected, believingAll());
   };
   EXPECT_GT(added(21, false), std::pow(0.5 * kDegree, 2));
   EXPECT_EQ(added(21, true), 0.0) << "it went by another interval";
@@ -591,7 +591,7 @@ TEST(PoseFilter, WhatIsNotBelievedConfirmsNothingUntilAPoseIsSet) {
   driveMeasured(filter, drive, 20);
   const auto driven = [&](int sweep, double share) {
     Measurement measurement = measured(filter.state().T_odom_cog * drive.at(1));
-    measurement.inlier_share = share;
+    measurement.inlier_ratio = share;
     SweepPrediction prediction;
     EXPECT_TRUE(filter.predict(drive.stamp(sweep), prediction));
     return filter.correct({{kIcpPointToPoint, &measurement}, {kIcpPointToPlane, &measurement}});
@@ -670,16 +670,16 @@ TEST(PoseFilter, APoseThatIsSetMovesOdomUnderTheVehicleAndNothingElse) {
   const Step before = driveMeasured(filter, drive, kSetAt);
   driveMeasured(undisturbed, drive, kSetAt);
   EXPECT_FALSE(filter.setPose(pose(kNan, 0, 0, 0, 0, 0)));
-  EXPECT_EQ(filter.state().odom_epoch, 0);
+  EXPECT_EQ(filter.state().odom_reset_count, 0);
   ASSERT_TRUE(filter.setPose(T_new_old * before.state.T_odom_cog));
-  EXPECT_EQ(filter.state().odom_epoch, 1);
+  EXPECT_EQ(filter.state().odom_reset_count, 1);
   EXPECT_LT(distance(filter.state().T_odom_cog, T_new_old * before.state.T_odom_cog), 1e-9);
   EXPECT_LT(distance(filter.state().T_previous_now, before.state.T_previous_now), 1e-12) << "the true motion";
   expectCovariance(filter.state().covariance, "after setPose");
   for (int i = kSetAt + 1; i <= kLast; ++i) {
     const Step expected = step(undisturbed, drive.stamp(i), {measured(drive.at(i))});
     const Step moved = step(filter, drive.stamp(i), {measured(T_new_old * drive.at(i))});
-    EXPECT_EQ(moved.prediction.odom_epoch, 1);
+    EXPECT_EQ(moved.prediction.odom_reset_count, 1);
     EXPECT_TRUE(moved.prediction.motionKnown());
     EXPECT_LT(distance(moved.prediction.T_odom_cog, T_new_old * expected.prediction.T_odom_cog), 1e-6) << i;
     EXPECT_LT(angle(moved.prediction.T_odom_cog, T_new_old * expected.prediction.T_odom_cog), 1e-7) << i;
@@ -716,18 +716,18 @@ TEST(PoseFilterReference, TakesInWhatIsMeasuredInAllRotations) {
   Matrix6d from_above = diagonal(0.01, 1e-3);
   from_above(3, 3) = from_above(4, 4) = 1.0;
   const FilterState above = step(filter, drive.stamp(6), {measured(drive.at(6), from_above)}).state;
-  EXPECT_TRUE(above.corrected);
+  EXPECT_TRUE(above.measurement_applied);
   EXPECT_FALSE(above.inMap()) << "the map would tilt by what roll and pitch are off";
   const FilterState predicted = step(filter, drive.stamp(7), {}).state;
-  EXPECT_FALSE(predicted.corrected || predicted.inMap());
+  EXPECT_FALSE(predicted.measurement_applied || predicted.inMap());
   EXPECT_TRUE(step(filter, drive.stamp(8), {measured(drive.at(8))}).state.inMap());
   EXPECT_TRUE(step(filter, drive.stamp(9), {measured(drive.at(9)), measured(drive.at(9), from_above)}).state.inMap());
 }
 
-FilterState stepOfBoth(PoseFilter& filter, double stamp_s, const Measurement& measurement, double inlier_share = 1.0) {
+FilterState stepOfBoth(PoseFilter& filter, double stamp_s, const Measurement& measurement, double inlier_ratio = 1.0) {
   SweepPrediction prediction;
   EXPECT_TRUE(filter.predict(stamp_s, prediction));
-  return correctByBoth(filter, measurement, inlier_share);
+  return correctByBoth(filter, measurement, inlier_ratio);
 }
 
 TEST(PoseFilterReference, BeginsAnewWhenNextToNothingHasFittedForASecond) {
@@ -753,7 +753,7 @@ TEST(PoseFilterReference, IcpsWithoutReferenceRestartTheMap) {
   driveMeasured(filter, drive, 5);
   const FilterState begun = stepOfBoth(filter, drive.stamp(6), kNothingThere);
   EXPECT_EQ(begun.map_update, MapUpdate::kRestart);
-  EXPECT_FALSE(begun.corrected);
+  EXPECT_FALSE(begun.measurement_applied);
   EXPECT_TRUE(incrementOf(begun).map_restarted);
   ASSERT_TRUE(filter.setPose(drive.at(3)));
   EXPECT_NE(stepOfBoth(filter, drive.stamp(7), kNothingThere).map_update, MapUpdate::kRestart)

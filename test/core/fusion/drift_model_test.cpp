@@ -21,58 +21,58 @@ Matrix6d diagonal(double position, double rotation) {
 TEST(DriftModel, IndependentErrorsStayAsAWhole) {
   const DriftModel model(DriftModel::Params::independent());
   const Matrix6d C = diagonal(1e-4, 1e-7), U = diagonal(3e-5, 2e-8);
-  EXPECT_TRUE(model.lasting(C, U, 12.0).isApprox(C, 1e-12));
-  EXPECT_TRUE(model.passing(C, U).isZero());
+  EXPECT_TRUE(model.accumulated(C, U, 12.0).isApprox(C, 1e-12));
+  EXPECT_TRUE(model.transient(C, U).isZero());
   EXPECT_TRUE(model.biasVariances().isZero());
 }
 
 TEST(DriftModel, WhatIsObservedPassesAndTheRoadLeavesItsMark) {
   DriftModel::Params params;
-  params.measured_share = 0.25;
-  params.unobserved_share = 1.0;
+  params.measured_ratio = 0.25;
+  params.unobserved_ratio = 1.0;
   params.position_per_root_metre_m = 0.01;
   params.tilt_per_root_metre_deg = 0.03;
   params.heading_per_root_metre_deg = 0.02;
-  params.passing_share = 0.6;
-  params.passing_rotation_share = 0.1;
+  params.transient_ratio = 0.6;
+  params.transient_rotation_ratio = 0.1;
   const DriftModel model(params);
   const Matrix6d C = diagonal(5e-4, 5e-6), U = diagonal(1e-4, 1e-6);
-  const Matrix6d lasting = model.lasting(C, U, 4.0);
-  EXPECT_NEAR(lasting(0, 0), 1e-4 + 0.25 * 4e-4 + 4.0 * 1e-4, 1e-15);
-  EXPECT_NEAR(lasting(3, 3), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.03 * kDegree, 2), 1e-15);
-  EXPECT_NEAR(lasting(5, 5), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.02 * kDegree, 2), 1e-15);
-  EXPECT_NEAR(model.passing(C, U)(1, 1), 0.6 * 0.5 * 0.75 * 4e-4, 1e-15);
-  EXPECT_NEAR(model.passing(C, U)(5, 5), 0.1 * 0.5 * 0.75 * 4e-6, 1e-15);
-  EXPECT_NEAR(model.lasting(C, Matrix6d::Zero(), 0.0)(5, 5), 0.25 * 5e-6, 1e-15) << "standing still there is no drift";
+  const Matrix6d accumulated = model.accumulated(C, U, 4.0);
+  EXPECT_NEAR(accumulated(0, 0), 1e-4 + 0.25 * 4e-4 + 4.0 * 1e-4, 1e-15);
+  EXPECT_NEAR(accumulated(3, 3), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.03 * kDegree, 2), 1e-15);
+  EXPECT_NEAR(accumulated(5, 5), 1e-6 + 0.25 * 4e-6 + 4.0 * std::pow(0.02 * kDegree, 2), 1e-15);
+  EXPECT_NEAR(model.transient(C, U)(1, 1), 0.6 * 0.5 * 0.75 * 4e-4, 1e-15);
+  EXPECT_NEAR(model.transient(C, U)(5, 5), 0.1 * 0.5 * 0.75 * 4e-6, 1e-15);
+  EXPECT_NEAR(model.accumulated(C, Matrix6d::Zero(), 0.0)(5, 5), 0.25 * 5e-6, 1e-15) << "standing still there is no drift";
 }
 
 // In the open there is hardly a map to jitter about.
 TEST(DriftModel, WhereLittleIsObservedTheJitterAddsUp) {
   DriftModel::Params params;
-  params.measured_share = 0.01;
-  params.unobserved_share = 1.0;
+  params.measured_ratio = 0.01;
+  params.unobserved_ratio = 1.0;
   params.position_per_root_metre_m = params.tilt_per_root_metre_deg = params.heading_per_root_metre_deg = 0.0;
-  params.passing_share = params.passing_rotation_share = 1.0;
+  params.transient_ratio = params.transient_rotation_ratio = 1.0;
   const DriftModel model(params);
   const Matrix6d C = diagonal(4e-4, 4e-6);
   for (const double u : {0.2, 0.8, 1.0}) {
     const Matrix6d U = diagonal(u * 4e-4, 1e-6);
     const double share = std::max(0.01, std::pow(u, 4));
-    EXPECT_NEAR(model.lasting(C, U, 5.0)(5, 5), 1e-6 + share * 3e-6, 1e-15) << u;
-    EXPECT_NEAR(model.passing(C, U)(5, 5), 0.5 * (1.0 - share) * 3e-6, 1e-15) << u;
+    EXPECT_NEAR(model.accumulated(C, U, 5.0)(5, 5), 1e-6 + share * 3e-6, 1e-15) << u;
+    EXPECT_NEAR(model.transient(C, U)(5, 5), 0.5 * (1.0 - share) * 3e-6, 1e-15) << u;
   }
 }
 
 TEST(DriftModel, WhatStaysOpenAddsUpInPartWhereTheRoadIsObserved) {
   DriftModel::Params params;
-  params.measured_share = 0.0;
-  params.unobserved_share = 0.6;
+  params.measured_ratio = 0.0;
+  params.unobserved_ratio = 0.6;
   params.heading_per_root_metre_deg = 0.0;
   const DriftModel model(params);
   const Matrix6d C = diagonal(4e-4, 4e-6);
   const auto kept = [&](double u) {
     const Matrix6d U = diagonal(u * 4e-4, 1e-6);
-    return (model.lasting(C, U, 5.0)(5, 5) - std::pow(u, 4) * 3e-6) / 1e-6;
+    return (model.accumulated(C, U, 5.0)(5, 5) - std::pow(u, 4) * 3e-6) / 1e-6;
   };
   EXPECT_NEAR(kept(1e-6), 0.6, 1e-6);
   EXPECT_NEAR(kept(0.2), 0.6 + 0.4 * 0.25, 1e-9);
@@ -99,7 +99,7 @@ TEST(DriftModel, FasterTheWalksGrowWithTheSpeed) {
   EXPECT_EQ(model.pace(30.0, 0.1), 5.0) << "stamps that are wrong";
   EXPECT_EQ(model.pace(3.0, 0.0), 1.0) << "no time given";
   const Matrix6d none = Matrix6d::Zero();
-  EXPECT_NEAR(model.lasting(none, none, 3.0, 3.0)(5, 5), 27.0 * std::pow(0.02 * kDegree, 2), 1e-15);
+  EXPECT_NEAR(model.accumulated(none, none, 3.0, 3.0)(5, 5), 27.0 * std::pow(0.02 * kDegree, 2), 1e-15);
 }
 
 TEST(DriftModel, HowLittleOfTheSpeedIsObserved) {
@@ -116,7 +116,7 @@ TEST(DriftModel, ParametersAreChecked) {
     EXPECT_THROW(DriftModel{params}, ParameterError);
   };
   EXPECT_NO_THROW(DriftModel{DriftModel::Params()});
-  refused([](DriftModel::Params& p) { p.measured_share = 1.1; });
+  refused([](DriftModel::Params& p) { p.measured_ratio = 1.1; });
   refused([](DriftModel::Params& p) { p.position_per_root_metre_m = -1.0; });
   refused([](DriftModel::Params& p) { p.tilt_per_root_metre_deg = -1.0; });
   refused([](DriftModel::Params& p) { p.heading_per_root_metre_deg = std::numeric_limits<double>::quiet_NaN(); });

@@ -236,7 +236,7 @@ TEST(OdometryCovariance, TheScaleErrorGrowsWithTheSpeed) {
 
 TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
   DriftModel::Params drift = DriftModel::Params::independent();
-  drift.measured_share = 0.0;
+  drift.measured_ratio = 0.0;
   OdometryCovariance odometry(drift);
   Matrix6d C = Matrix6d::Zero();
   C(0, 0) = C(1, 1) = 2e-4;
@@ -253,7 +253,7 @@ TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
 
 TEST(OdometryCovariance, JitterThatSubsidesDoesNotMakeThePublishedOneShrink) {
   DriftModel::Params drift = DriftModel::Params::independent();
-  drift.measured_share = 0.0;
+  drift.measured_ratio = 0.0;
   OdometryCovariance covariance(drift);
   const Pose step = poseFromVector((Vector6d() << 1.0, 0.0, 0.0, 0.0, 0.0, 0.1).finished());
   Pose T = Pose::Identity();
@@ -277,17 +277,17 @@ TEST(OdometryCovariance, AnUnobservedSpeedWandersAndIsForgottenWhenSeen) {
   C(0, 0) = 1e-6;
   const DriftState lost = driveStraight(odometry, 100, C, C, Pose::Identity(), 4.0);
   // 10 s: speed 2 sqrt(t), position 2 sqrt(t^3 / 3), and 100 independent steps of 1 mm
-  EXPECT_NEAR(lost.lasting(DriftState::kSpeed, DriftState::kSpeed), 40.0, 1e-6);
+  EXPECT_NEAR(lost.accumulated(DriftState::kSpeed, DriftState::kSpeed), 40.0, 1e-6);
   EXPECT_NEAR(std::sqrt(odometry.sinceMark()(0, 0)), 2.0 * std::sqrt(1000.0 / 3.0), 0.6);
   EXPECT_NEAR(odometry.sinceMark()(1, 1), 0.0, 1e-12);
   const double position = odometry.sinceMark()(0, 0);
   const DriftState seen = driveStraight(odometry, 1, C, Matrix6d::Zero(), planarPose(100.0, 0.0, 0.0));
-  EXPECT_EQ(seen.lasting(DriftState::kSpeed, DriftState::kSpeed), 0.0);
+  EXPECT_EQ(seen.accumulated(DriftState::kSpeed, DriftState::kSpeed), 0.0);
   EXPECT_NEAR(odometry.sinceMark()(0, 0), position + 1e-6, 1e-9) << "what was lost stays lost";
 
   driveStraight(odometry, 30, C, C, planarPose(101.0, 0.0, 0.0), 4.0);
   odometry.mark(planarPose(131.0, 0.0, 0.0));
-  EXPECT_NEAR(odometry.driftSinceMark().lasting(DriftState::kSpeed, DriftState::kSpeed), 12.0, 1e-6)
+  EXPECT_NEAR(odometry.driftSinceMark().accumulated(DriftState::kSpeed, DriftState::kSpeed), 12.0, 1e-6)
       << "a mark in the tunnel does not know the speed either";
 }
 

@@ -188,11 +188,11 @@ TEST(Pose, asExchangedIsThePoseOnceRounded) {
     for (int k = 0; k < 6; ++k) v[k] = std::sin(1.7 * i + 2.3 * k) * (k < 3 ? 100.0 : 3.1);
     v[4] *= 0.4;
     const Pose T = poseFromVector(v);
-    EXPECT_TRUE(asExchanged(T).isApprox(T, 1e-14));
+    EXPECT_TRUE(quaternionRoundTrip(T).isApprox(T, 1e-14));
     EXPECT_GE(quaternionOf(T).w(), 0.0);
-    EXPECT_TRUE(poseOf(T.translation(), quaternionOf(T)).matrix() == asExchanged(T).matrix());
+    EXPECT_TRUE(poseOf(T.translation(), quaternionOf(T)).matrix() == quaternionRoundTrip(T).matrix());
   }
-  EXPECT_TRUE(asExchanged(Pose::Identity()).matrix() == Pose::Identity().matrix());
+  EXPECT_TRUE(quaternionRoundTrip(Pose::Identity()).matrix() == Pose::Identity().matrix());
 }
 
 }  // namespace

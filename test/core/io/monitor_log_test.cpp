@@ -27,7 +27,7 @@ MonitorInput oddNumbers() {
   s.covariance = Matrix6d::Random();
   s.increment_covariance = Matrix6d::Random() * 1e-9;
   s.sigma_yaw_rad = std::sqrt(2e-7);
-  s.corrected = true;
+  s.measurement_applied = true;
   s.map_update = MapUpdate::kRestart;
   s.filter_nis = 1.0 / 9.0;
   s.fusion.has_measurement = true;
@@ -42,7 +42,7 @@ MonitorInput oddNumbers() {
   s.fusion.invalid_inputs = 1;
   input.condition.incomplete = true;
   input.condition.dropped_before = 3;
-  input.condition.min_information_share = 2.0 / 3.0;
+  input.condition.min_information_ratio = 2.0 / 3.0;
   return input;
 }
 
@@ -90,14 +90,14 @@ TEST_F(MonitorLog, EveryNumberReadsBackAsItself) {
   EXPECT_EQ(read.state.fusion.weights, input.state.fusion.weights);
   EXPECT_EQ(read.state.fusion.nis, input.state.fusion.nis);
   EXPECT_EQ(read.state.map_update, MapUpdate::kRestart);
-  EXPECT_TRUE(read.state.corrected && read.state.fusion.prediction_overruled && read.state.fusion.has_measurement);
+  EXPECT_TRUE(read.state.measurement_applied && read.state.fusion.prediction_overruled && read.state.fusion.has_measurement);
   EXPECT_FALSE(read.state.fusion.all_gated_out || read.state.fusion.prediction_invalid);
   EXPECT_TRUE(read.state.fusion.confirmed);
   EXPECT_EQ(read.state.fusion.valid_inputs, 2);
   EXPECT_EQ(read.state.fusion.invalid_inputs, 1);
   EXPECT_TRUE(read.condition.incomplete);
   EXPECT_EQ(read.condition.dropped_before, 3);
-  EXPECT_EQ(read.condition.min_information_share, 2.0 / 3.0);
+  EXPECT_EQ(read.condition.min_information_ratio, 2.0 / 3.0);
   EXPECT_EQ(monitorLogRow(read), monitorLogRow(input)) << "and so every other column";
   EXPECT_TRUE(log[1].state.fusion.weights.empty());
 }

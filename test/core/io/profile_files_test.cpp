@@ -100,10 +100,10 @@ TEST_F(ProfileFilesTest, ThePaperProfileIsTheArticle) {
   EXPECT_TRUE(paper.history.second_differences);
   EXPECT_TRUE(paper.fusion.literal);
   EXPECT_EQ(paper.registration.reference.sweeps, 1) << "consecutive sweeps";
-  EXPECT_EQ(paper.registration.point.seeds, 8);
-  EXPECT_TRUE(paper.registration.plane.filter_normals);
+  EXPECT_EQ(paper.registration.icp_point_to_point.seeds, 8);
+  EXPECT_TRUE(paper.registration.icp_point_to_plane.filter_normals);
   EXPECT_TRUE(paper.sweep_correction.enabled);
-  EXPECT_TRUE(paper.registration.use_point && paper.registration.use_plane && paper.registration.use_corners);
+  EXPECT_TRUE(paper.registration.use_icp_point_to_point && paper.registration.use_icp_point_to_plane && paper.registration.use_corner_svd);
   EXPECT_EQ(paper.monitor.indicator.threshold, 0.001);
 }
 

@@ -22,7 +22,7 @@ Corner cornerAt(double x, double y, double turn_rad = 0.0) {
   corner.N = {x + std::cos(turn_rad), y + std::sin(turn_rad), 0.0};
   corner.normals = {Eigen::Vector3d(std::sin(turn_rad), -std::cos(turn_rad), 0),
                     Eigen::Vector3d(-std::cos(turn_rad), -std::sin(turn_rad), 0)};
-  corner.plane_rms_m = {0.02, 0.02};
+  corner.icp_point_to_plane_rms_m = {0.02, 0.02};
   corner.plane_points = {400, 400};
   return corner;
 }
@@ -65,7 +65,7 @@ TEST(CornerAlignment, recoversTheMotionFromTwoCornersAndMore) {
     EXPECT_EQ(result.inliers, count);
     EXPECT_TRUE(result.T_odom_cog.isApprox(truth, 1e-9));
     EXPECT_NEAR(result.rms_residual_m, 0.0, 1e-9);
-    EXPECT_DOUBLE_EQ(result.inlier_share, 1.0);
+    EXPECT_DOUBLE_EQ(result.inlier_ratio, 1.0);
   }
 }
 
@@ -74,7 +74,7 @@ TEST(CornerAlignment, heightRollAndPitchStayAtThePredictionAndSaySo) {
   const Pose prediction = pose(1.4, 0.2, 0.0, 0.0, 0.0, 0.08);
   const Measurement result = align(seenFrom(truth, town()), town(), prediction);
   ASSERT_TRUE(result.ok());
-  EXPECT_EQ(result.weak_directions, 3);
+  EXPECT_EQ(result.degenerate_directions, 3);
   const Vector6d state = vectorFromPose(result.T_odom_cog);
   EXPECT_NEAR(state(2), 0.0, 1e-9);
   EXPECT_NEAR(state(3), 0.0, 1e-9);
@@ -117,7 +117,7 @@ TEST(CornerAlignment, movingEdgesAreLeftOut) {
   const Measurement result = align(seenFrom(truth, now), before, truth);
   ASSERT_TRUE(result.ok());
   EXPECT_EQ(result.inliers, 5u);
-  EXPECT_NEAR(result.inlier_share, 5.0 / 7.0, 1e-12);
+  EXPECT_NEAR(result.inlier_ratio, 5.0 / 7.0, 1e-12);
   EXPECT_TRUE(result.T_odom_cog.isApprox(truth, 1e-9));
 }
 
@@ -184,7 +184,7 @@ TEST(CornerAlignment, statedCovarianceIsThatOfTheError) {
 TEST(CornerAlignment, covarianceGrowsWithRansacRmseAndWithResiduals) {
   const Measurement good = align(town(), town(), Pose::Identity());
   std::vector<Corner> rough = town();
-  for (Corner& corner : rough) corner.plane_rms_m = {0.3, 0.3};
+  for (Corner& corner : rough) corner.icp_point_to_plane_rms_m = {0.3, 0.3};
   EXPECT_GT(align(rough, town(), Pose::Identity()).covariance(0, 0), 2.0 * good.covariance(0, 0));
   std::vector<Corner> spread = town();
   const double shift = 0.1;
@@ -202,8 +202,8 @@ TEST(CornerAlignment, covarianceGrowsWithRansacRmseAndWithResiduals) {
 TEST(CornerAlignment, moreCornersMeanMoreInformation) {
   std::vector<Corner> two = town();
   two.resize(2);
-  const double few = align(two, town(), Pose::Identity()).min_information_share;
-  const double many = align(town(), town(), Pose::Identity()).min_information_share;
+  const double few = align(two, town(), Pose::Identity()).min_information_ratio;
+  const double many = align(town(), town(), Pose::Identity()).min_information_ratio;
   EXPECT_GT(few, 0.0);
   EXPECT_LT(few, many);
   EXPECT_LE(many, 1.0);

@@ -18,7 +18,7 @@ Corner cornerAt(double x, double y) {
   corner.J = corner.M + Eigen::Vector3d(0, 0, 0.5);
   corner.N = corner.M + Eigen::Vector3d(1, 0, 0);
   corner.normals = {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(-1, 0, 0)};
-  corner.plane_rms_m = {0.01, 0.02};
+  corner.icp_point_to_plane_rms_m = {0.01, 0.02};
   corner.plane_points = {100, 200};
   corner.rectangles[0] = {{x, y, -1.0}, {x + 4.0, y, 2.0}};
   corner.rectangles[1] = {{x, y, -1.0}, {x, y + 3.0, 2.0}};

@@ -79,7 +79,7 @@ TEST(CorrelativeSearch, NothingElsewhereAndNotWhereTooLittleStands) {
 
 TEST(CorrelativeSearch, RefusesParametersThatMakeNoSense) {
   CorrelativeSearch::Params params;
-  params.min_share = 1.5;
+  params.min_ratio = 1.5;
   EXPECT_THROW(CorrelativeSearch{params}, ParameterError);
 }
 

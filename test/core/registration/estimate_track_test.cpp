@@ -11,7 +11,7 @@ FilterState drivenTo(double x_m, bool measured) {
   state.dt_s = 0.1;
   state.T_odom_cog.translation().x() = x_m;
   state.T_previous_now.translation().x() = 1.0;
-  state.corrected = measured;
+  state.measurement_applied = measured;
   state.map_update = measured ? MapUpdate::kInsert : MapUpdate::kSkip;
   return state;
 }
@@ -46,7 +46,7 @@ TEST(EstimateTrack, ADoubtedIntervalLeavesTheMotionBefore) {
   track.add(drivenTo(0.0, true));
   track.add(drivenTo(1.0, true));
   FilterState wrong = drivenTo(2.0, true);
-  wrong.interval_wrong = true;
+  wrong.clock_jump = true;
   EXPECT_FALSE(track.add(wrong).twist_cog);
   ASSERT_TRUE(track.placedTwist());
   EXPECT_NEAR((*track.placedTwist())[0], 10.0, 1e-12);
@@ -77,9 +77,9 @@ TEST(EstimateTrack, TheSpeedIsObservedUnlessTheFilterCoasts) {
   EstimateTrack track;
   track.add(drivenTo(0.0, true));
   EXPECT_TRUE(track.speedObserved());
-  FilterState coasting = drivenTo(1.0, true);
-  coasting.speed_error.variance_m2_s2 = 4.0;
-  track.add(coasting);
+  FilterState dead_reckoning = drivenTo(1.0, true);
+  dead_reckoning.speed_error.variance_m2_s2 = 4.0;
+  track.add(dead_reckoning);
   EXPECT_FALSE(track.speedObserved());
   EXPECT_TRUE(track.speedWasObserved());
   EXPECT_EQ(track.speedSigma_mps(), 2.0);

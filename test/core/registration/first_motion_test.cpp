@@ -34,22 +34,22 @@ TEST(FirstMotion, ASearchedPositionCountsAsMeasured) {
 TEST(FirstMotion, StandstillIsDoubtedWhereLittleInforms) {
   const MotionInitialization::Params params;
   Measurement measurement = measuredAt(0.05);
-  measurement.min_information_share = 0.1;
-  doubtStandstill(guessAt(0.0), params, measurement);
+  measurement.min_information_ratio = 0.1;
+  inflateAlongTrack(guessAt(0.0), params, measurement);
   EXPECT_NEAR(measurement.covariance(0, 0), 0.01 + 4.5 * 4.5, 1e-9);
   EXPECT_EQ(measurement.covariance(1, 1), 0.01);
-  EXPECT_EQ(measurement.weak_directions, 1);
-  EXPECT_EQ(measurement.min_information_share, 0.0);
+  EXPECT_EQ(measurement.degenerate_directions, 1);
+  EXPECT_EQ(measurement.min_information_ratio, 0.0);
 }
 
 TEST(FirstMotion, AMotionOrMuchInformationIsNotDoubted) {
   const MotionInitialization::Params params;
-  for (const double way_m : {0.5, 0.05}) {
-    Measurement measurement = measuredAt(way_m);
-    measurement.min_information_share = way_m > 0.1 ? 0.0 : 0.3;
-    doubtStandstill(guessAt(0.0), params, measurement);
-    EXPECT_EQ(measurement.covariance(0, 0), 0.01) << way_m;
-    EXPECT_EQ(measurement.weak_directions, 0);
+  for (const double distance_m : {0.5, 0.05}) {
+    Measurement measurement = measuredAt(distance_m);
+    measurement.min_information_ratio = distance_m > 0.1 ? 0.0 : 0.3;
+    inflateAlongTrack(guessAt(0.0), params, measurement);
+    EXPECT_EQ(measurement.covariance(0, 0), 0.01) << distance_m;
+    EXPECT_EQ(measurement.degenerate_directions, 0);
   }
 }
 
@@ -59,7 +59,7 @@ TEST(FirstMotion, WithoutAPoseNothingIsAdded) {
   Measurement measurement = measuredAt(0.0);
   measurement.status = MeasurementStatus::kNotConverged;
   addSearchedMotion(guess, measurement);
-  doubtStandstill(guess, MotionInitialization::Params(), measurement);
+  inflateAlongTrack(guess, MotionInitialization::Params(), measurement);
   EXPECT_EQ(measurement.T_odom_cog.translation().x(), 0.0);
   EXPECT_EQ(measurement.covariance(0, 0), 0.01);
 }

@@ -12,7 +12,7 @@ namespace {
 InformationSupport::Params testParams() {
   InformationSupport::Params params;
   params.cell_m = 5.0;
-  params.max_place_share = 0.2;
+  params.max_place_ratio = 0.2;
   return params;
 }
 
@@ -23,15 +23,15 @@ TEST(InformationSupport, AllCountsWhereItIsSpreadEvenly) {
   for (int k = 0; k < 5; ++k) {
     for (int i = 0; i < 10; ++i) support.add(place(k), 0.3);
   }
-  EXPECT_NEAR(support.countedShare(), 1.0, 1e-9);
+  EXPECT_NEAR(support.countedRatio(), 1.0, 1e-9);
 }
 
-TEST(InformationSupport, OnePlaceCountsForNoMoreThanItsShare) {
+TEST(InformationSupport, OnePlaceCountsForNoMoreThanItsRatio) {
   InformationSupport support(testParams());
   support.add(place(0), 1000.0);
   for (int k = 1; k < 9; ++k) support.add(place(k), 1.0);
   // 8 of the others, and at most a fifth of all that counts: 8 / 0.8
-  EXPECT_NEAR(support.countedShare(), 10.0 / 1008.0, 1e-9);
+  EXPECT_NEAR(support.countedRatio(), 10.0 / 1008.0, 1e-9);
 }
 
 TEST(InformationSupport, TwoPlacesLikewise) {
@@ -39,14 +39,14 @@ TEST(InformationSupport, TwoPlacesLikewise) {
   support.add(place(0), 500.0);
   support.add(place(1), 700.0);
   for (int k = 2; k < 14; ++k) support.add(place(k), 1.0);
-  EXPECT_NEAR(support.countedShare(), 12.0 / 0.6 / 1212.0, 1e-9);
+  EXPECT_NEAR(support.countedRatio(), 12.0 / 0.6 / 1212.0, 1e-9);
 }
 
 TEST(InformationSupport, FewPlacesAreNoSupport) {
   InformationSupport support(testParams());
-  EXPECT_EQ(support.countedShare(), 0.0);
+  EXPECT_EQ(support.countedRatio(), 0.0);
   for (int k = 0; k < 4; ++k) support.add(place(k), 1.0);
-  EXPECT_EQ(support.countedShare(), 0.0) << "a vehicle ahead lies in up to four cells";
+  EXPECT_EQ(support.countedRatio(), 0.0) << "a vehicle ahead lies in up to four cells";
 }
 
 TEST(InformationSupport, FindsTheWeakestHorizontalDirection) {
@@ -57,7 +57,7 @@ TEST(InformationSupport, FindsTheWeakestHorizontalDirection) {
 
 TEST(InformationSupport, ParametersAreChecked) {
   InformationSupport::Params params;
-  params.max_place_share = 0.0;
+  params.max_place_ratio = 0.0;
   EXPECT_THROW(params.validate(), ParameterError);
 }
 

@@ -44,7 +44,7 @@ class InitialGuessTest : public ::testing::Test {
     const InitialGuess guess = resolve(0.0, 0.0, Pose::Identity(), false);
     EXPECT_EQ(guess.twist_found, Found::kNothing);
     FilterState state;
-    state.corrected = true;
+    state.measurement_applied = true;
     state.map_update = MapUpdate::kInsert;
     track_.add(state);
     map_.insert(scan_.cloud, Pose::Identity(), 0.0, true);
@@ -75,7 +75,7 @@ TEST_F(InitialGuessTest, OnceMotionIsKnownItIsThePrediction) {
   const InitialGuess guess = resolve(0.1, 0.1, predicted, true);
   EXPECT_EQ(guess.T_odom_cog.matrix(), predicted.matrix());
   EXPECT_EQ(guess.searched_sigma_m, 0.0);
-  EXPECT_FALSE(guess.interval_doubted);
+  EXPECT_FALSE(guess.clock_jump_suspected);
   EXPECT_FALSE(guess.lost);
   EXPECT_EQ(guess.dt_s, 0.1);
 }

@@ -17,8 +17,8 @@ RegistrationCloud cloudAt(double stamp_s, float time_s = 0.0f) {
 }
 
 LocalMap makeLocalMap() {
-  StandingReference::Params standing;
-  standing.max_standing_share = 1.0;
+  AboveGroundReference::Params standing;
+  standing.max_above_ground_ratio = 1.0;
   return LocalMap(ReferenceMap::Params(), standing);
 }
 

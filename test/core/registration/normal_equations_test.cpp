@@ -17,7 +17,7 @@ namespace {
 ObservabilityParams testParams() {
   ObservabilityParams params;
   params.lever_m = 10.0;
-  params.min_information_share = 0.01;
+  params.min_information_ratio = 0.01;
   params.weak_sigma_m = 3.0;
   params.weak_sigma_deg = 5.0;
   return params;
@@ -45,7 +45,7 @@ NormalEquations wellConditioned() {
 TEST(NormalEquations, wellConditionedIsSolvedExactly) {
   const NormalEquations equations = wellConditioned();
   const Solution solution = solveObserved(equations, testParams());
-  EXPECT_EQ(solution.weak_directions, 0);
+  EXPECT_EQ(solution.degenerate_directions, 0);
   EXPECT_LT((equations.H * solution.dx - equations.b).norm(), 1e-9);
 }
 
@@ -59,7 +59,7 @@ TEST(NormalEquations, unobservedAxisStaysAndIsUncertain) {
   NormalEquations equations = diagonalEquations(vector6(0.005, 0.6, 0.4, 0.3, 0.3, 0.3), 1e4);
   equations.b.setConstant(50.0);
   const Solution solution = solveObserved(equations, testParams());
-  EXPECT_EQ(solution.weak_directions, 1);
+  EXPECT_EQ(solution.degenerate_directions, 1);
   EXPECT_EQ(solution.dx[0], 0.0);
   EXPECT_NEAR(solution.dx[1], 50.0 / 6000.0, 1e-12);
   EXPECT_NEAR(solution.dx[5], 50.0 / 3e5, 1e-12);
@@ -72,7 +72,7 @@ TEST(NormalEquations, unobservedRotationGetsTheWeakAngle) {
   NormalEquations equations = diagonalEquations(vector6(0.3, 0.3, 0.4, 0.0, 0.005, 0.3), 1e4);
   equations.b.setConstant(50.0);
   const Solution solution = solveObserved(equations, testParams());
-  EXPECT_EQ(solution.weak_directions, 2);
+  EXPECT_EQ(solution.degenerate_directions, 2);
   EXPECT_EQ(solution.dx[3], 0.0);
   EXPECT_EQ(solution.dx[4], 0.0);
   const Matrix6d C = covarianceObserved(equations, 1.0, testParams());
@@ -87,7 +87,7 @@ TEST(NormalEquations, unobservedDirectionNeedNotBeAnAxis) {
   equations.b << 50.0, 80.0, 0.0, 0.0, 0.0, 0.0;
   const Eigen::Vector3d along = R.col(0), across = R.col(1);
   const Solution solution = solveObserved(equations, testParams());
-  EXPECT_EQ(solution.weak_directions, 1);
+  EXPECT_EQ(solution.degenerate_directions, 1);
   EXPECT_NEAR(along.dot(solution.dx.head<3>()), 0.0, 1e-12);
   EXPECT_NEAR(across.dot(solution.dx.head<3>()), across.dot(equations.b.head<3>()) / 6000.0, 1e-12);
   const Eigen::Matrix3d C = covarianceObserved(equations, 1.0, testParams()).topLeftCorner<3, 3>();
@@ -95,12 +95,12 @@ TEST(NormalEquations, unobservedDirectionNeedNotBeAnAxis) {
   EXPECT_NEAR(across.dot(C * across), 1.0 / 6000.0, 1e-9);
 }
 
-TEST(NormalEquations, theThresholdIsAShareOfTheWeight) {
+TEST(NormalEquations, theThresholdIsARatioOfTheWeight) {
   for (const double weight : {1.0, 1e6}) {
     NormalEquations equations = diagonalEquations(vector6(0.0101, 0.5, 0.5, 0.0099, 0.3, 0.3), weight);
-    EXPECT_EQ(solveObserved(equations, testParams()).weak_directions, 1) << weight;
+    EXPECT_EQ(solveObserved(equations, testParams()).degenerate_directions, 1) << weight;
     equations.H *= 0.5;
-    EXPECT_EQ(solveObserved(equations, testParams()).weak_directions, 2) << weight;
+    EXPECT_EQ(solveObserved(equations, testParams()).degenerate_directions, 2) << weight;
   }
 }
 
@@ -113,10 +113,10 @@ TEST(NormalEquations, informationTellsWhatHDoesNotObserve) {
   equations.information_b.setConstant(20.0);
   equations.information_weight = 1e4;
   const Solution solution = solveObserved(equations, testParams());
-  EXPECT_EQ(solution.weak_directions, 1);
+  EXPECT_EQ(solution.degenerate_directions, 1);
   EXPECT_EQ(solution.dx[0], 0.0);
   EXPECT_NEAR(solution.dx[1], 50.0 / 1e4, 1e-12) << "H's own step where it is observed";
-  EXPECT_EQ(solution.min_horizontal_share, 0.0);
+  EXPECT_EQ(solution.min_horizontal_ratio, 0.0);
   const Matrix6d C = covarianceObserved(equations, 1.0, testParams());
   EXPECT_NEAR(std::sqrt(C(0, 0)), 3.0, 1e-9);
   EXPECT_NEAR(C(1, 1), 1.0 / 5000.0, 1e-12);
@@ -130,7 +130,7 @@ TEST(NormalEquations, whereLittleIsObservedTheInformationAloneGivesTheStep) {
   equations.information_b.setConstant(20.0);
   equations.information_weight = 1e4;
   const Solution solution = solveObserved(equations, testParams());
-  EXPECT_EQ(solution.weak_directions, 0);
+  EXPECT_EQ(solution.degenerate_directions, 0);
   EXPECT_NEAR(solution.dx[0], 20.0 / 200.0, 1e-12);
   EXPECT_NEAR(solution.dx[1], 20.0 / 5000.0, 1e-12);
 }
@@ -140,11 +140,11 @@ TEST(NormalEquations, aDiscountedDirectionCountsForLess) {
   equations.b.setConstant(50.0);
   NormalEquations half = equations, none = equations;
   discount(half, Eigen::Vector2d::UnitX(), 0.6);
-  EXPECT_EQ(solveObserved(half, testParams()).weak_directions, 0);
+  EXPECT_EQ(solveObserved(half, testParams()).degenerate_directions, 0);
   EXPECT_NEAR(covarianceObserved(half, 1.0, testParams())(0, 0), 1.0 / (0.6 * 200.0), 1e-12);
   EXPECT_NEAR(covarianceObserved(half, 1.0, testParams())(1, 1), 1.0 / 5000.0, 1e-12);
   discount(none, Eigen::Vector2d::UnitX(), 0.4);
-  EXPECT_EQ(solveObserved(none, testParams()).weak_directions, 1);
+  EXPECT_EQ(solveObserved(none, testParams()).degenerate_directions, 1);
   EXPECT_EQ(solveObserved(none, testParams()).dx[0], 0.0);
 }
 
@@ -158,9 +158,9 @@ TEST(NormalEquations, aStepIsComparedWithItsStandardDeviation) {
 TEST(NormalEquations, nothingAtAllIsAllWeak) {
   const NormalEquations nothing;
   const Solution solution = solveObserved(nothing, testParams());
-  EXPECT_EQ(solution.weak_directions, 6);
+  EXPECT_EQ(solution.degenerate_directions, 6);
   EXPECT_TRUE(solution.dx.isZero(0.0));
-  EXPECT_EQ(solution.min_horizontal_share, 0.0);
+  EXPECT_EQ(solution.min_horizontal_ratio, 0.0);
   const Matrix6d C = covarianceObserved(nothing, 1.0, testParams());
   ASSERT_TRUE(C.allFinite());
   EXPECT_NEAR(std::sqrt(C(0, 0)), 3.0, 1e-9);
@@ -183,13 +183,13 @@ TEST(NormalEquations, covarianceIsSymmetricPositiveDefinite) {
   }
 }
 
-TEST(NormalEquations, horizontalShareIsTheWeakerOfTheTwo) {
+TEST(NormalEquations, horizontalRatioIsTheWeakerOfTheTwo) {
   EXPECT_NEAR(
-      solveObserved(diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0), testParams()).min_horizontal_share,
+      solveObserved(diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0), testParams()).min_horizontal_ratio,
       0.1, 1e-12);
   NormalEquations turned = diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0);
   turned.H = rotateCovariance(turned.H, rotationFromRpy(0.0, 0.0, 0.7)).eval();
-  EXPECT_NEAR(solveObserved(turned, testParams()).min_horizontal_share, 0.1, 1e-12);
+  EXPECT_NEAR(solveObserved(turned, testParams()).min_horizontal_ratio, 0.1, 1e-12);
 }
 
 TEST(NormalEquations, aStepTurnsAboutTheVehicleAndMovesAlongOdom) {
@@ -210,7 +210,7 @@ TEST(NormalEquations, validatesItsParameters) {
   params.lever_m = 0.0;
   EXPECT_THROW(params.validate(), ParameterError);
   params = testParams();
-  params.min_information_share = 0.5;
+  params.min_information_ratio = 0.5;
   EXPECT_THROW(params.validate(), ParameterError);
   params = testParams();
   params.weak_sigma_deg = -1.0;

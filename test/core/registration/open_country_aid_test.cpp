@@ -26,8 +26,8 @@ InitialGuess drivingGuess() {
 }
 
 TEST(OpenCountryAid, InARoomThereIsNone) {
-  const StandingMatch::Params params;
-  OpenCountryAid aid(params, NormalFilteredIcp::Params());
+  const AboveGroundMatcher::Params params;
+  OpenCountryAid aid(params, IcpPointToPlane::Params());
   LocalMap map(ReferenceMap::Params(), params.reference());
   RegistrationScan scan;
   scan.cloud.map_points_cog = seenFrom(sampleScene(room(), 40.0, 0.01, 1), Pose::Identity());
@@ -37,7 +37,7 @@ TEST(OpenCountryAid, InARoomThereIsNone) {
 }
 
 TEST(OpenCountryAid, OnAFieldSurfacesAreTrustedLess) {
-  const StandingMatch::Params params;
+  const AboveGroundMatcher::Params params;
   OpenCountryAid::Result found;
   Measurement measurement = sureMeasurement();
   addOpenCountry(found, params, drivingGuess(), measurement);
@@ -56,7 +56,7 @@ TEST(OpenCountryAid, TheMatchTakesOver) {
   pose.T_odom_cog.translation().x() = 0.5;
   found.pose = pose;
   Measurement measurement = sureMeasurement();
-  addOpenCountry(found, StandingMatch::Params(), drivingGuess(), measurement);
+  addOpenCountry(found, AboveGroundMatcher::Params(), drivingGuess(), measurement);
   EXPECT_NEAR(measurement.T_odom_cog.translation().x(), 0.5, 0.01);
   EXPECT_LT(measurement.covariance(0, 0), 2e-4);
 }

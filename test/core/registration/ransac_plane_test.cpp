@@ -133,12 +133,12 @@ TEST(RansacPlane, noPlaneInTooFewPointsNorInAPole) {
 
 TEST(RansacPlane, badParametersAreNamed) {
   RansacPlane::Params params;
-  params.sample_share = 1.5;
+  params.sample_ratio = 1.5;
   try {
     params.validate();
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_NE(std::string(error.what()).find("sample_share"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("sample_ratio"), std::string::npos);
   }
 }
 

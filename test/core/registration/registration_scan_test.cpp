@@ -7,10 +7,10 @@
 namespace fail_aware {
 namespace {
 
-SweepPrediction predictedAhead(double way_m, double dt_s) {
+SweepPrediction predictedAhead(double distance_m, double dt_s) {
   SweepPrediction prediction;
   prediction.dt_s = dt_s;
-  prediction.T_odom_cog.translation().x() = way_m;
+  prediction.T_odom_cog.translation().x() = distance_m;
   return prediction;
 }
 

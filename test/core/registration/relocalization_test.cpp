@@ -46,7 +46,7 @@ TEST(Relocalization, FindsWhatTheUsualSearchDoesNotReach) {
   const Pose T_predicted = poseOf(4.0, -1.3, 1.1, 0.0, 0.0, 4.0);
   const Matrix6d P = covarianceOf(2.0, 2.0);
   const std::vector<Eigen::Vector3f> points = seenFrom(scene, T_true);
-  const Measurement usual = MultiplexIcp(MultiplexIcp::Params()).align(points, map, T_predicted, P);
+  const Measurement usual = IcpPointToPoint(IcpPointToPoint::Params()).align(points, map, T_predicted, P);
   EXPECT_TRUE(!usual.ok() || translationError(usual.T_odom_cog, T_true) > 0.3);
   const Relocalization relocalization({}, {});
   ASSERT_TRUE(relocalization.isNeeded(P));
@@ -100,7 +100,7 @@ TEST(Relocalization, OnlyIfThePredictionIsUncertain) {
 
 TEST(Relocalization, RefusesParametersThatMakeNoSense) {
   Relocalization::Params params;
-  params.min_inlier_share = 1.5;
+  params.min_inlier_ratio = 1.5;
   EXPECT_THROW(Relocalization(params, {}), ParameterError);
   params = Relocalization::Params();
   params.search.max_turn_deg = 270.0;

@@ -12,8 +12,8 @@ using synthetic::Tunnel;
 /// 21 sweeps of an uneven road at 13 m/s, deskewed for standstill; what the last one tells.
 RoadSpeedAid::Result drivenThroughTunnel(const EstimateTrack& track) {
   Tunnel tunnel;
-  tunnel.relief_m = 0.006;
-  RoadSpeedAid aid{RoadRelief::Params()};
+  tunnel.profile_m = 0.006;
+  RoadSpeedAid aid{RoadProfileOdometry::Params()};
   RoadSpeedAid::Result result;
   for (int k = 0; k <= 20; ++k) {
     const Sweep seen = tunnel.scan(100.0, 13.0, 0.1 * k, static_cast<std::uint32_t>(k));
@@ -47,7 +47,7 @@ TEST(RoadSpeedAid, WhereTheSpeedIsObservedNothingIsLookedFor) {
 }
 
 TEST(RoadSpeedAid, TheWayComesFromTheSpeed) {
-  RoadRelief::Speed speed;
+  RoadProfileOdometry::Speed speed;
   speed.speed_mps = 10.0;
   speed.acceleration_mps2 = 2.0;
   speed.sigma_mps = 0.01;

@@ -236,13 +236,13 @@ TEST(SweepCorrection, RecorrectTakesOutTheResidualMotion) {
   EXPECT_GT(worstError(out.points_lidar, moving.truth_lidar), 0.04);
 
   std::vector<Eigen::Vector3f> first_order = out.points_lidar;
-  ASSERT_TRUE(correction.recorrect(first_order, times_s, true_twist - result.twist_lidar));
+  ASSERT_TRUE(correction.redeskew(first_order, times_s, true_twist - result.twist_lidar));
   EXPECT_LT(worstError(first_order, moving.truth_lidar), 1.5e-3);
 
   std::vector<Eigen::Vector3f> exact = out.points_lidar;
-  ASSERT_TRUE(correction.recorrect(exact, times_s, -result.twist_lidar));
+  ASSERT_TRUE(correction.redeskew(exact, times_s, -result.twist_lidar));
   EXPECT_LT((exact[100] - moving.sweep.points_lidar[100]).norm(), 1e-4f);
-  ASSERT_TRUE(correction.recorrect(exact, times_s, true_twist));
+  ASSERT_TRUE(correction.redeskew(exact, times_s, true_twist));
   EXPECT_LT(worstError(exact, moving.truth_lidar), 2e-4);
 }
 
@@ -254,7 +254,7 @@ TEST(SweepCorrection, RecorrectMakesUpForACorrectionWithoutMotion) {
   CorrectedSweep out;
   const SweepCorrection correction;
   correction.correct(moving.sweep, times_s, Pose::Identity(), Pose::Identity(), 0.0, drive.T_cog_lidar, out);
-  ASSERT_TRUE(correction.recorrect(out.points_lidar, out.times_s,
+  ASSERT_TRUE(correction.redeskew(out.points_lidar, out.times_s,
                                    lidarTwist(drive.cogAt(0.3), drive.cogAt(0.4), drive.T_cog_lidar, 0.1)));
   EXPECT_LT(worstError(out.points_lidar, moving.truth_lidar), 1e-3);
 }
@@ -266,10 +266,10 @@ TEST(SweepCorrection, RecorrectRefusesWhatItCannotUse) {
   const Vector6d twist = vector6(1, 0, 0, 0, 0, 0.1);
   Vector6d broken = twist;
   broken[4] = std::nan("");
-  EXPECT_FALSE(correction.recorrect(points, {}, twist));
-  EXPECT_FALSE(correction.recorrect(points, {0.1f}, twist));
-  EXPECT_FALSE(correction.recorrect(points, {0.1f, std::numeric_limits<float>::infinity()}, twist));
-  EXPECT_FALSE(correction.recorrect(points, {0.1f, 0.2f}, broken));
+  EXPECT_FALSE(correction.redeskew(points, {}, twist));
+  EXPECT_FALSE(correction.redeskew(points, {0.1f}, twist));
+  EXPECT_FALSE(correction.redeskew(points, {0.1f, std::numeric_limits<float>::infinity()}, twist));
+  EXPECT_FALSE(correction.redeskew(points, {0.1f, 0.2f}, broken));
   EXPECT_EQ(points, before);
 }
 

@@ -70,7 +70,7 @@ struct CovarianceGrowth {
   double speed_wander = 0.0;                          ///< of the speed error, m^2/s^3
   double unobserved = 0.0;                            ///< u above, 0..1
   double pace = 1.0;                                  ///< p above: DriftModel::pace(), 1 or more
-  Eigen::Matrix2d passing = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow
+  Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow
 };
 
 struct CovariancePrediction {

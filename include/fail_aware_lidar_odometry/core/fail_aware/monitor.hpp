@@ -31,7 +31,7 @@ struct MonitorParameters {
   double rate_window_s = 3.0;  ///< over which the increments' covariance rate is averaged
   int sweeps_to_recover = 10;
   double disagreement_m = 0.3;          ///< measurements farther apart than this disagree
-  double min_information_share = 0.01;  ///< less in the weakest horizontal direction: reason WEAK_DIRECTION
+  double min_information_ratio = 0.01;  ///< less in the weakest horizontal direction: reason WEAK_DIRECTION
   double gap_ratio = 1.7;               ///< a sweep that comes after so many times the usual period: sweeps are missing
 
   template <class Self, class Visitor>
@@ -43,7 +43,7 @@ struct MonitorParameters {
     v("rate_window_s", self.rate_window_s);
     v("sweeps_to_recover", self.sweeps_to_recover);
     v("disagreement_m", self.disagreement_m);
-    v("min_information_share", self.min_information_share);
+    v("min_information_ratio", self.min_information_ratio);
     v("gap_ratio", self.gap_ratio);
   }
   void validate() const;
@@ -57,14 +57,14 @@ class FailAwareMonitor {
  public:
   explicit FailAwareMonitor(const MonitorParameters& params);
 
-  /// t1 = the stamp of the next update() whose motion is observed. Once it serves, a pose set from outside (FilterState::odom_epoch) is a new
+  /// t1 = the stamp of the next update() whose motion is observed. Once it serves, a pose set from outside (FilterState::odom_reset_count) is a new
   /// t1: what went wrong before is mended by it.
   void start() { start_pending_ = true; }
   bool started() const { return indicator_.started() || start_pending_; }
   /// Asked for, but the motion has not been observed since.
   bool startPending() const { return start_pending_; }
 
-  /// Limits that may change in flight: predictor, thresholds, disagreement_m, min_information_share. What was estimated
+  /// Limits that may change in flight: predictor, thresholds, disagreement_m, min_information_ratio. What was estimated
   /// stays. Throws ParameterError and changes nothing.
   void setLimits(const MonitorParameters& params);
 
@@ -94,7 +94,7 @@ class FailAwareMonitor {
   StateHysteresis hysteresis_;
   Pose T_odom_mark_ = Pose::Identity();
   double t1_stamp_s_ = -1.0;
-  int odom_epoch_ = 0;
+  int odom_reset_count_ = 0;
   MovingMedian intervals_s_{kUsualIntervals};  ///< of the last sweeps
   bool has_previous_ = false;
   double speed_wander_ = 0.0;     ///< growth of the speed error's variance in the last sweep, m^2/s^3

@@ -24,7 +24,7 @@ class MapUpdatePolicy {
   struct Sweep {
     bool motion_known = false;     ///< SweepPrediction's
     bool observed = false;         ///< corrected by what observes roll and pitch
-    bool tells_no_motion = false;  ///< MotionPlausibility::Doubt's, of the last sweep that was corrected
+    bool velocity_unobservable = false;  ///< ConsistencyMonitor::Doubt's, of the last sweep that was corrected
     bool follows = false;          ///< a measured sweep, by no long interval
   };
 

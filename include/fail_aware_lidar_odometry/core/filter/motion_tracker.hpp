@@ -10,7 +10,7 @@
 // Units m, s, rad; axes of the body now. Failure: none. Cost: some us a sweep.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
+#include "fail_aware_lidar_odometry/core/filter/dead_reckoning.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
 #include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
 #include "fail_aware_lidar_odometry/core/types/sweep_prediction.hpp"
@@ -35,7 +35,7 @@ class MotionTracker {
     bool forget_history = false;  ///< poses from before it tell nothing of the motion now
   };
 
-  MotionTracker(const Limits& limits, const Coasting::Params& coasting, const MotionHistory::Params& history,
+  MotionTracker(const Limits& limits, const DeadReckoning::Params& dead_reckoning, const MotionHistory::Params& history,
                 const RoadPlaneEstimator& road);
 
   /// The motion is unknown but for its standard deviations.
@@ -45,16 +45,16 @@ class MotionTracker {
   void setPose(const Vector6d& before, const Vector6d& after, const Pose& T_new_old);
 
   /// Whether the sweep's measurements tell nothing of the motion; one without (`corrected` false) leaves the last answer.
-  void setTellsNoMotion(bool tells_no_motion, bool corrected);
-  bool tellsNoMotion() const { return tells_no_motion_; }
+  void setVelocityUnobservable(bool velocity_unobservable, bool corrected);
+  bool velocityUnobservable() const { return velocity_unobservable_; }
   /// They did in the sweep before, and do again.
-  bool tellsAgain() const { return told_no_motion_ && !tells_no_motion_; }
+  bool velocityObservableAgain() const { return velocity_was_unobservable_ && !velocity_unobservable_; }
 
   void update(const Sweep& sweep);
 
   const MotionDerivatives& motion() const { return motion_; }
   const RoadPlane& roadPlane() const { return road_.plane(); }
-  const Coasting& coasting() const { return coasting_; }
+  const DeadReckoning& dead_reckoning() const { return dead_reckoning_; }
   /// The last estimate is no mere prediction; the one before.
   bool lastMeasured() const { return last_measured_; }
   bool previousMeasured() const { return previous_measured_; }
@@ -63,16 +63,16 @@ class MotionTracker {
   void remember(const Sweep& sweep);
   MotionDerivatives historyDerivatives() const;
   void updateMotion(const Sweep& sweep);
-  void coast(const MotionDerivatives& last, double dt_s, const Coasting::Measured* measured);
-  Coasting::Measured measuredMotion(const Sweep& sweep) const;
-  Coasting::Measured measuredTurn(const Sweep& sweep) const;
+  void coast(const MotionDerivatives& last, double dt_s, const DeadReckoning::Measured* measured);
+  DeadReckoning::Measured measuredMotion(const Sweep& sweep) const;
+  DeadReckoning::Measured measuredTurn(const Sweep& sweep) const;
 
   Limits limits_;
-  Coasting coasting_;
+  DeadReckoning dead_reckoning_;
   MotionHistory history_;
   RoadPlaneEstimator road_;
   MotionDerivatives motion_;
-  bool tells_no_motion_ = false, told_no_motion_ = false;  ///< the last sweep's measurements, those before
+  bool velocity_unobservable_ = false, velocity_was_unobservable_ = false;  ///< the last sweep's measurements, those before
   bool last_measured_ = false, previous_measured_ = false;
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };

@@ -5,7 +5,7 @@
 // odom. Until a motion is known (`SweepPrediction::motionKnown`), P along the road is as wide as the speed is unknown.
 // Where a sweep is not measured, roll and pitch gain no more than one step's process noise.
 // After lost sweeps (an interval above kLongInterval_s) P grows by what the driver may have done meanwhile, so that search
-// and gate reach as far (Coasting::drivenCovariance).
+// and gate reach as far (DeadReckoning::drivenCovariance).
 // A drive begins at the first sweep that has points to register: until then the next sweep is the first again.
 // Failure: a stamp that does not advance -> predict() says so and changes nothing. Without a usable measurement the
 // estimate is the prediction, flagged. Cost: about 50 us a sweep.
@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/filter/coasting.hpp"
+#include "fail_aware_lidar_odometry/core/filter/dead_reckoning.hpp"
 #include "fail_aware_lidar_odometry/core/filter/increment_covariance.hpp"
 #include "fail_aware_lidar_odometry/core/filter/map_update_policy.hpp"
-#include "fail_aware_lidar_odometry/core/filter/motion_plausibility.hpp"
+#include "fail_aware_lidar_odometry/core/filter/consistency_monitor.hpp"
 #include "fail_aware_lidar_odometry/core/filter/motion_tracker.hpp"
 #include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
 #include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
@@ -43,22 +43,22 @@ class PoseFilter {
     double max_speed_mps = 80.0;             ///< larger speeds are cut to this: no car on a road is faster
     double max_yaw_rate_rps = 3.0;           ///< larger yaw rates are cut to this: half a turn a second
     double increment_scale = 0.43;           ///< on the covariance that one sweep adds to the odometry
-    double coasting_increment_factor = 6.8;  ///< on that, where the filter coasts: what observes little misleads, too
+    double dead_reckoning_increment_factor = 6.8;  ///< on that, where the filter coasts: what observes little misleads, too
     double increment_floor_m = 0.0005;       ///< standard deviation a sweep, at least, and per metre driven:
     double increment_per_metre_m = 0.0;
     double increment_floor_deg = 0.012;
-    MotionPlausibility::Params plausibility;
-    Coasting::Params coasting;
+    ConsistencyMonitor::Params consistency;
+    DeadReckoning::Params dead_reckoning;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("increment_scale", self.increment_scale);
-      v("coasting_increment_factor", self.coasting_increment_factor);
+      v("dead_reckoning_increment_factor", self.dead_reckoning_increment_factor);
       v("increment_floor_m", self.increment_floor_m);
       v("increment_per_metre_m", self.increment_per_metre_m);
       v("increment_floor_deg", self.increment_floor_deg);
-      v("plausibility", self.plausibility);
-      v("coasting", self.coasting);
+      v("consistency", self.consistency);
+      v("dead_reckoning", self.dead_reckoning);
     }
     void validate() const;
   };
@@ -78,7 +78,7 @@ class PoseFilter {
   const FilterState& correct(const std::vector<FusionInput>& measurements, double middle_s = 0.0);
 
   /// Says from outside where the vehicle was at the last estimate: odom is moved under the vehicle. Motion, increments
-  /// and P (about the vehicle) stay; odom_epoch counts on. A pose that is not finite: false, nothing changes.
+  /// and P (about the vehicle) stay; odom_reset_count counts on. A pose that is not finite: false, nothing changes.
   bool setPose(const Pose& T_odom_cog);
 
   /// The fusion's rules from the next sweep on. Throws ParameterError.
@@ -96,14 +96,14 @@ class PoseFilter {
  private:
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
-  bool addDoubt(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
+  bool addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
 
   Params params_;
   VehicleModel model_;
   Ukf ukf_;
   MeasurementFusion fusion_;
   MotionTracker motion_;
-  MotionPlausibility plausibility_;
+  ConsistencyMonitor consistency_;
   MapUpdatePolicy map_update_policy_;
   SweepPrediction prediction_;
   FilterState state_;

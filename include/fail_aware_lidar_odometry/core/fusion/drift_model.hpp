@@ -17,7 +17,7 @@
 //   - the error of a speed that is not observed: how large and how lasting it is says filter/coasting.hpp; here, how
 //     much of it goes into an increment
 //
-// calibrate_noise fits measured_share, position_ and heading_per_root_metre, heading_bias and scale_bias; the others
+// calibrate_noise fits measured_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias; the others
 // are chosen by hand.
 //
 // Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
@@ -30,30 +30,30 @@ namespace fail_aware {
 class DriftModel {
  public:
   struct Params {
-    double measured_share = 0.0;    ///< of the observed part's variance, that adds up too, at least
-    double unobserved_share = 0.6;  ///< of the variance of what stays open, that adds up, at least
+    double measured_ratio = 0.0;    ///< of the observed part's variance, that adds up too, at least
+    double unobserved_ratio = 0.6;  ///< of the variance of what stays open, that adds up, at least
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
     double heading_per_root_metre_deg = 0.00035;
     double heading_bias_deg_per_m = 0.000012;  ///< standard deviation of the constant
     double scale_bias = 0.000035;              ///< likewise: metres per metre
     double slow_mps = 10.0;                    ///< faster, the walks and the scale bias grow with the speed
-    double passing_share = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
-    double passing_rotation_share = 0.02;  ///< likewise rotation
+    double transient_ratio = 0.1;            ///< of the pose's own variance, that it jitters by about the map: position
+    double transient_rotation_ratio = 0.02;  ///< likewise rotation
     double new_map_m = 0.02;               ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("measured_share", self.measured_share);
-      v("unobserved_share", self.unobserved_share);
+      v("measured_ratio", self.measured_ratio);
+      v("unobserved_ratio", self.unobserved_ratio);
       v("position_per_root_metre_m", self.position_per_root_metre_m);
       v("tilt_per_root_metre_deg", self.tilt_per_root_metre_deg);
       v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
       v("heading_bias_deg_per_m", self.heading_bias_deg_per_m);
       v("scale_bias", self.scale_bias);
       v("slow_mps", self.slow_mps);
-      v("passing_share", self.passing_share);
-      v("passing_rotation_share", self.passing_rotation_share);
+      v("transient_ratio", self.transient_ratio);
+      v("transient_rotation_ratio", self.transient_rotation_ratio);
       v("new_map_m", self.new_map_m);
     }
     void validate() const;
@@ -70,9 +70,9 @@ class DriftModel {
 
   /// What a sweep adds for good. `increment`: the covariance of its motion, `unobserved`: the part of it that stays
   /// open.
-  Matrix6d lasting(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m, double pace = 1.0) const;
+  Matrix6d accumulated(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m, double pace = 1.0) const;
   /// What it adds for the moment: the pose's own jitter, half of an increment's, which is between two of them.
-  Matrix6d passing(const Matrix6d& increment, const Matrix6d& unobserved) const;
+  Matrix6d transient(const Matrix6d& increment, const Matrix6d& unobserved) const;
 
   /// What the way from `from_m` to `to_m`, from where the map begins, adds for good: variances of position and tilt.
   Vector6d newMapVariances(double from_m, double to_m) const;
@@ -84,8 +84,8 @@ class DriftModel {
   double unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const;
 
  private:
-  double lastingShareOfOpen(double unobserved_along) const;
-  double lastingShare(double unobserved_along) const;
+  double accumulatedRatioOfOpen(double unobserved_along) const;
+  double accumulatedRatio(double unobserved_along) const;
 
   Params params_;
 };

@@ -29,9 +29,9 @@ namespace fail_aware {
 struct DriftState {
   static constexpr int kHeadingBias = 6, kScaleBias = 7, kSpeed = 8, kSize = 9;  ///< rad/m, 1, m/s; 0..5: the pose
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  Matrix lasting = Matrix::Zero();
-  Matrix6d passing = Matrix6d::Zero();  ///< the pose's jitter of the moment, on top
-  Matrix6d pose() const { return lasting.topLeftCorner<6, 6>() + passing; }
+  Matrix accumulated = Matrix::Zero();
+  Matrix6d transient = Matrix6d::Zero();  ///< the pose's jitter of the moment, on top
+  Matrix6d pose() const { return accumulated.topLeftCorner<6, 6>() + transient; }
 };
 
 class OdometryCovariance {
@@ -65,7 +65,7 @@ class OdometryCovariance {
                DriftState& state) const;
 
   /// How far the vehicle came from where the map began.
-  struct MapWay {
+  struct MapDistance {
     Eigen::Vector3d begin_odom = Eigen::Vector3d::Zero();
     double farthest_m = 0.0;
   };
@@ -84,12 +84,12 @@ class OdometryCovariance {
   DriftState since_mark_;
   Matrix6d covariance_ = Matrix6d::Zero();
   Matrix6d since_mark_covariance_ = Matrix6d::Zero();
-  Matrix6d passing_base_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
-  Matrix6d largest_passing_base_ = Matrix6d::Zero();  ///< no less than any so far
+  Matrix6d transient_base_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
+  Matrix6d largest_transient_base_ = Matrix6d::Zero();  ///< no less than any so far
   double speed_variance_ = 0.0;                       ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
   std::optional<Gap> gap_;
-  std::optional<MapWay> map_way_;
+  std::optional<MapDistance> map_distance_;
   bool lost_ = false;  ///< a gap was too long or too far: what comes next measures the way from nowhere before it
 };
 

@@ -48,6 +48,6 @@ Eigen::Quaterniond quaternionOf(const Pose& T);
 /// From position and quaternion, which is normalized.
 Pose poseOf(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation);
 /// T as it comes out of a message, to the last bit: offline and live the stages hand each other the same poses.
-Pose asExchanged(const Pose& T);
+Pose quaternionRoundTrip(const Pose& T);
 
 }  // namespace fail_aware

@@ -24,7 +24,7 @@ struct Corner {
   Eigen::Vector3d N = Eigen::Vector3d::Zero();
   /// Unit, towards the sensor; the first is that of N's plane.
   std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
-  std::array<double, 2> plane_rms_m{0.0, 0.0};
+  std::array<double, 2> icp_point_to_plane_rms_m{0.0, 0.0};
   std::array<int, 2> plane_points{0, 0};  ///< RANSAC inliers
   /// The rectangle that holds a plane's inliers when last seen, as opposite vertices; sides along the line and across.
   struct Rectangle {

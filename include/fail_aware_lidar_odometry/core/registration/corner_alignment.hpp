@@ -7,7 +7,7 @@
 //
 // What walls observe: x, y and yaw. M's height on its line is a convention, so z is not observed, and equal heights
 // would seem to hold roll and pitch. So the points enter the SVD with their heights set to zero, z, roll and pitch stay
-// at the prediction, their covariance is the predicted one times unobserved_inflation and weak_directions is 3. (The
+// at the prediction, their covariance is the predicted one times unobserved_inflation and degenerate_directions is 3. (The
 // tilt of the lines does observe roll and pitch, but at 0.1 to 0.3 deg a corner, with a tail to degrees: the ground
 // does it better for the ICPs.)
 //

@@ -26,7 +26,7 @@ class CorrelativeSearch {
     /// largest turn from the prediction, to both sides: more than a car turns in a short gap
     double max_turn_deg = 45.0;
     /// ratio of what stands that must fit (half of it: what lies where nothing was seen)
-    double min_share = 0.65;
+    double min_ratio = 0.65;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -38,7 +38,7 @@ class CorrelativeSearch {
 
   struct Found {
     Pose T_odom_cog = Pose::Identity();
-    double share = 0.0;  ///< of what stands, that fits: min_share ... 1
+    double share = 0.0;  ///< of what stands, that fits: min_ratio ... 1
   };
 
   /// Throws ParameterError.

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
+#include "fail_aware_lidar_odometry/core/registration/clock_jump_detector.hpp"
 #include "fail_aware_lidar_odometry/core/types/filter_state.hpp"
 
 namespace fail_aware {
@@ -39,7 +39,7 @@ class EstimateTrack {
   /// The motion then, if it is known.
   const std::optional<Vector6d>& placedTwist() const { return placed_twist_cog_; }
   /// The intervals since.
-  const std::vector<IntervalCheck::Stamps>& unplaced() const { return unplaced_; }
+  const std::vector<ClockJumpDetector::Stamps>& unplaced() const { return unplaced_; }
   /// After so many intervals what the car does now is not known well enough.
   bool tooManyUnplaced() const { return unplaced_.size() >= kMaxUnplaced; }
 
@@ -54,7 +54,7 @@ class EstimateTrack {
   double speed_sigma_mps_ = 0.0;
   Pose T_odom_cog_placed_ = Pose::Identity();
   std::optional<Vector6d> placed_twist_cog_;
-  std::vector<IntervalCheck::Stamps> unplaced_{};
+  std::vector<ClockJumpDetector::Stamps> unplaced_{};
 };
 
 }  // namespace fail_aware

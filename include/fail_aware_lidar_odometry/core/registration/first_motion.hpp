@@ -15,6 +15,6 @@ void addSearchedMotion(const InitialGuess& guess, Measurement& measurement);
 
 /// What is seen alike from sweep to sweep - a vehicle ahead, edges drawn by single beams - fits best at standstill. For
 /// as long as the speed is unknown: little information is no proof of it, the way is known no better than the fastest.
-void doubtStandstill(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement);
+void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement);
 
 }  // namespace fail_aware

@@ -2,7 +2,7 @@
 //
 // A vehicle ahead that keeps its distance is the only thing that stands across a smooth tunnel: what it says of the
 // motion along it is firm and false. True information comes from several places. So no place, a square of `cell_m`,
-// counts for more than `max_place_share` of all that counts.
+// counts for more than `max_place_ratio` of all that counts.
 // Cost: about 20 ns a point; used only where a direction is poorly observed.
 #pragma once
 
@@ -17,13 +17,13 @@ class InformationSupport {
  public:
   struct Params {
     double cell_m = 5.0;  ///< side of a place: about a vehicle
-    double max_place_share = 0.2;
-    double below_share = 0.3;  ///< looked into where a horizontal direction has a smaller share of the information
+    double max_place_ratio = 0.2;
+    double below_ratio = 0.3;  ///< looked into where a horizontal direction has a smaller share of the information
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("max_place_share", self.max_place_share);
-      v("below_share", self.below_share);
+      v("max_place_ratio", self.max_place_ratio);
+      v("below_ratio", self.below_ratio);
     }
     void validate() const;
   };
@@ -33,7 +33,7 @@ class InformationSupport {
   void add(const Eigen::Vector3d& position_m, double information);
 
   /// The part of the information that counts, 0..1.
-  double countedShare() const;
+  double countedRatio() const;
 
  private:
   Params params_;

@@ -4,8 +4,8 @@
 // In this order, each a function of scan, map and guess that may return a better guess:
 // - while no motion is known: a search for the first motion (motion_initialization.hpp);
 // - after a gap: a search for the place in the map (relocalization.hpp);
-// - where the clouds tell that the stamps are wrong: the place by another interval (interval_check.hpp);
-// - unless tracking is lost: the turn that the deskew missed (turn_search.hpp).
+// - where the clouds tell that the stamps are wrong: the place by another interval (clock_jump_detector.hpp);
+// - unless tracking is lost: the turn that the deskew missed (deskew_refinement.hpp).
 // Frames: poses of the centre of gravity in odom. Failure: the prediction, or `lost`.
 // Cost: a turn search a sweep (a point-to-plane registration), the others where they are needed (up to 200 ms).
 #pragma once
@@ -13,12 +13,12 @@
 #include <optional>
 
 #include "fail_aware_lidar_odometry/core/registration/estimate_track.hpp"
-#include "fail_aware_lidar_odometry/core/registration/interval_check.hpp"
+#include "fail_aware_lidar_odometry/core/registration/clock_jump_detector.hpp"
 #include "fail_aware_lidar_odometry/core/registration/local_map.hpp"
 #include "fail_aware_lidar_odometry/core/registration/motion_initialization.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_scan.hpp"
 #include "fail_aware_lidar_odometry/core/registration/relocalization.hpp"
-#include "fail_aware_lidar_odometry/core/registration/turn_search.hpp"
+#include "fail_aware_lidar_odometry/core/registration/deskew_refinement.hpp"
 
 namespace fail_aware {
 
@@ -32,7 +32,7 @@ struct InitialGuess {
   Vector6d twist_cog = Vector6d::Zero();        ///< m/s and rad/s
   Found twist_found = Found::kNothing;          ///< otherwise twist_cog is the prediction's
   double searched_sigma_m = 0.0;                ///< of the position, if the search for the first motion gave it; else 0
-  bool interval_doubted = false;                ///< the pose is that of another interval than the stamps'
+  bool clock_jump_suspected = false;                ///< the pose is that of another interval than the stamps'
   bool lost = false;                            ///< tracking is lost after a gap
   Pose T_odom_cog_previous = Pose::Identity();  ///< the last estimate,
   double dt_s = 0.0;                            ///< so long ago; 0: there is none
@@ -57,15 +57,15 @@ class InitialGuessResolver {
                          const InitialGuess& guess);
   Better relocalize(const RegistrationScan& scan, const LocalMap& map, const EstimateTrack& track,
                     const InitialGuess& guess) const;
-  Better checkInterval(const RegistrationScan& scan, const LocalMap& map, const EstimateTrack& track,
+  Better detectClockJump(const RegistrationScan& scan, const LocalMap& map, const EstimateTrack& track,
                        const SweepPrediction& prediction, const InitialGuess& guess);
-  Better findTurn(const RegistrationScan& scan, const LocalMap& map, double sigma_yaw_rad,
+  Better refineDeskew(const RegistrationScan& scan, const LocalMap& map, double sigma_yaw_rad,
                   const InitialGuess& guess) const;
 
   MotionInitialization first_motion_;
   Relocalization relocalization_;
-  IntervalCheck interval_check_;
-  TurnSearch turn_search_;
+  ClockJumpDetector clock_jump_detector_;
+  DeskewRefinement deskew_refinement_;
 };
 
 }  // namespace fail_aware

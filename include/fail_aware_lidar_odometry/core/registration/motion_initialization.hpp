@@ -9,7 +9,7 @@
 // - walls and rails along the road, which fit at any speed but, thinned, best at standstill: the sweeps are kept dense;
 // - a car ahead that keeps its distance: one vote a cell, so that scenery outvotes it.
 // Limit: where scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins; first_motion.hpp
-// doubts that (`standstill_share`).
+// doubts that (`standstill_ratio`).
 // Cost: about 150 ms, on the second sweep only.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 #include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
 #include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/registration/standing_points.hpp"
+#include "fail_aware_lidar_odometry/core/registration/above_ground_points.hpp"
 #include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
@@ -47,7 +47,7 @@ class MotionInitialization {
     /// horizontal direction has at least this share of the information: what travels with the vehicle makes it seem to
     /// stand.
     double standstill_m = 0.1;
-    double standstill_share = 0.15;
+    double standstill_ratio = 0.15;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -55,7 +55,7 @@ class MotionInitialization {
       v("max_speed_mps", self.max_speed_mps);
       v("max_yaw_rate_rps", self.max_yaw_rate_rps);
       v("standstill_m", self.standstill_m);
-      v("standstill_share", self.standstill_share);
+      v("standstill_ratio", self.standstill_ratio);
     }
     void validate() const;
   };

@@ -13,17 +13,17 @@ namespace fail_aware {
 struct ObservabilityParams {
   /// a rotation dr moves points at this distance by lever_m * dr: a usual range of points
   double lever_m = 10.0;
-  double min_information_share = 0.01;  ///< a direction with a smaller share of the total weight is not observed
+  double min_information_ratio = 0.01;  ///< a direction with a smaller share of the total weight is not observed
   /// Where an observed direction has less than this, steps, too, are made of the information alone: sliding residuals
   /// would outweigh it.
-  double min_sliding_share = 0.03;
+  double min_sliding_ratio = 0.03;
   /// standard deviation in R along an unobserved direction: as good as no measurement to gate and fusion
   double weak_sigma_m = 3.0;
   double weak_sigma_deg = 5.0;  ///< likewise of a rotation
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("min_information_share", self.min_information_share);
+    v("min_information_ratio", self.min_information_ratio);
   }
   void validate() const;
 };
@@ -47,12 +47,12 @@ struct NormalEquations {
 
 struct Solution {
   Vector6d dx = Vector6d::Zero();
-  int weak_directions = 0;
-  double min_horizontal_share = 0.0;
+  int degenerate_directions = 0;
+  double min_horizontal_ratio = 0.0;
 };
 
-/// Only `counted_share` of the information along a horizontal direction (unit vector) counts (information_support.hpp).
-void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_share);
+/// Only `counted_ratio` of the information along a horizontal direction (unit vector) counts (information_support.hpp).
+void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_ratio);
 
 /// The step along observed directions only.
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params);

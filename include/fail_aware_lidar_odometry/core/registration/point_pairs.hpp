@@ -32,7 +32,7 @@ class PointPairs {
 
   struct WeakHorizontal {
     Eigen::Vector2d direction;
-    double counted_share = 1.0;  ///< of the information on this direction
+    double counted_ratio = 1.0;  ///< of the information on this direction
   };
 
   /// Keeps references to the points and to the map.

@@ -24,7 +24,7 @@ struct RansacPlane {
     double confidence = 0.999;       ///< probability that one hypothesis had only inliers
     double inlier_distance_m = 0.1;  ///< distance of inliers from the plane: three sigma of range noise
     /// ratio of the points that hypotheses are drawn from and scored on: the article's quarter
-    double sample_share = 0.25;
+    double sample_ratio = 0.25;
     int max_sample_points = 400;  ///< and at most so many
     int min_inliers = 60;         ///< least number of inliers among all points, after refinement
     double max_tilt_deg = 10.0;   ///< largest tilt of the refined plane against the vertical: walls are plumb

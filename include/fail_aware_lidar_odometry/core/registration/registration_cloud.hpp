@@ -33,7 +33,7 @@ struct RegistrationCloud {
 
   /// Moves all points for a refined motion: delta_twist_cog (m/s, rad/s) is what the correction had missed.
   /// What was measured at still_s (relative to the stamp) stays where it is.
-  void recorrect(const Vector6d& delta_twist_cog, double still_s = 0.0);
+  void redeskew(const Vector6d& delta_twist_cog, double still_s = 0.0);
 };
 
 class RegistrationCloudBuilder {
@@ -63,7 +63,7 @@ class RegistrationCloudBuilder {
                                     const std::optional<SweepTimingParams>& compensated_head = std::nullopt);
 
   /// `cloud` is reused: no allocation once its arrays have grown.
-  /// too_far_m: to be taken from each range, by ring (beam_ranges.hpp).
+  /// too_far_m: to be taken from each range, by ring (beam_range_bias.hpp).
   void build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
              const std::vector<float>& too_far_m = {});
 

@@ -1,11 +1,11 @@
 // A sweep as the two ICPs register it: its thinned clouds, and the motion that they are deskewed for.
 //
-// The builder corrects the ranges for what the beams were found to be off by (beam_ranges.hpp). Of a sweep that came
+// The builder corrects the ranges for what the beams were found to be off by (beam_range_bias.hpp). Of a sweep that came
 // compensated (sensor.timing.source none) it is not known for which motion it was moved.
-// Frames: the centre of gravity's. Cost: registration_cloud.hpp's and beam_ranges.hpp's.
+// Frames: the centre of gravity's. Cost: registration_cloud.hpp's and beam_range_bias.hpp's.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/registration/beam_ranges.hpp"
+#include "fail_aware_lidar_odometry/core/registration/beam_range_bias.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_parameters.hpp"
 #include "fail_aware_lidar_odometry/core/types/corrected_sweep.hpp"
@@ -36,11 +36,11 @@ class RegistrationScanBuilder {
   /// What beams are off by, from a scan at its estimate before it joins the map.
   void observeBeams(const RegistrationScan& scan, const VoxelMap& map, const Pose& T_odom_cog);
 
-  void reset() { beam_ranges_.reset(); }
+  void reset() { beam_range_bias_.reset(); }
 
  private:
   RegistrationCloudBuilder builder_;
-  BeamRanges beam_ranges_;
+  BeamRangeBias beam_range_bias_;
 };
 
 }  // namespace fail_aware

@@ -4,7 +4,7 @@
 // the measurements (not in the paper). Where too little stands for that, the multiplex ICP alone, with wider seeds; then
 // as much of the sweep has to fit as usual.
 //
-// Input as MultiplexIcp::align's. Failure: nothing, if it does not converge or too little fits.
+// Input as IcpPointToPoint::align's. Failure: nothing, if it does not converge or too little fits.
 // Cost: 60 to 200 ms; only after a gap.
 #pragma once
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "fail_aware_lidar_odometry/core/registration/correlative_search.hpp"
-#include "fail_aware_lidar_odometry/core/registration/multiplex_icp.hpp"
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
 #include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
 
 namespace fail_aware {
@@ -26,7 +26,7 @@ class Relocalization {
     double max_spread_m = 2.0;
     double max_distance_m = 1.5;  ///< cut-off of correspondences, not more than the voxels reach
     /// least ratio of inliers where no search confirmed the place: more than elsewhere (0.3)
-    double min_inlier_share = 0.5;
+    double min_inlier_ratio = 0.5;
     double narrow_m = 0.3;  ///< kernel at the end of the search: what fits better than this counts
     CorrelativeSearch::Params search;
 
@@ -41,18 +41,18 @@ class Relocalization {
   /// Since the last sweep that is in the map.
   struct Gap {
     double duration_s = 0.0;
-    double way_m = 0.0;  ///< to the predicted position
+    double distance_m = 0.0;  ///< to the predicted position
   };
 
   /// `usual`: the multiplex ICP's, what is not widened is as there. Throws ParameterError.
-  Relocalization(const Params& params, const MultiplexIcp::Params& usual);
+  Relocalization(const Params& params, const IcpPointToPoint::Params& usual);
 
   /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw).
   bool isNeeded(const Matrix6d& covariance) const;
   std::optional<Pose> find(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog_predicted,
                            const Matrix6d& covariance, const Gap& gap) const;
 
-  /// From one pose: how much of the sweep fits there tells one place from another. Not ok() below `min_inlier_share`.
+  /// From one pose: how much of the sweep fits there tells one place from another. Not ok() below `min_inlier_ratio`.
   Measurement fit(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog,
                   const Matrix6d& covariance) const {
     return strict_.align(cloud.point_points_cog, map, T_odom_cog, covariance);
@@ -61,7 +61,7 @@ class Relocalization {
  private:
   Params params_;
   CorrelativeSearch search_;
-  MultiplexIcp wide_, narrowing_, usual_, strict_;
+  IcpPointToPoint wide_, narrowing_, usual_, strict_;
 };
 
 }  // namespace fail_aware

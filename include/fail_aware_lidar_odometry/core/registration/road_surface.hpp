@@ -1,4 +1,4 @@
-// The road in a sweep, as samples of its height: what road_relief.hpp lays over each other. Not in the article.
+// The road in a sweep, as samples of its height: what road_profile_odometry.hpp lays over each other. Not in the article.
 //
 // A quadric is fitted through the most common height below the lidar, robustly; a sample is the mean height above it of
 // the points in one direction from the sensor as it was when it fired.

@@ -60,7 +60,7 @@ class SweepCorrection {
   explicit SweepCorrection(const Params& params);
 
   /// `out` has the sweep's points in its order, and its rings; its times are the ones given, or none (kOff, kBadTimes). With kNoMotion
-  /// the times are kept: `recorrect` can still take the motion out once it is known.
+  /// the times are kept: `redeskew` can still take the motion out once it is known.
   CorrectionResult correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
                            const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, double dt_s,
                            const Pose& T_cog_lidar, CorrectedSweep& out) const;
@@ -70,7 +70,7 @@ class SweepCorrection {
   /// s^2/2 (|delta_w| |u| + |w| |delta_u|), under 1 mm in a half sweep for 20 m/s and a refinement of 0.02 rad/s.
   /// (Recorrecting by minus the used twist, then by the refined one, is exact.)
   /// False, points untouched, if times or twist cannot be used.
-  bool recorrect(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
+  bool redeskew(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
                  const Vector6d& delta_twist_lidar) const;
 
  private:

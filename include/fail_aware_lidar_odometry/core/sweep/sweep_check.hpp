@@ -3,7 +3,7 @@
 //
 // incomplete      fewer than min_azimuth_coverage of the azimuth's sectors (5 deg each) hold points: half a sweep, a
 //                 blanked sector. A driver that publishes part of a revolution a cloud needs a lower min_azimuth_coverage.
-// low_visibility  fewer than min_far_share of the points lie beyond visible_range_m: fog, spray, a dirty window
+// low_visibility  fewer than min_far_ratio of the points lie beyond visible_range_m: fog, spray, a dirty window
 // frozen          the points are, bit for bit, those of each of the last frozen_sweeps sweeps: a driver that repeats
 //                 itself (a simulator without noise looks the same when the vehicle stands: 0 switches this off)
 // repeats         the points are those of the last sweep: there is nothing new to register, the sweep counts as empty
@@ -23,7 +23,7 @@ namespace fail_aware {
 struct SweepCheckParams {
   double min_azimuth_coverage = 0.75;  ///< share of the sectors; 0: off, as for a lidar that does not look all around
   double visible_range_m = 15.0;
-  double min_far_share = 0.02;  ///< 0: off
+  double min_far_ratio = 0.02;  ///< 0: off
   int frozen_sweeps = 3;        ///< repetitions in a row; 0: off
   double max_gap_s = 0.5;       ///< between stamps
 
@@ -31,7 +31,7 @@ struct SweepCheckParams {
   static void visit(Self& self, Visitor&& v) {
     v("min_azimuth_coverage", self.min_azimuth_coverage);
     v("visible_range_m", self.visible_range_m);
-    v("min_far_share", self.min_far_share);
+    v("min_far_ratio", self.min_far_ratio);
     v("frozen_sweeps", self.frozen_sweeps);
     v("max_gap_s", self.max_gap_s);
   }

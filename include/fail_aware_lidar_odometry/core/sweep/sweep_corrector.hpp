@@ -8,7 +8,7 @@
 
 #include "fail_aware_lidar_odometry/core/sweep/azimuth_correction.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/correction.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/level_keeping.hpp"
+#include "fail_aware_lidar_odometry/core/sweep/vertical_reference.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/sweep_seam.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 #include "fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp"
@@ -32,7 +32,7 @@ class SweepCorrector {
   /// timing: for points whose azimuth is corrected (SensorParameters::correctedTiming()).
   SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle, const AzimuthCorrectionParams& azimuth,
                  const SweepTimingParams& timing, const SweepCorrectionParams& correction,
-                 const LevelKeepingParams& level_keeping);
+                 const LevelKeepingParams& vertical_reference);
 
   /// `sweep` is changed by the corrections of its angles and by level keeping, and given rings where it has none and its
   /// order tells them; points without a usable time are left out (TimingResult::outliers). The motion corrected for is that from the previous estimate to the prediction; in the first
@@ -40,7 +40,7 @@ class SweepCorrector {
   SweepCorrectorReport correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
                                CorrectedSweep& corrected);
 
-  const LevelKeeping& levelKeeping() const { return level_keeping_; }
+  const VerticalReference& verticalReference() const { return vertical_reference_; }
 
   /// One line: how the clouds contradict the timing's parameters (sweep_seam.hpp). Empty: they do not.
   std::string seamContradiction() const { return seam_.contradiction(); }
@@ -48,7 +48,7 @@ class SweepCorrector {
   /// Everything anew.
   void reset() {
     seam_.reset();
-    level_keeping_.reset();
+    vertical_reference_.reset();
   }
 
  private:
@@ -57,7 +57,7 @@ class SweepCorrector {
   SweepTiming timing_;
   SweepSeamCheck seam_;
   SweepCorrection correction_;
-  LevelKeeping level_keeping_;
+  VerticalReference vertical_reference_;
   std::vector<float> times_s_;
 };
 

@@ -17,7 +17,7 @@ struct FilterState {
   Pose T_odom_cog = Pose::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< the filter's P, of (x, y, z, roll, pitch, yaw)
   double sigma_yaw_rad = 0.0;                  ///< from P: what eta is made of
-  bool corrected = false;                      ///< false: the estimate is the prediction
+  bool measurement_applied = false;                      ///< false: the estimate is the prediction
   bool started = true;                         ///< false: no sweep had usable points yet, the drive has not begun
   MotionStatus motion_status = MotionStatus::kUnknown;
   FusionResult fusion;
@@ -26,14 +26,14 @@ struct FilterState {
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
   /// The part of it that the measurements do not observe: what this sweep's measurement leaves of the prediction's
   /// error (rotation: what a second one as good as this would leave, too), plus the doubt about an implausible motion,
-  /// whatever R is (filter/motion_plausibility.hpp).
+  /// whatever R is (filter/consistency_monitor.hpp).
   Matrix6d unobserved_covariance = Matrix6d::Zero();
   SpeedError speed_error;  ///< along the vehicle, where it coasts
   /// The stamps since the last placed sweep give another interval than was driven: the increment is not a motion over
   /// dt_s.
-  bool interval_wrong = false;
+  bool clock_jump = false;
   double set_back_s = 0.0;  ///< SweepPrediction's
-  int odom_epoch = 0;       ///< counts setPose(): references placed under another number are in another odom
+  int odom_reset_count = 0;       ///< counts setPose(): references placed under another number are in another odom
   MapUpdate map_update = MapUpdate::kSkip;
 
   bool motionObserved() const { return motion_status == MotionStatus::kObserved; }

@@ -31,15 +31,15 @@ struct Measurement {
   Pose T_odom_cog = Pose::Identity();
   Matrix6d covariance = Matrix6d::Identity();  ///< geometry/pose.hpp's convention, m and rad, about odom's axes
   double rms_residual_m = 0.0;                 ///< of the inliers, at the solution
-  double inlier_share = 0.0;                   ///< of the points used
+  double inlier_ratio = 0.0;                   ///< of the points used
   std::size_t inliers = 0;
   int iterations = 0;
   double seed_spread_m = 0.0;  ///< multiplex ICP: RMS distance between the seeds' results; 0 elsewhere
-  int weak_directions = 0;     ///< directions left at the prediction, of 6
+  int degenerate_directions = 0;     ///< directions left at the prediction, of 6
   /// Information in the weakest horizontal direction. ICPs: share of the total weight, 0.5 if both directions are seen
   /// equally well. Corners: relative to `good_corners` corners. 0: not known.
-  double min_information_share = 0.0;
-  bool interval_doubted = false;  ///< registered assuming a clock jump: does not give a speed
+  double min_information_ratio = 0.0;
+  bool clock_jump_suspected = false;  ///< registered assuming a clock jump: does not give a speed
 
   bool ok() const { return status == MeasurementStatus::kOk; }
 };

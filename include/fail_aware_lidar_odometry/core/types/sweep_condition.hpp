@@ -15,7 +15,7 @@ struct SweepCondition {
   bool point_missing = false;       ///< the source is used and gave no usable measurement; likewise the next two
   bool plane_missing = false;
   bool corners_missing = false;
-  double min_information_share = 1.0;  ///< weakest horizontal direction, point to plane; 1: not known
+  double min_information_ratio = 1.0;  ///< weakest horizontal direction, point to plane; 1: not known
 
   /// Every field: what the monitor's log is made of.
   template <class Self, class Visitor>
@@ -31,7 +31,7 @@ struct SweepCondition {
     v("point_missing", self.point_missing);
     v("plane_missing", self.plane_missing);
     v("corners_missing", self.corners_missing);
-    v("min_information_share", self.min_information_share);
+    v("min_information_ratio", self.min_information_ratio);
   }
 };
 

@@ -11,7 +11,7 @@ struct SweepFindings {
   bool repeats = false;
   bool time_jump = false;
   double azimuth_coverage = 0.0;  ///< share of the sectors that hold points; 0 for an empty sweep
-  double far_share = 0.0;         ///< share of the points beyond visible_range_m
+  double far_ratio = 0.0;         ///< share of the points beyond visible_range_m
   int repetitions = 0;            ///< sweeps in a row that repeated the one before
   // Of SweepCorrectorReport; not found by SweepCheck.
   double middle_s = 0.0;            ///< of the points' times, s relative to the stamp

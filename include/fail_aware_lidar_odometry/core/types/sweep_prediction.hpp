@@ -17,7 +17,7 @@ struct SweepPrediction {
   Matrix6d covariance = Matrix6d::Identity();   ///< of the prediction, geometry/pose.hpp's convention
   double sigma_yaw_rad = 0.0;
   MotionStatus motion_status = MotionStatus::kUnknown;  ///< of the last estimate
-  int odom_epoch = 0;                                   ///< as FilterState's
+  int odom_reset_count = 0;                                   ///< as FilterState's
   double set_back_s = 0.0;                              ///< SweepTime's
 
   bool motionKnown() const { return motion_status != MotionStatus::kUnknown; }

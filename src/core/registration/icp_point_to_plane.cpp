@@ -1,0 +1,105 @@
+#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "plane_pairs.hpp"
+
+namespace fail_aware {
+
+void IcpPointToPlane::Params::validate() const {
+  requireWithin("heading_tolerance_deg", heading_tolerance_deg, 0.0, 45.0);
+  requireWithin("ground_tolerance_deg", ground_tolerance_deg, 0.0, 90.0);
+  requireWithin("vertical_tolerance_deg", vertical_tolerance_deg, 0.0, 90.0);
+  requirePositive("max_distance_m", max_distance_m);
+  requirePositive("kernel_m", kernel_m);
+  requirePositive("initial_kernel_m", initial_kernel_m);
+  requirePositive("point_sigma_m", point_sigma_m);
+  requirePositive("ground_weight", ground_weight);
+  requireNotNegative("range_weight_m", range_weight_m);
+  requireWithin("max_iterations", max_iterations, 1, 1000);
+  requirePositive("step_translation_m", step_translation_m);
+  requirePositive("step_rotation_deg", step_rotation_deg);
+  requireWithin("relaxed_convergence_factor", relaxed_convergence_factor, 1.0, 1e6);
+  requireWithin("min_inliers", min_inliers, 6, 1e9);
+  requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
+  support.validate();
+  observability.validate();
+}
+
+IcpPointToPlane::IcpPointToPlane(const Params& params) : params_(params) { params_.validate(); }
+
+Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+                                     const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
+  Measurement result;
+  result.T_odom_cog = T_odom_cog_predicted;
+  if (map.empty()) return result;
+  PlanePairs pairs(params_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad);
+  const auto linearize = [&](const Pose& T, double kernel_m, const Eigen::Vector2d* direction,
+                             InformationSupport* support) {
+    NormalEquations equations;
+    pairs.forEach(T, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) {
+      pair.addTo(equations);
+      if (!support) return;
+      const double along = direction->dot(pair.normal.head<2>());
+      support->add(pair.position, pair.weight * along * along);
+    });
+    equations.H = equations.H.selfadjointView<Eigen::Lower>();
+    return equations;
+  };
+
+  Pose T = T_odom_cog_predicted;
+  NormalEquations equations;
+  bool converged = false;
+  Vector6d step = Vector6d::Zero();
+  double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
+  std::optional<Eigen::Vector2d> weak_direction;
+  double counted_ratio = 1.0;
+  for (result.iterations = 1; result.iterations <= params_.max_iterations; ++result.iterations) {
+    equations = linearize(T, kernel_m, nullptr, nullptr);
+    if (static_cast<int>(equations.inliers) < params_.min_inliers) {
+      result.status = MeasurementStatus::kTooFewPoints;
+      return result;
+    }
+    if (result.iterations == 1) {
+      const Eigen::Matrix2d horizontal = equations.H.topLeftCorner<2, 2>();
+      const Eigen::Vector2d weakest = weakestHorizontal(horizontal);
+      if (weakest.dot(horizontal * weakest) < params_.support.below_ratio * equations.weight) {
+        InformationSupport support(params_.support);
+        linearize(T, kernel_m, &weakest, &support);
+        weak_direction = weakest;
+        counted_ratio = support.countedRatio();
+      }
+    }
+    if (weak_direction) discount(equations, *weak_direction, counted_ratio);
+    const Solution solution = solveObserved(equations, params_.observability);
+    result.degenerate_directions = solution.degenerate_directions;
+    result.min_information_ratio = solution.min_horizontal_ratio;
+    if (solution.degenerate_directions == 6) {
+      result.status = MeasurementStatus::kDegenerate;
+      return result;
+    }
+    step = solution.dx;
+    T = applyStep(T, step);
+    if (kernel_m <= params_.kernel_m && stepWithin(step, params_, 1.0)) {
+      converged = true;
+      break;
+    }
+    kernel_m = std::max(0.5 * kernel_m, params_.kernel_m);
+  }
+  result.iterations = std::min(result.iterations, params_.max_iterations);
+  result.T_odom_cog = T;
+  result.inliers = equations.inliers;
+  result.inlier_ratio = static_cast<double>(equations.inliers) / static_cast<double>(points_cog.size());
+  result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
+  result.covariance = covarianceObserved(equations, params_.correlation_inflation, params_.observability);
+  const bool usable = converged || stepWithin(step, params_, params_.relaxed_convergence_factor) ||
+                      isWithinSigma(step, result.covariance);  // wanders where little is observed
+  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
+  if (!converged) result.covariance += step * step.transpose();
+  return result;
+}
+
+}  // namespace fail_aware
