@@ -1,7 +1,7 @@
 // A planner that obeys the time to failure (doc/planner_contract.md). It publishes what the vehicle must do, 20 times a
 // second, on ~action: "drive", "slow down", "stop" (follow the pose) or "stop blind" (do not use the pose).
 // ~standing (std_msgs/Bool): the vehicle stands, as its wheels tell. ~stop_s: duration of a safe stop, s.
-#include <fail_aware_lidar_odometry/TimeToFailure.h>
+#include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/String.h>

@@ -11,6 +11,9 @@
 
 namespace fail_aware {
 
+using Pose = Eigen::Isometry3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
 /// False: not finite, zero (no return), or farther than any lidar sees. Squares and rotations of usable points stay
 /// finite.
 inline bool isUsablePoint(const Eigen::Vector3f& point_m) {
@@ -18,7 +21,7 @@ inline bool isUsablePoint(const Eigen::Vector3f& point_m) {
   return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kFarthest_m && !point_m.isZero(0.0f);
 }
 
-/// What is known of the field that a sweep's `times_s` come from (sweep/point_times.hpp). The default is that of times
+/// What is known of the field that a sweep's `times_s` come from (preprocessing/point_times.hpp). The default is that of times
 /// that are s from some instant of the sweep.
 struct TimeFieldSource {
   std::string name;        ///< in the driver's cloud; empty: it has none, or the sweep comes from no cloud

@@ -166,7 +166,7 @@ class CloudPlayer:
             pose, state, warning = (answers.get((resets, stamp)) for answers in (odometry, filtered, told))
             if pose and state and warning:
                 rows.append({"state": STATES[min(warning.state, 4)], "reasons": warning.reasons_text,
-                             "status": "first" if state.dt <= 0.0 else "corrected" if state.corrected else "predicted"})
+                             "status": "first" if state.dt <= 0.0 else "corrected" if state.measurement_applied else "predicted"})
                 poses_of.append(pose_row(pose.pose.pose))
             else:
                 lost += 1

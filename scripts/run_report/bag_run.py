@@ -14,7 +14,7 @@ PACKAGE = "fail_aware_lidar_odometry/"
 ODOMETRY, FILTER_STATE, TIME_TO_FAILURE, POSE_MEASUREMENT, TRANSFORMS, CLOUD = (
     "nav_msgs/Odometry", PACKAGE + "FilterState", PACKAGE + "TimeToFailure", PACKAGE + "PoseMeasurement",
     "tf2_msgs/TFMessage", "sensor_msgs/PointCloud2")
-LABELS = {"icp_point_to_point": "multiplex ICP", "icp_point_to_plane": "normal-filtered ICP", "corner_svd": "corner SVD"}
+LABELS = {"icp_point_to_point": "point-to-point ICP", "icp_point_to_plane": "point-to-plane ICP", "corner_svd": "corner SVD"}
 LATENCY = "cloud to odometry"
 
 
@@ -187,7 +187,7 @@ def _monitor(bag, run):
 
 
 def _take_states(run, states):
-    run.status = ["first" if m.dt <= 0 else "corrected" if m.corrected else "predicted" for m in states]
+    run.status = ["first" if m.dt <= 0 else "corrected" if m.measurement_applied else "predicted" for m in states]
     run.dropped = int(sum(m.dropped_before for m in states))
     run.fused_nis = np.array([m.fused_nis if m.has_measurement else np.nan for m in states])
     names = []

@@ -12,7 +12,7 @@ def since(T_odom_base, total, index):
 
     As if what went wrong before `index` and after it were independent: total = J total(index) J^T + R since R^T, what
     there was at `index`, carried along by the lever arm, and what came after it. Solved for `since`; zero before
-    `index`. An approximation unless `index` is 0: the drift's biases (core/fusion/drift_model.hpp) are in both, so that it
+    `index`. An approximation unless `index` is 0: the drift's biases (core/estimation/drift_model.hpp) are in both, so that it
     is too wide then. n x 4 x 4 and n x 6 x 6 -> n x 6 x 6.
     """
     result = np.zeros_like(total)

@@ -8,9 +8,9 @@ from . import poses
 from .run import InputError, Measurement, Monitor, Run
 from .run_folder import read_summary
 
-MEASUREMENTS = [("point", "multiplex ICP"), ("plane", "normal-filtered ICP"), ("corners", "corner SVD")]
-STAGES = [("correction", "sweep correction"), ("point", "multiplex ICP"), ("plane", "normal-filtered ICP"),
-          ("corners", "corner SVD"), ("fusion", "fusion, UKF"), ("reference", "reference")]
+MEASUREMENTS = [("icp_point_to_point", "point-to-point ICP"), ("icp_point_to_plane", "point-to-plane ICP"),
+                ("corner_svd", "corner SVD")]
+STAGES = [("correction", "deskew"), *MEASUREMENTS, ("fusion", "fusion, UKF"), ("reference", "map update")]
 
 
 class _Table:

@@ -1,6 +1,6 @@
 #include "fail_aware_lidar_odometry/bridge/bag_file.hpp"
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#include "bridge/bag_sweep_source.hpp"
 
 #include <sensor_msgs/PointCloud2.h>
 #include <tf2_msgs/TFMessage.h>
@@ -9,11 +9,12 @@
 #include <map>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/bridge/constant_transforms.hpp"
+#include "bridge/constant_transforms.hpp"
+#include "core/io/input_error.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 
@@ -22,7 +23,7 @@ namespace {
 const std::string kCloudType = ros::message_traits::datatype<sensor_msgs::PointCloud2>();
 const std::vector<std::string> kTransformTopics = {"/tf_static", "tf_static", "/tf", "tf"};
 
-/// What a file or folder is that people take for a bag of ROS 1; empty: nothing of that kind.
+/// What a file or folder is that users mistake for a ROS 1 bag; empty: nothing of that kind.
 std::string otherRecording(const std::string& path) {
   std::error_code error;
   if (std::filesystem::exists(std::filesystem::path(path) / "metadata.yaml", error)) return "a ROS 2 bag";
@@ -65,7 +66,7 @@ std::map<std::string, std::string> topicsOf(const rosbag::Bag& bag, const std::s
   return types;
 }
 
-/// The topics that hold clouds, or the named one; the bags' other topics are for the error's text.
+/// The topics with clouds, or the named one; the bags' other topics appear in the error message.
 std::string chooseTopic(const std::map<std::string, std::string>& types, const std::string& path,
                         const std::string& wanted) {
   std::string clouds;
@@ -92,7 +93,7 @@ std::string chooseTopic(const std::map<std::string, std::string>& types, const s
   return only;
 }
 
-/// Null: the file does not give it back.
+/// Null: the file does not contain a readable cloud there.
 sensor_msgs::PointCloud2ConstPtr cloudAt(const rosbag::View::iterator& at, std::string& reason) {
   try {
     sensor_msgs::PointCloud2ConstPtr cloud = (*at).instantiate<sensor_msgs::PointCloud2>();

@@ -1,4 +1,4 @@
-// A field of the points of a PointCloud2: of any datatype, at any offset, of either byte order.
+// A field of a PointCloud2's points: any datatype, any offset, either byte order.
 #pragma once
 
 #include <sensor_msgs/PointField.h>
@@ -12,7 +12,7 @@
 
 namespace fail_aware {
 
-/// Bytes of a datatype; 0: there is none of that number.
+/// Bytes of a datatype; 0: there is no such datatype.
 inline std::size_t sizeOf(std::uint8_t datatype) {
   switch (datatype) {
     case sensor_msgs::PointField::INT8:

@@ -1,4 +1,4 @@
-// How this package lays out the clouds that it writes.
+// The layout of the clouds that this package writes.
 #pragma once
 
 #include <sensor_msgs/PointCloud2.h>
@@ -15,10 +15,10 @@ inline void addField(const char* name, std::uint8_t datatype, sensor_msgs::Point
   field.datatype = datatype;
   field.count = 1;
   cloud.fields.push_back(field);
-  cloud.point_step += static_cast<std::uint32_t>(sizeof(float));  // whatever it is: what follows stays aligned
+  cloud.point_step += static_cast<std::uint32_t>(sizeof(float));  // for every datatype, so the next field is aligned
 }
 
-/// One row of `count` points with these FLOAT32 fields, one after the other, then maybe `ring`, UINT16. Data: all zero.
+/// One row of `count` points with these consecutive FLOAT32 fields, then optionally `ring`, UINT16. Data: all zero.
 inline void layOut(std::initializer_list<const char*> names, bool with_ring, std::size_t count,
                    sensor_msgs::PointCloud2& cloud) {
   cloud.fields.clear();

@@ -1,13 +1,13 @@
-#include "fail_aware_lidar_odometry/bridge/constant_transforms.hpp"
+#include "bridge/constant_transforms.hpp"
 
 #include <tf2/buffer_core.h>
 
 #include <algorithm>
 #include <cstdio>
 
+#include "core/geometry/degree.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
 
 namespace fail_aware {
 
@@ -47,7 +47,7 @@ ConstantTransforms::Result ConstantTransforms::between(const std::string& target
       std::find_first_of(from_source.begin(), from_source.end(), from_target.begin(), from_target.end());
   const std::string name = target + " -> " + source;
   if (common == from_source.end()) return {std::nullopt, "/tf_static and /tf do not connect " + name};
-  tf2::BufferCore chain;  // as in the live graph, to the last bit
+  tf2::BufferCore chain;  // the same bits as in the live graph
   for (const std::vector<std::string>* names : {&from_target, &from_source}) {
     for (auto at = names->begin(); *at != *common; ++at) {
       const Frame& frame = frames_.at(*at);

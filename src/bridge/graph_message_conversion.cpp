@@ -1,23 +1,23 @@
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "bridge/graph_message_conversion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "core/estimation/external_pose.hpp"
+#include "core/estimation/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr double kFarthest_m = 1e3 * kFarthestPose_m;  // no drive from a pose that is taken comes there
+constexpr double kFarthest_m = 1e3 * kFarthestPose_m;  // no drive that starts at an accepted pose gets that far
 
-/// What somebody else's message says and this package's pass on.
+/// For values from other packages' messages that this package's messages pass on.
 double finiteOr0(double value) { return std::isfinite(value) ? value : 0.0; }
 
-/// A number that the enumeration does not have leaves the value as it is: unknown, or skipped.
+/// A number that the enumeration does not have leaves `value` unchanged: unknown, or skipped.
 template <class Enumeration>
 void take(std::uint8_t number, Enumeration& value) {
   if (number <= static_cast<std::uint8_t>(lastOf(value))) value = static_cast<Enumeration>(number);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
+#include "bridge/kitti_bag_writer.hpp"
 
 #include <geometry_msgs/TransformStamped.h>
 #include <nav_msgs/Odometry.h>

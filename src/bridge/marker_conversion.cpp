@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
+#include "bridge/marker_conversion.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <string>
 
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 
@@ -53,7 +53,7 @@ Marker makeMarker(const std_msgs::Header& header, const std::string& ns, int id,
   marker.type = type;
   marker.action = Marker::ADD;
   marker.pose.orientation.w = 1.0;
-  // Lines have a width, texts a height: of what it does not use rviz 1.14.4 warns.
+  // Lines have a width, texts a height: rviz 1.14.4 warns of a scale that it does not use.
   const bool is_line = type == Marker::LINE_LIST || type == Marker::LINE_STRIP;
   const bool is_text = type == Marker::TEXT_VIEW_FACING;
   if (!is_text) marker.scale.x = scale;
@@ -64,7 +64,7 @@ Marker makeMarker(const std_msgs::Header& header, const std::string& ns, int id,
   return marker;
 }
 
-/// Into the array; one without points deletes the last one.
+/// Adds the marker; one without points deletes the previous marker.
 void addList(Marker marker, MarkerArray& array) {
   if (marker.points.empty()) marker.action = Marker::DELETE;
   array.markers.push_back(std::move(marker));
@@ -89,11 +89,11 @@ std::array<Eigen::Vector3d, 4> verticesOf(const Corner::Rectangle& rectangle, co
 }
 
 void addWall(const std::array<Eigen::Vector3d, 4>& vertices, Marker& marker) {
-  // a colour for each vertex: rviz then draws both sides alike, without light
+  // a colour per vertex: then rviz draws both sides alike, without lighting
   for (const std::size_t i : {0u, 1u, 2u, 0u, 2u, 3u}) addColouredPoint(vertices[i], kWall, marker);
 }
 
-/// As high as its walls.
+/// Adds the corner's line, as high as its walls.
 void addLine(const Corner& corner, Marker& marker) {
   const Eigen::Vector3d line = corner.lineDirection();
   double low = 0.0, high = Corner::kLineLength;
@@ -144,7 +144,7 @@ std::string timeText(const TimeToFailure& time) {
 
 MarkerArray seedMarkers(const std::vector<SeedTrack>& tracks, const std_msgs::Header& header) {
   const auto usable = [](const SeedTrack& t) { return isFinite(t.T_odom_cog_seed) && isFinite(t.T_odom_cog_end); };
-  const SeedTrack* about = nullptr;  // the best one; if none won, the first
+  const SeedTrack* about = nullptr;  // the best seed; if none won, the first
   for (const SeedTrack& track : tracks) {
     if (usable(track) && (about == nullptr || (track.won && !about->won))) about = &track;
   }
@@ -209,7 +209,7 @@ MarkerArray uncertaintyMarkers(const Eigen::Matrix2d& covariance_odom, const Eig
   Eigen::Matrix2d root = Eigen::Matrix2d::Constant(std::nan(""));
   if (covariance_odom.allFinite()) {
     const auto eigen = symmetricEigen(covariance_odom);
-    root = eigen.eigenvectors() * eigen.eigenvalues().cwiseSqrt().asDiagonal();  // NaN if there is a negative one
+    root = eigen.eigenvectors() * eigen.eigenvalues().cwiseSqrt().asDiagonal();  // NaN if an eigenvalue is negative
   }
   for (const int sigmas : {1, 2, 3}) addRing("uncertainty", sigmas, kBlue, sigmas * root);
   addRing("alert limit", 0, kRed, alert_limit_m * Eigen::Matrix2d::Identity());

@@ -1,6 +1,6 @@
-#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
+#include "bridge/odometry_conversion.hpp"
 
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
+#include "core/estimation/odometry_covariance.hpp"
 
 namespace fail_aware {
 

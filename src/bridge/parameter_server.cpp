@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/parameter_server.hpp"
 
 #include <vector>
 

@@ -1,4 +1,5 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "core/types/corrected_sweep.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -12,7 +13,7 @@
 
 #include "cloud_field.hpp"
 #include "cloud_layout.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/point_times.hpp"
+#include "core/preprocessing/point_times.hpp"
 
 namespace fail_aware {
 
@@ -22,10 +23,10 @@ using sensor_msgs::PointField;
 
 constexpr std::initializer_list<const char*> kRingNames = {"ring", "line", "channel", "layer"};
 
-/// What drivers call the time of a point, the most usual first.
+/// Drivers' names for a point's time, the most usual first.
 constexpr const char* kTimeNames[] = {"time", "t", "timestamp", "offset_time", "time_stamp", "ts"};
 
-/// Of a field that none of them is: likely a point's time.
+/// For a field with another name: whether it is likely a point's time.
 bool soundsLikeTime(std::string name) {
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
   for (const char* part : {"time", "stamp", "nsec"}) {
@@ -34,7 +35,7 @@ bool soundsLikeTime(std::string name) {
   return false;
 }
 
-/// A hundred times a large sweep; what is written of them stays below 2^32 bytes.
+/// A hundred times a large sweep; the clouds written from it stay below 2^32 bytes.
 constexpr std::size_t kMaxPoints = 10000000;
 
 float finiteOrZero(double value) {
@@ -56,7 +57,7 @@ class Layout {
     }
     const std::uint64_t row = static_cast<std::uint64_t>(cloud.width) * cloud.point_step;
     const bool packed = cloud.height == 1 || cloud.data.size() == row * cloud.height;
-    row_step_ = packed ? row : cloud.row_step;  // what row_step says has no meaning then, and some drivers leave it 0
+    row_step_ = packed ? row : cloud.row_step;  // row_step has no meaning if packed, and some drivers leave it 0
     if (cloud.point_step == 0 || row_step_ < row) {
       refuse(CloudStatus::kBadLayout, "row_step " + std::to_string(cloud.row_step) + " is less than width " +
                                           std::to_string(cloud.width) + " * point_step " +
@@ -92,11 +93,11 @@ class Layout {
   std::uint16_t ringAt(const std::uint8_t* point) const {
     const double number = ring.at(point);
     const bool valid = number >= 0.0 && number <= std::numeric_limits<std::uint16_t>::max();
-    return valid ? static_cast<std::uint16_t>(number) : std::numeric_limits<std::uint16_t>::max();  // no beam
+    return valid ? static_cast<std::uint16_t>(number) : std::numeric_limits<std::uint16_t>::max();  // not a beam
   }
 
   CloudField x, y, z, intensity, ring;
-  std::vector<CloudField> times;  ///< what may be the points' time, the likeliest first; no more than kMostTimes
+  std::vector<CloudField> times;  ///< candidates for the points' time, the likeliest first; at most kMostTimes
 
  private:
   void refuse(CloudStatus status, const std::string& reason) {
@@ -113,7 +114,7 @@ class Layout {
     return {};
   }
 
-  /// Empty, and the cloud refused: the field does not lie within the point.
+  /// Empty, with the cloud refused, if the field does not lie within the point.
   CloudField located(const PointField& field) {
     const std::size_t size = sizeOf(field.datatype);
     if (size == 0 || field.offset > cloud_.point_step || size > cloud_.point_step - field.offset) {
@@ -164,7 +165,8 @@ TimeNumber numberOf(const CloudField& field) {
   return field.datatype == PointField::FLOAT64 ? TimeNumber::kFloat64 : TimeNumber::kInteger;
 }
 
-/// The first field whose numbers are times and differ; else why the first that is refused is so; else the first.
+/// Reads the first field whose numbers are times and differ. Otherwise the first refused field gives the reason;
+/// without one, the first field is read.
 void readTimes(const std::vector<CloudField>& fields, const std::vector<std::vector<double>>& numbers, Sweep& sweep) {
   std::optional<std::size_t> refused;
   const auto read = [&](std::size_t i) {

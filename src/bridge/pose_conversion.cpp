@@ -1,5 +1,7 @@
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
+#include "core/geometry/pose.hpp"
+
 #include <cmath>
 
 namespace fail_aware {

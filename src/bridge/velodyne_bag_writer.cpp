@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
+#include "bridge/velodyne_bag_writer.hpp"
 
 #include <tf2_msgs/TFMessage.h>
 
@@ -8,7 +8,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr std::uint32_t kEpoch_s = 1577836800;  // 2020-01-01: made-up drives begin then
+constexpr std::uint32_t kEpoch_s = 1577836800;  // 2020-01-01: start of simulated drives
 const ros::Duration kPlaceLead(0.5);
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
+#include "bridge/velodyne_messages.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/arena_size.hpp"
+#include "core/arena_size.hpp"
 
 #include <tbb/task_arena.h>
 

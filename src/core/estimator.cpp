@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "core/estimator.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
 

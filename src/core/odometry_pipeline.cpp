@@ -1,18 +1,18 @@
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/odometry_pipeline.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/arena_size.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/corner_svd.hpp"
-#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+#include "core/arena_size.hpp"
+#include "core/estimator.hpp"
+#include "core/local_map_registration.hpp"
+#include "core/parallel.hpp"
+#include "core/parameters/check.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
+#include "core/registration/corner_svd/corner_svd.hpp"
 
 namespace fail_aware {
 
@@ -36,8 +36,8 @@ PipelineParameters validated(const PipelineParameters& params) {
   return params;
 }
 
-// What a stage hands to the next, as if by message: one more or one less rounding would in the end, after enough of the
-// registration's decisions, be another trajectory than the live graph's.
+// Stages exchange rounded data, as if by message. A different number of roundings would change some of the
+// registration's decisions and finally give another trajectory than the live graph.
 
 SweepPrediction exchanged(SweepPrediction prediction) {
   prediction.T_odom_cog_previous = quaternionRoundTrip(prediction.T_odom_cog_previous);
@@ -82,11 +82,16 @@ struct OdometryPipeline::Stages {
         multiplex(p.profile.registration.icp_point_to_point),
         normal_filtered(p.profile.registration.icp_point_to_plane),
         corner_svd(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
-                           p.profile.registration.corner_alignment),
+                   p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
         arena(arenaSize(threads)) {}
 
   SweepResult step(Sweep& sweep);
+  std::optional<SweepPrediction> predict(double stamp_s);
+  SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
+  void estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report, SweepResult& result);
+  MonitorOutput judge(const SweepResult& result);
+  SweepResult refused();
   void beginDrive();
   void measure(const SweepPrediction& prediction, SweepResult& result);
   SweepCondition condition(const SweepFindings& findings, const SweepResult& result);
@@ -104,8 +109,8 @@ struct OdometryPipeline::Stages {
   FailAwareMonitor monitor;
   tbb::task_arena arena;
   CorrectedSweep corrected;
-  int refused = 0;                           ///< sweeps since the last one that was taken
-  std::optional<double> start_from_stamp_s;  ///< t1 has been asked for, and has not come
+  int refused_sweeps = 0;                    ///< since the last accepted sweep
+  std::optional<double> start_from_stamp_s;  ///< t1 is requested and not reached yet
 };
 
 void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
@@ -141,7 +146,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   SweepCondition condition;
   const RegistrationParameters& use = params.profile.registration;
   condition.empty = corrected.points_lidar.empty();
-  condition.dropped_before = std::exchange(refused, 0);
+  condition.dropped_before = std::exchange(refused_sweeps, 0);
   condition.incomplete = findings.incomplete;
   condition.low_visibility = findings.low_visibility;
   condition.frozen = findings.frozen;
@@ -154,60 +159,87 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   return condition;
 }
 
-/// Of all but the estimator.
+/// Resets everything except the estimator.
 void OdometryPipeline::Stages::beginDrive() {
-  refused = 0;
+  refused_sweeps = 0;
   corrector.reset();
   front.reset();
   corner_svd.reset();
   monitor.reset();
 }
 
-SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
-  SweepResult result;
-  Stopwatch total, stage;
-  SweepPrediction prediction;
-  const Estimator::Accepted accepted = estimator.accept(sweep.stamp_s);
+std::optional<SweepPrediction> OdometryPipeline::Stages::predict(double stamp_s) {
+  const Estimator::Accepted accepted = estimator.accept(stamp_s);
   if (accepted.beginsDrive()) beginDrive();
-  if (!accepted.taken() || !estimator.predict(sweep.stamp_s, accepted.set_back_s, prediction)) {
-    ++refused;
-    result.status = SweepStatus::kStampNotAdvancing;
-    result.state = exchanged(estimator.state());
-    result.T_odom_base = estimator.state().T_odom_cog * T_base_cog.inverse();
-    return result;
-  }
-  prediction = exchanged(prediction);
-  const SweepFindings findings = check.check(sweep);
-  const SweepCorrectorReport corrected_as = corrector.correct(sweep, prediction, T_cog_lidar, corrected);
+  SweepPrediction prediction;
+  if (!accepted.taken() || !estimator.predict(stamp_s, accepted.set_back_s, prediction)) return std::nullopt;
+  return exchanged(prediction);
+}
+
+SweepCorrectorReport OdometryPipeline::Stages::deskew(Sweep& sweep, const SweepFindings& findings,
+                                                      const SweepPrediction& prediction) {
+  const SweepCorrectorReport report = corrector.correct(sweep, prediction, T_cog_lidar, corrected);
   corrected.stamp_s = prediction.time_s();
-  result.timing = corrected_as.timing;
   if (findings.repeats && prediction.dt_s > 0.0) corrected.clear();
-  result.times.correction_ms = stage.lapMs();
-  measure(prediction, result);
-  stage.lapMs();
-  const bool first = prediction.dt_s <= 0.0;
+  return report;
+}
+
+void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report,
+                                        SweepResult& result) {
   const FilterState& state = estimator.update(
       {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}},
-      corrected_as.middle_s, corrected_as.revolution_s);
+      report.middle_s, report.revolution_s);
   result.odometry_covariance =
       covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_base_cog.inverse());
   result.pose_set = estimator.poseSet();
   result.state = exchanged(state);
   result.T_odom_base = state.T_odom_cog * T_base_cog.inverse();
-  result.status = !result.state.started    ? SweepStatus::kNotStarted
-                  : first                  ? SweepStatus::kFirst
-                  : result.state.measurement_applied ? SweepStatus::kCorrected
-                                           : SweepStatus::kPredicted;
-  result.times.fusion_ms = stage.lapMs();
-  front.place(result.state);
-  corner_svd.place(result.state);
-  result.times.reference_ms = stage.lapMs();
-  result.condition = condition(findings, result);
+  result.status = !state.started              ? SweepStatus::kNotStarted
+                  : !(prediction.dt_s > 0.0)  ? SweepStatus::kFirst
+                  : state.measurement_applied ? SweepStatus::kCorrected
+                                              : SweepStatus::kPredicted;
+}
+
+SweepResult OdometryPipeline::Stages::refused() {
+  ++refused_sweeps;
+  SweepResult result;
+  result.status = SweepStatus::kStampNotAdvancing;
+  result.state = exchanged(estimator.state());
+  result.T_odom_base = estimator.state().T_odom_cog * T_base_cog.inverse();
+  return result;
+}
+
+MonitorOutput OdometryPipeline::Stages::judge(const SweepResult& result) {
   if (start_from_stamp_s && result.state.stamp_s >= *start_from_stamp_s) {
     monitor.start();
     start_from_stamp_s.reset();
   }
-  result.monitor = monitor.update(result.state, result.condition);
+  return monitor.update(result.state, result.condition);
+}
+
+SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
+  Stopwatch total, stage;
+  const std::optional<SweepPrediction> prediction = predict(sweep.stamp_s);
+  if (!prediction) return refused();
+
+  SweepResult result;
+  const SweepFindings findings = check.check(sweep);
+  const SweepCorrectorReport report = deskew(sweep, findings, *prediction);
+  result.timing = report.timing;
+  result.times.correction_ms = stage.lapMs();
+
+  measure(*prediction, result);  // the measurements record their own times
+  stage.lapMs();
+
+  estimate(*prediction, report, result);
+  result.times.fusion_ms = stage.lapMs();
+
+  front.place(result.state);
+  corner_svd.place(result.state);
+  result.times.reference_ms = stage.lapMs();
+
+  result.condition = condition(findings, result);
+  result.monitor = judge(result);
   result.times.total_ms = total.lapMs();
   return result;
 }

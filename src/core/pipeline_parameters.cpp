@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/validate_nested.hpp"
+#include "core/parameters/check.hpp"
+#include "core/parameters/mounting.hpp"
+#include "core/parameters/validate_nested.hpp"
 
 namespace fail_aware {
 

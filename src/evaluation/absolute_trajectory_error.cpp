@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/evaluation/absolute_trajectory_error.hpp"
+#include "evaluation/absolute_trajectory_error.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
+#include "evaluation/trajectory_pair.hpp"
 
 namespace fail_aware {
 

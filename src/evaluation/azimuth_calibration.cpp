@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/evaluation/azimuth_calibration.hpp"
+#include "evaluation/azimuth_calibration.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/input_error.hpp"
+#include "evaluation/quantile.hpp"
 
 namespace fail_aware {
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLeastDistance_m = 0.1;
 constexpr double kLargestDistance_m = 100.0;  // of any vehicle in a sweep
-constexpr double kJump = 3.0;            // times the median way
+constexpr double kJump = 3.0;                 // times the median way
 constexpr int kLeastMotions = 50;
 constexpr double kAhead_deg = 45.0;
 constexpr int kStretches = 10;

@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/evaluation/concordance.hpp"
+#include "evaluation/concordance.hpp"
 
 #include <algorithm>
 #include <random>
 
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "evaluation/quantile.hpp"
 
 namespace fail_aware {
 

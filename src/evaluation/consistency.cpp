@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/evaluation/consistency.hpp"
+#include "evaluation/consistency.hpp"
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "evaluation/quantile.hpp"
 
 namespace fail_aware {
 

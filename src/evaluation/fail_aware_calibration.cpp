@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_calibration.hpp"
+#include "evaluation/fail_aware_calibration.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/alarm_statistics.hpp"
-#include "fail_aware_lidar_odometry/evaluation/kaplan_meier.hpp"
-#include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "evaluation/alarm_statistics.hpp"
+#include "evaluation/kaplan_meier.hpp"
+#include "evaluation/prediction_statistics.hpp"
+#include "evaluation/quantile.hpp"
 
 namespace fail_aware {
 

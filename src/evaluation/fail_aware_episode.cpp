@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_episode.hpp"
+#include "evaluation/fail_aware_episode.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/integrity/monitor_replay.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

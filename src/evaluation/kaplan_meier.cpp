@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/kaplan_meier.hpp"
+#include "evaluation/kaplan_meier.hpp"
 
 #include <algorithm>
 

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/evaluation/kitti_metric.hpp"
+#include "evaluation/kitti_metric.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "evaluation/trajectory_pair.hpp"
 
 namespace fail_aware {
 

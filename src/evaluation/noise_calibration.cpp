@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/noise_calibration.hpp"
+#include "evaluation/noise_calibration.hpp"
 
 #include <nlopt.h>
 
@@ -10,11 +10,11 @@
 #include <memory>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
-#include "fail_aware_lidar_odometry/evaluation/consistency.hpp"
+#include "core/estimation/odometry_covariance.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/io/input_error.hpp"
+#include "core/stamp_difference.hpp"
+#include "evaluation/consistency.hpp"
 
 namespace fail_aware {
 

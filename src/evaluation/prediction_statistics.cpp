@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
+#include "evaluation/prediction_statistics.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/kaplan_meier.hpp"
+#include "evaluation/kaplan_meier.hpp"
 
 namespace fail_aware {
 

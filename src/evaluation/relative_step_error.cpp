@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/evaluation/relative_step_error.hpp"
+#include "evaluation/relative_step_error.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
+#include "evaluation/trajectory_pair.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/stanford_diagram.hpp"
+#include "evaluation/stanford_diagram.hpp"
 
 namespace fail_aware {
 

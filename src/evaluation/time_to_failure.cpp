@@ -1,13 +1,13 @@
-#include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
+#include "evaluation/time_to_failure.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
+#include "evaluation/trajectory_pair.hpp"
 
 namespace fail_aware {
 

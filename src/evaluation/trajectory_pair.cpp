@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
+#include "evaluation/trajectory_pair.hpp"
 
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-// The way driven, for display: a pose every so many metres, the oldest give way.
+// The driven path for display: one pose per `spacing_m`; the oldest poses are dropped at the limit.
 #pragma once
 
 #include <nav_msgs/Path.h>
@@ -15,7 +15,7 @@ class BoundedPath {
  public:
   BoundedPath(std::size_t max_poses, double spacing_m) : max_poses_(max_poses), spacing_m_(spacing_m) {}
 
-  /// False: too near the last pose, nothing changed.
+  /// False if the pose is too close to the last one; then nothing changes.
   bool add(const Pose& T_odom_base, const std_msgs::Header& header) {
     const Eigen::Vector3d position = T_odom_base.translation();
     if (!poses_.empty() && (position - end_odom_).norm() < spacing_m_) return false;

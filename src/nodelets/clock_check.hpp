@@ -1,5 +1,6 @@
-// Do the stamps come from the clock of ROS time? Ages, silence and what a planner makes of a stamp need that. A stamp
-// since power-on, a lidar's clock that nobody sets, a recording played without /clock: all look healthy otherwise.
+// Checks that the stamps come from the clock of ROS time. Message ages, silence detection and a planner's use of a
+// stamp depend on it. Stamps since power-on, a lidar clock that nobody sets and a recording played without /clock would
+// otherwise look healthy.
 #pragma once
 
 #include <ros/time.h>
@@ -17,18 +18,18 @@ namespace fail_aware {
 
 class ClockCheck {
  public:
-  static constexpr double kOldest_s = 5.0;  ///< on arrival: no driver and no queue takes that long
+  static constexpr double kOldest_s = 5.0;  ///< age on arrival that no driver and no queue reaches
   static constexpr double kAhead_s = 0.5;
   static constexpr std::size_t kStampsKept = 11;
 
-  /// A message that has just come.
+  /// Call for each message on arrival.
   void heard(const ros::Time& stamp, const ros::Time& now = ros::Time::now()) {
-    if (stamp.isZero()) return;  // none
+    if (stamp.isZero()) return;  // no stamp
     ages_s_.push_back(secondsFrom(stamp, now));
     if (ages_s_.size() > kStampsKept) ages_s_.pop_front();
   }
 
-  /// Age of the messages on arrival, s: the median of the last ones; NaN: none yet.
+  /// Median age of the last messages on arrival, s; NaN: no message yet.
   double age_s() const {
     if (ages_s_.empty()) return std::nan("");
     std::vector<double> sorted(ages_s_.begin(), ages_s_.end());
@@ -37,7 +38,7 @@ class ClockCheck {
     return *middle;
   }
 
-  /// One line for people; empty: nothing is wrong.
+  /// One line for the user; empty: no fault.
   std::string fault(bool sim_time = ros::Time::isSimTime(), const ros::Time& now = ros::Time::now()) const {
     if (sim_time && now.isZero()) {
       return "use_sim_time is set and nothing publishes /clock, so ROS time stays 0: play with rosbag play --clock, or "

@@ -1,6 +1,7 @@
-// Takes the clouds in for FusionUkf. A cloud goes on when the lidar's place is known and is that of the cloud's frame. Until
-// it is known, the last few clouds wait: the transform may be on its way, a bag has it at the stamp of the first cloud.
-// Failure: clouds that waited in vain are counted; another frame is refused (SweepScheduler's count). One thread.
+// Receives the clouds for FusionUkf. A cloud is passed on if the lidar's mounting is known and belongs to the cloud's
+// frame. Until it is known the last few clouds wait: the transform may arrive later; a bag has it at the stamp of the
+// first cloud. Failure: clouds that waited in vain are counted; a cloud of another frame is refused (SweepScheduler
+// counts it). Single-threaded.
 #pragma once
 
 #include <ros/time.h>
@@ -12,7 +13,7 @@
 #include <utility>
 
 #include "clock_check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_scheduler.hpp"
+#include "core/estimation/sweep_scheduler.hpp"
 #include "lidar_place.hpp"
 
 namespace fail_aware {
@@ -21,7 +22,7 @@ class CloudIntake {
  public:
   using Accept = std::function<void(const std_msgs::Header&)>;
 
-  /// `accept`: takes the header of each cloud that goes on, in their order.
+  /// `accept` receives the header of each passed cloud, in order.
   CloudIntake(SweepScheduler& scheduler, Accept accept) : scheduler_(scheduler), accept_(std::move(accept)) {}
 
   void take(const std_msgs::Header& cloud) {
@@ -32,11 +33,11 @@ class CloudIntake {
     if (answer == LidarPlace::Answer::kKnown) release();
     pass(cloud, answer);
   }
-  /// What waits goes on, if the place is known by now.
+  /// Passes the waiting clouds on if the mounting is known now.
   void retry() {
     if (!held_.empty() && lidar_.find(held_.back().frame_id) == LidarPlace::Answer::kKnown) release();
   }
-  /// A new drive: what waits is lost.
+  /// A new drive: the waiting clouds are lost.
   void clear() {
     lost_ += held_.size();
     held_.clear();
@@ -44,14 +45,14 @@ class CloudIntake {
 
   LidarPlace& lidar() { return lidar_; }
   const LidarPlace& lidar() const { return lidar_; }
-  /// Clouds that waited in vain.
+  /// Number of clouds that waited in vain.
   std::size_t lost() const { return lost_; }
-  /// The last cloud, whatever became of it; zero: none came.
+  /// Arrival of the last cloud, whether it was passed on or not; zero: no cloud yet.
   const ros::SteadyTime& heardAt() const { return heard_at_; }
   const ClockCheck& clock() const { return clock_; }
 
  private:
-  static constexpr std::size_t kHeld = 3;  ///< fewer than SweepCorrection keeps clouds
+  static constexpr std::size_t kHeld = 3;  ///< less than the number of clouds that SweepCorrection keeps
 
   void hold(const std_msgs::Header& cloud) {
     held_.push_back(cloud);
@@ -77,7 +78,7 @@ class CloudIntake {
   std::deque<std_msgs::Header> held_;
   std::size_t lost_ = 0;
   ros::SteadyTime heard_at_;
-  ClockCheck clock_;  ///< of the stamps
+  ClockCheck clock_;  ///< of the clouds' stamps
 };
 
 }  // namespace fail_aware

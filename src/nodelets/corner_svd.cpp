@@ -1,9 +1,9 @@
-// Corner alignment in the live graph (core/registration/corner_svd.hpp).
-#include <fail_aware_lidar_odometry/CornerSvdConfig.h>
+// Corner alignment in the live graph (core/registration/corner_svd/corner_svd.hpp).
+#include "fail_aware_lidar_odometry/CornerSvdConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/registration/corner_svd.hpp"
+#include "bridge/marker_conversion.hpp"
+#include "core/registration/corner_svd/corner_svd.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"
@@ -49,7 +49,7 @@ class CornerSvdAlgorithm {
   ros::Publisher markers_;
   Tuning tuning_;
   CornerSvd corners_;
-  Pose T_odom_cog_ = Pose::Identity();  ///< where the last corners were seen from
+  Pose T_odom_cog_ = Pose::Identity();  ///< pose of the last sweep with corners
 };
 
 using CornerSvdNodelet = MeasurementNodelet<CornerSvdAlgorithm>;

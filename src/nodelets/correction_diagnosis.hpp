@@ -1,6 +1,6 @@
-// What SweepCorrection says of the clouds: the status `sweep_correction`, and its warnings in the log. It tells whether
-// they could be read, what the sweep's check found (core/sweep/sweep_check.hpp), and whether their stamps and the points'
-// times agree with the parameters. Units s. No failure modes. One thread.
+// SweepCorrection's diagnostics: the status `sweep_correction` and its warnings in the log. They report whether the
+// clouds are readable, what the sweep check found (core/preprocessing/sweep_check.hpp), and whether the stamps and the point
+// times agree with the parameters. Units s. No failure modes. Single-threaded.
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
@@ -10,11 +10,12 @@
 #include <string>
 
 #include "clock_check.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
+#include "core/types/corrected_sweep.hpp"
+#include "core/types/sweep_findings.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
-#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
-#include "fail_aware_lidar_odometry/core/types/sweep_findings.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 #include "spoken_faults.hpp"
 #include "stamp_fault.hpp"
 #include "sweep_progress.hpp"
@@ -25,9 +26,9 @@ class CorrectionDiagnosis {
  public:
   explicit CorrectionDiagnosis(const SweepTimingParams& params) : params_(params) {}
 
-  /// A cloud that has just come.
+  /// Call for each cloud on arrival.
   void heard(const ros::Time& stamp) { clock_.heard(stamp); }
-  /// A sweep that was corrected: how its cloud could be read, what was read, what was found in it.
+  /// Call for each corrected sweep: how its cloud was read, the sweep, the findings and the corrector's report.
   void add(const ros::Time& stamp, const CloudReadResult& read, const Sweep& sweep, const SweepFindings& findings,
            const SweepCorrectorReport& report) {
     findings_ = findings;
@@ -41,7 +42,7 @@ class CorrectionDiagnosis {
     progress_.done(stamp);
   }
 
-  /// `seam_contradiction`: SweepCorrector's. `unmatched`: clouds without a prediction.
+  /// `seam_contradiction`: from SweepCorrector. `unmatched`: number of clouds without a prediction.
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& seam_contradiction,
                 std::size_t unmatched) {
     summarize(status, seam_contradiction);
@@ -64,7 +65,7 @@ class CorrectionDiagnosis {
   }
 
  private:
-  /// Something that is worth a warning only when it has happened again since the last one.
+  /// An event that causes a warning only if it happened again since the last warning.
   struct Event {
     std::size_t count = 0, told = 0;
     std::string last_reason;
@@ -105,15 +106,15 @@ class CorrectionDiagnosis {
   }
 
   SweepTimingParams params_;
-  ClockCheck clock_;                         ///< of the clouds
-  SpokenFaults faults_{"sweep_correction"};  ///< in the log
+  ClockCheck clock_;                         ///< of the clouds' stamps
+  SpokenFaults faults_{"sweep_correction"};  ///< warnings in the log
   SweepProgress progress_;
-  SweepFindings findings_;  ///< of the last sweep, as what follows
+  SweepFindings findings_;  ///< this and the following: of the last sweep
   SweepCorrectorReport report_;
   std::size_t points_ = 0;
   std::string time_field_name_;
-  Event refused_;  ///< clouds
-  Event guessed_;  ///< times of a sweep
+  Event refused_;  ///< clouds without usable points
+  Event guessed_;  ///< sweeps with assumed point times
   std::size_t held_ = 0, outliers_ = 0;
 };
 

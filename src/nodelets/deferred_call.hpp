@@ -1,5 +1,5 @@
-// A call at the end of a callback queue: what is in the queue already is worked first. So a nodelet that fell behind
-// hears all that came meanwhile before it decides what to do next. Not thread-safe: one queue, worked by one thread.
+// A call at the end of a callback queue, after all callbacks that are already in the queue. An overloaded nodelet thus
+// receives every waiting message before it decides what to do next. Not thread-safe: one queue, served by one thread.
 #pragma once
 
 #include <ros/callback_queue_interface.h>
@@ -19,7 +19,7 @@ class DeferredCall {
   DeferredCall(const DeferredCall&) = delete;
   DeferredCall& operator=(const DeferredCall&) = delete;
 
-  /// At most once in the queue, however often it is asked for.
+  /// Adds the call unless it is already in the queue.
   void request() {
     if (callback_->pending) return;
     callback_->pending = true;

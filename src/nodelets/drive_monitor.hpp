@@ -1,10 +1,11 @@
-// The fail-aware monitor (core/fail_aware/monitor.hpp) over several drives: with each drive, odom and the monitor begin
-// anew. Whoever relied on the last drive's odometry must ask again; a request that still waits for an observed motion
-// stays, as does one that came after the last filter state. Where it always serves (start_redundant), nobody has to ask.
+// The fail-aware monitor (core/integrity/monitor.hpp) over several drives. A new drive restarts odom and the monitor:
+// a user of the last drive's odometry must request start_redundant again. A request that still waits for an observed
+// motion stays valid, and so does one that arrived after the last filter state. With the parameter start_redundant the
+// odometry always serves as the localisation, and no request is needed.
 // Failure and cost: those of FailAwareMonitor.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
+#include "core/integrity/monitor.hpp"
 
 namespace fail_aware {
 
@@ -15,14 +16,14 @@ class DriveMonitor {
     if (always_serves_) monitor_.start();
   }
 
-  /// A state without a time since the last one begins a drive.
+  /// A state without a time since the previous one (dt_s is 0) begins a drive.
   MonitorOutput update(const FilterState& state, const SweepCondition& condition) {
     if (!(state.dt_s > 0.0)) beginDrive();
     asked_ = false;
     return monitor_.update(state, condition);
   }
 
-  /// The odometry serves as the localisation from the next sweep on whose motion is observed.
+  /// The odometry serves as the localisation from the next sweep with observed motion on.
   void serve() {
     monitor_.start();
     asked_ = true;
@@ -46,7 +47,7 @@ class DriveMonitor {
   MonitorParameters params_;
   bool always_serves_;
   FailAwareMonitor monitor_;
-  bool asked_ = false;  ///< since the last filter state
+  bool asked_ = false;  ///< requested since the last filter state
 };
 
 }  // namespace fail_aware

@@ -1,4 +1,4 @@
-// The last few messages of one topic, found by their exact stamp. Bounded: the oldest gives way.
+// The last few messages of one topic, found by their exact stamp. Bounded: the oldest message is dropped.
 #pragma once
 
 #include <ros/time.h>
@@ -21,11 +21,11 @@ class ExactStampBuffer {
     if (entries_.size() > capacity_) entries_.pop_front();
   }
 
-  /// Null if there is none.
+  /// Null if there is no message with this stamp.
   Value* find(const ros::Time& stamp) {
     return find(stamp, [](const Value&) { return true; });
   }
-  /// The newest of them that is `fitting`.
+  /// The newest message with this stamp for which `fitting` is true.
   template <class Fitting>
   Value* find(const ros::Time& stamp, const Fitting& fitting) {
     const auto at = std::find_if(entries_.rbegin(), entries_.rend(),
@@ -33,7 +33,7 @@ class ExactStampBuffer {
     return at == entries_.rend() ? nullptr : &at->second;
   }
 
-  /// Forgets it and all that came before it; returns how many came before it.
+  /// Drops the message with this stamp and all earlier arrivals; returns the number of the earlier ones.
   std::size_t popThrough(const ros::Time& stamp) {
     std::size_t before = 0;
     while (!entries_.empty()) {
@@ -45,7 +45,7 @@ class ExactStampBuffer {
     return before;
   }
 
-  /// Forgets those that came before it, and gives them, oldest first.
+  /// Removes the messages with earlier stamps and returns them, oldest first.
   std::vector<Value> takeBefore(const ros::Time& stamp) {
     std::vector<Value> before;
     for (; !entries_.empty() && entries_.front().first < stamp; entries_.pop_front()) {

@@ -1,9 +1,9 @@
-// The fail-aware monitor in the live graph (core/fail_aware/monitor.hpp).
-// In: filter_state. Out: time_to_failure, one for every filter state and, when there is none for stale_sweeps periods,
-// FAILED (UNKNOWN if there never was one) with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with each.
-// Service: ~start_redundant.
-// What silence means is measured on the clock of the graph: simulated time if that is used, otherwise the steady clock.
-#include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
+// The fail-aware monitor in the live graph (core/integrity/monitor.hpp).
+// In: filter_state. Out: time_to_failure, one per filter state; without a filter state for stale_sweeps periods it is
+// FAILED (UNKNOWN if there never was one) with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with
+// each. Service: ~start_redundant.
+// Silence is measured on the graph's clock: simulated time if it is in use, otherwise the steady clock.
+#include "fail_aware_lidar_odometry/FailAwareMonitorConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
@@ -14,12 +14,12 @@
 #include <optional>
 #include <string>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/marker_conversion.hpp"
+#include "bridge/parameter_server.hpp"
 #include "clock_check.hpp"
+#include "core/integrity/silence.hpp"
 #include "drive_monitor.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
 #include "fail_aware_monitor_params.hpp"
 #include "graph_nodelet.hpp"
 #include "private_parameters.hpp"
@@ -141,11 +141,11 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   MonitorOutput output_;
   std_msgs::Header header_;  ///< of the last filter state
   Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
-  ClockCheck clock_;  ///< of the filter states
+  ClockCheck clock_;  ///< of the filter states' stamps
   RateMeter rate_;
   SilenceWatch silence_;
   ros::Publisher publisher_, marker_publisher_;
-  // What calls back is destroyed first, and waits for a call that is under way.
+  // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;
   ros::Subscriber subscriber_;
   ros::ServiceServer service_;

@@ -1,12 +1,12 @@
-// FailAwareMonitor's own parameters: those of its private namespace.
+// FailAwareMonitor's parameters in its private namespace.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
+#include "core/integrity/silence.hpp"
 
 namespace fail_aware {
 
 struct FailAwareMonitorNodeletParams {
-  bool start_redundant = true;  ///< t1 is the first sweep, also after a reset; false: the service says when
+  bool start_redundant = true;  ///< t1 is the first sweep, also after a reset; false: t1 is set by the service
   SilenceParams silence;
 
   template <class Self, class Visitor>

@@ -1,6 +1,6 @@
-// What FusionUkf says of the odometry: the status `odometry`, and its warnings in the log. The status names the first thing
-// that keeps estimates from coming, from the cloud to the fusion. Every cloud without an estimate is counted by its cause.
-// Times: s, steady clock; ages: ROS time. No failure modes. One thread.
+// FusionUkf's diagnostics: the status `odometry` and its warnings in the log. The status names the first obstacle
+// between the cloud and an estimate. Every cloud without an estimate is counted by its cause.
+// Times: s, steady clock; ages: ROS time. No failure modes. Single-threaded.
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "cloud_intake.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_scheduler.hpp"
+#include "core/estimation/sweep_scheduler.hpp"
+#include "core/estimator.hpp"
 #include "measurement_sources.hpp"
 #include "published_type.hpp"
 #include "spoken_faults.hpp"
@@ -22,12 +22,12 @@ namespace fail_aware {
 
 class FusionDiagnosis {
  public:
-  /// What it looks at lives longer. `cloud_topic`: resolved.
+  /// The arguments must outlive this object. `cloud_topic`: resolved name.
   FusionDiagnosis(const std::string& cloud_topic, const CloudIntake& clouds, const SweepScheduler& scheduler,
                   const MeasurementSources& sources, const Estimator& estimator)
       : cloud_topic_(cloud_topic), clouds_(clouds), scheduler_(scheduler), sources_(sources), estimator_(estimator) {}
 
-  /// A sweep whose estimate has been published. `arrived_s`: its cloud, by the steady clock.
+  /// Call after publishing a sweep's estimate. `arrived_s`: arrival of its cloud, steady clock.
   void closed(const ros::Time& stamp, double arrived_s) {
     const FilterState& state = estimator_.state();
     if (!state.measurement_applied && state.dt_s > 0.0) ++predicted_only_;
@@ -37,7 +37,7 @@ class FusionDiagnosis {
     progress_.done(stamp);
   }
 
-  /// The stamps jumped, and a new drive begins.
+  /// Call when the stamps jumped and a new drive begins.
   void jumped(double by_s) {
     faults_.say("jump", "stamps jumped by " + std::to_string(by_s) + " s: a new drive begins");
     ++time_jumps_;
@@ -63,8 +63,8 @@ class FusionDiagnosis {
   }
 
  private:
-  static constexpr double kSilent_s = 2.0;  ///< without a sweep: worth a diagnostic
-  static constexpr double kStarts_s = 8.0;  ///< until all the others are there: no line in the log before
+  static constexpr double kSilent_s = 2.0;  ///< time without a sweep that gives a diagnostic
+  static constexpr double kStarts_s = 8.0;  ///< start-up time of the other nodes, without warnings in the log
 
   static double secondsSince(const ros::SteadyTime& then) { return (ros::SteadyTime::now() - then).toSec(); }
 
@@ -122,7 +122,7 @@ class FusionDiagnosis {
   const Estimator& estimator_;
   SweepProgress progress_;
   bool last_corrected_ = false;
-  double arrived_s_ = 0.0;  ///< the last estimate's cloud
+  double arrived_s_ = 0.0;  ///< arrival of the last estimate's cloud
   double latency_s_ = 0.0;  ///< of the last estimate
   std::size_t predicted_only_ = 0, resets_ = 0, time_jumps_ = 0;
   SpokenFaults faults_{"odometry"};

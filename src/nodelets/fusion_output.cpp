@@ -4,7 +4,7 @@
 
 #include <boost/make_shared.hpp>
 
-#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
+#include "bridge/odometry_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "topics.hpp"
 
@@ -33,8 +33,8 @@ void FusionOutput::publishEstimate(const Estimator& estimator, const SweepAccoun
   const FilterState& state = estimator.state();
   const std_msgs::Header header = headerAt(stamp);
   last_stamp_ = stamp;
-  trajectory_.add(state.stamp_s,
-                  state.T_odom_cog * T_base_cog_.inverse());  // before anybody hears of it, and asks for it
+  // before publishing, so that a client that then calls ~save_trajectory gets this pose
+  trajectory_.add(state.stamp_s, state.T_odom_cog * T_base_cog_.inverse());
   state_publisher_.publish(
       messages::FilterStateConstPtr(boost::make_shared<messages::FilterState>(toMessage(state, account, header))));
   publishBase(estimator, header);

@@ -1,6 +1,6 @@
-// All that FusionUkf publishes: sweep/prediction when a sweep is opened; filter_state, odometry, tf and path when it is
-// closed. Poses and covariances as core/estimator.hpp has them (centre of gravity in odom; m, rad); odometry, tf, path and
-// ~save_trajectory are of base_link. Stamps are the sweeps', exactly. No failure modes.
+// Everything that FusionUkf publishes: sweep/prediction when it opens a sweep; filter_state, odometry, tf and path when
+// it closes one. Poses and covariances are those of core/estimator.hpp (centre of gravity in odom; m, rad); odometry,
+// tf, path and ~save_trajectory are of base_link. Stamps are exactly the sweeps'. No failure modes.
 #pragma once
 
 #include <ros/ros.h>
@@ -10,8 +10,8 @@
 #include <string>
 
 #include "bounded_path.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "bridge/graph_message_conversion.hpp"
+#include "core/estimator.hpp"
 #include "fusion_ukf_params.hpp"
 #include "trajectory_service.hpp"
 
@@ -23,9 +23,9 @@ class FusionOutput {
                const Pose& T_base_cog);
 
   void publishPrediction(const SweepTask& task, const ros::Time& stamp);
-  /// What the last update of `estimator` gave.
+  /// Publishes the result of `estimator`'s last update.
   void publishEstimate(const Estimator& estimator, const SweepAccount& account, const ros::Time& stamp);
-  /// A new drive: path and trajectory begin anew.
+  /// A new drive: clears path and trajectory.
   void clear();
 
  private:
@@ -34,10 +34,10 @@ class FusionOutput {
 
   std::string odom_frame_, base_frame_;
   Pose T_base_cog_;
-  ros::Time last_stamp_;  ///< of the last estimate; zero: none in this drive
+  ros::Time last_stamp_;  ///< of the last estimate; zero: no estimate in this drive
   BoundedPath path_;
   TrajectoryService trajectory_;
-  std::unique_ptr<tf2_ros::TransformBroadcaster> tf_broadcaster_;  ///< null: no tf
+  std::unique_ptr<tf2_ros::TransformBroadcaster> tf_broadcaster_;  ///< null: tf is not published
   ros::Publisher prediction_publisher_, state_publisher_, odometry_publisher_, path_publisher_;
 };
 

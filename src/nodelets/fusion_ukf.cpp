@@ -1,11 +1,11 @@
 // The estimator in the live graph (core/estimator.hpp).
-// In: points (only header and frame matter), sweep/check, measurement/*, extra sources, set_pose. Out:
+// In: points (it uses only header and frame), sweep/check, measurement/*, extra sources, set_pose. Out:
 // sweep/prediction, filter_state, odometry, path, tf. Services: ~reset, ~save_trajectory.
 //
-// One sweep is open at a time: predicted when its cloud comes, closed when every source that can answer has answered or
-// at its deadline; sweeps that come meanwhile wait in a short queue. Every opened sweep gives exactly one filter_state
-// and one odometry; every other cloud is counted in a diagnostic by its cause.
-#include <fail_aware_lidar_odometry/FusionUkfConfig.h>
+// One sweep is open at a time. It is predicted when its cloud arrives, and closed when every expected source has
+// answered or at its deadline. Sweeps that arrive meanwhile wait in a short queue. Every opened sweep gives exactly one
+// filter_state and one odometry; every other cloud is counted in a diagnostic by its cause.
+#include "fail_aware_lidar_odometry/FusionUkfConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -16,12 +16,12 @@
 #include <optional>
 #include <vector>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/parameter_server.hpp"
 #include "cloud_intake.hpp"
+#include "core/estimation/sweep_scheduler.hpp"
+#include "core/estimator.hpp"
 #include "deferred_call.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_scheduler.hpp"
 #include "fusion_diagnosis.hpp"
 #include "fusion_output.hpp"
 #include "fusion_ukf_params.hpp"
@@ -39,14 +39,14 @@ namespace fail_aware {
 class FusionUkfNodelet : public GraphNodelet {
  public:
   ~FusionUkfNodelet() override {
-    if (sources_) sources_->stopListening();  // they call opening_, which calls them
+    if (sources_) sources_->stopListening();  // sources_ and opening_ call each other
   }
 
  private:
   using Config = fail_aware_lidar_odometry::FusionUkfConfig;
   using Cause = SweepScheduler::Cause;
 
-  static constexpr std::uint32_t kCloudQueue = 50;  ///< roscpp drops without a word; here it is counted
+  static constexpr std::uint32_t kCloudQueue = 50;  ///< large, because roscpp drops silently; the scheduler counts
   static constexpr double kDeadlineCheck_s = 0.01;
 
   void load() override {
@@ -71,7 +71,7 @@ class FusionUkfNodelet : public GraphNodelet {
                                                    *estimator_);
     output_ = std::make_unique<FusionOutput>(node, private_node, params, T_base_cog_);
     tune(tuning);
-    // From here on others may call, in another thread: all that they use is there.
+    // From here on other threads may call; everything that they use exists.
     opening_ = std::make_unique<DeferredCall>(node, [this] { openNext(); });
     set_pose_ = std::make_unique<SetPoseInput>(node, getName(), params.odom_frame, T_base_cog_, *estimator_);
     reconfiguration_ = std::make_unique<Reconfiguration<Config, FusionUkfTuning>>(
@@ -95,7 +95,7 @@ class FusionUkfNodelet : public GraphNodelet {
     sources_->use(kCornerSvd, tuning.registration.use_corner_svd);
   }
 
-  // ---- which clouds become sweeps -----------------------------------------------------------------------------------
+  // ---- selection of clouds ------------------------------------------------------------------------------------------
 
   void onCloud(const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds_.take(cloud->header); }
 
@@ -112,7 +112,7 @@ class FusionUkfNodelet : public GraphNodelet {
       case StampOrder::kJumpedAhead: diagnosis_->jumped(since_newest_s); beginDrive();
     }
     scheduler_.offer({header.stamp.toNSec(), header.frame_id, steadySeconds(), accepted.set_back_s});
-    opening_->request();  // once all the clouds that are here were offered
+    opening_->request();  // after all waiting clouds were offered
   }
 
   // ---- one sweep ----------------------------------------------------------------------------------------------------
@@ -128,7 +128,7 @@ class FusionUkfNodelet : public GraphNodelet {
       }
       task.T_cog_lidar = T_base_cog_.inverse() * clouds_.lidar().T_base_lidar();
       task.lidar_frame = sweep->frame;
-      // the first sweep has nothing to search a motion with
+      // the first sweep has no reference to search a motion with
       scheduler_.setSearches(!task.prediction.motionKnown() && !task.first());
       sources_->open(stamp, scheduler_.longest_s());
       output_->publishPrediction(task, stamp);
@@ -165,7 +165,7 @@ class FusionUkfNodelet : public GraphNodelet {
     estimator_->update(inputs, found.middle_s, found.revolution_s);
     sources_->addPoses(estimator_->externalMeasurements(), account);
     if (!estimator_->covarianceIsWhole()) {
-      NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: odometry's covariance goes without it");
+      NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: the odometry's covariance leaves it out");
     }
     set_pose_->report();
     const ros::Time stamp = ros::Time().fromNSec(sweep.stamp_ns);
@@ -175,7 +175,7 @@ class FusionUkfNodelet : public GraphNodelet {
 
   // ---- a new drive --------------------------------------------------------------------------------------------------
 
-  /// What belongs to the last drive goes; the estimator has begun another.
+  /// Clears what belongs to the last drive; the estimator has already begun a new one.
   void beginDrive() {
     set_pose_->report();
     scheduler_.clear();
@@ -185,7 +185,7 @@ class FusionUkfNodelet : public GraphNodelet {
     diagnosis_->newDrive();
   }
 
-  /// The next sweep is the first, at odom's origin; it tells the other nodelets so by its dt of 0.
+  /// The next sweep is the first, at odom's origin; its dt of 0 tells the other nodelets.
   bool onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     estimator_->reset();
     beginDrive();
@@ -209,7 +209,7 @@ class FusionUkfNodelet : public GraphNodelet {
   std::unique_ptr<Estimator> estimator_;
   std::unique_ptr<FusionOutput> output_;
   std::unique_ptr<FusionDiagnosis> diagnosis_;
-  // What calls back is destroyed first, and waits for a call that is under way.
+  // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   std::unique_ptr<SetPoseInput> set_pose_;
   std::unique_ptr<MeasurementSources> sources_;
   std::unique_ptr<Reconfiguration<Config, FusionUkfTuning>> reconfiguration_;

@@ -1,10 +1,10 @@
-// FusionUkf's own parameters: those of its private namespace.
+// FusionUkf's parameters in its private namespace.
 #pragma once
 
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
+#include "core/estimation/stamp_order.hpp"
+#include "core/parameters/check.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {
@@ -14,16 +14,16 @@ struct FusionUkfNodeletParams {
   std::string base_frame = "base_link";
   bool publish_tf = true;                   ///< odom_frame -> base_frame
   std::string lidar_in_base_source = "tf";  ///< tf: looked up once; parameter: sensor/lidar_in_base
-  double deadline_s = 0.25;                 ///< from prediction to closing a sweep
-  double late_deadline_s = 0.6;             ///< from cloud to closing, where a late one has not answered
-  double first_deadline_s = 10.0;           ///< while no motion is known: for those who are at work on the search
-  int queue_size = 3;                       ///< sweeps that may wait for the open one
-  double max_reorder_s = kMaxReorder_s;     ///< a stamp further back than this is a jump in time: reset
-  int absent_after_sweeps = 3;  ///< misses, or answers too late for any deadline, in a row: waited for no more
+  double deadline_s = 0.25;                 ///< from predicting a sweep to closing it
+  double late_deadline_s = 0.6;             ///< from a cloud to closing its sweep, if a late source has not answered
+  double first_deadline_s = 10.0;           ///< until a motion is known: for sources that are still searching it
+  int queue_size = 3;                       ///< number of sweeps that may wait while one is open
+  double max_reorder_s = kMaxReorder_s;     ///< a stamp farther back than this is a time jump: a new drive begins
+  int absent_after_sweeps = 3;  ///< consecutive misses, or answers after every deadline, that end the waiting
   int path_max_poses = 2000;
   double path_spacing_m = 0.5;
-  int trajectory_max_poses = 200000;  ///< kept for ~save_trajectory (29 MB, 5.5 h at 10 Hz); the oldest give way
-  std::string trajectory_file = "fail_aware_trajectory_tum.txt";  ///< relative: to the node's folder, ~/.ros
+  int trajectory_max_poses = 200000;  ///< for ~save_trajectory (29 MB, 5.5 h at 10 Hz); the oldest poses are dropped
+  std::string trajectory_file = "fail_aware_trajectory_tum.txt";  ///< relative paths: in the node's folder, ~/.ros
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

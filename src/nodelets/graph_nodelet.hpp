@@ -1,7 +1,8 @@
-// What every nodelet of the graph does in the same way: it loads, and it reports its health.
+// Base class of the graph's nodelets: loading and health reports.
 //
-// Failure: the nodelet manager keeps to itself why a nodelet could not be loaded. What load() throws (a parameter's name
-// and rule) therefore goes into the log first, and then on to the manager, which must not take the nodelet for loaded.
+// Failure: the nodelet manager does not report why a nodelet could not be loaded. An exception of load() (with a
+// parameter's name and rule) is therefore logged first and then passed to the manager, which must not consider the
+// nodelet loaded.
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -16,7 +17,7 @@
 
 namespace fail_aware {
 
-/// A nodelet's diagnostics: one status, told once a second by the steady clock (the updater has no timer of its own).
+/// A nodelet's diagnostics: one status, published once a second by the steady clock (the updater has no timer).
 class Health {
  public:
   Health(ros::NodeHandle& node, ros::NodeHandle& private_node, const std::string& nodelet_name, const std::string& task,
@@ -35,11 +36,11 @@ class Health {
 
 class GraphNodelet : public nodelet::Nodelet {
  protected:
-  /// Parameters, publishers, subscribers. Runs in the manager's thread, while callbacks may come in another one already.
+  /// Sets up parameters, publishers, subscribers. Runs in the manager's thread, callbacks maybe already in another.
   virtual void load() = 0;
   virtual void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) = 0;
 
-  /// Calls diagnose() once a second. The nodelet's last member, so that it is destroyed first.
+  /// Calls diagnose() once a second. Keep the result as the nodelet's last member, so that it is destroyed first.
   std::unique_ptr<Health> reportHealth(const std::string& task) {
     return std::make_unique<Health>(getNodeHandle(), getPrivateNodeHandle(), getName(), task,
                                     [this](diagnostic_updater::DiagnosticStatusWrapper& status) { diagnose(status); });

@@ -1,12 +1,12 @@
-// Normal-filtered ICP in the live graph (core/registration/icp_point_to_plane.hpp). Its reference is also published,
-// as `local_map`, once a second of sweep time: as seen from the lidar at the sweep before, whose pose is final. In odom's
-// own axes FLOAT32 would move the points by half a metre where odom has coordinates of a map (UTM).
-#include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
+// Normal-filtered ICP in the live graph (core/registration/icp_point_to_plane.hpp). It also publishes its reference as
+// `local_map`, once a second of sweep time, relative to the lidar at the previous sweep, whose pose is final. In odom's
+// axes FLOAT32 would shift the points by half a metre if odom has map coordinates (UTM).
+#include "fail_aware_lidar_odometry/IcpPointToPlaneConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 
+#include "core/local_map_registration.hpp"
+#include "core/registration/icp_point_to_plane.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
-#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
 #include "measurement_nodelet.hpp"
 #include "stamps.hpp"
 #include "topics.hpp"

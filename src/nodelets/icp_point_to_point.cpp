@@ -1,10 +1,10 @@
 // Multiplex ICP in the live graph (core/registration/icp_point_to_point.hpp).
-#include <fail_aware_lidar_odometry/IcpPointToPointConfig.h>
+#include "fail_aware_lidar_odometry/IcpPointToPointConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
-#include "fail_aware_lidar_odometry/core/registration/local_map_registration.hpp"
+#include "bridge/marker_conversion.hpp"
+#include "core/local_map_registration.hpp"
+#include "core/registration/icp_point_to_point.hpp"
 #include "measurement_nodelet.hpp"
 #include "topics.hpp"
 #include "tuning.hpp"

@@ -2,23 +2,23 @@
 
 #include <vector>
 
+#include "core/parameters/check.hpp"
+#include "core/parameters/mounting.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-/// tf's words end in one full stop or several.
+/// tf's messages end in one or several full stops.
 std::string withoutStop(std::string text) {
   while (!text.empty() && (text.back() == '.' || text.back() == ' ')) text.pop_back();
   return text;
 }
 
 Pose asMounting(const std::optional<Pose>& T) {
-  if (!T) throw ParameterError("the transform's numbers are no pose");
+  if (!T) throw ParameterError("the transform is not a valid pose");
   const Vector6d place = vectorFromPose(*T);
   const std::vector<double> numbers(place.data(), place.data() + place.size());
   requireMounting("the transform in m and rad", numbers);
@@ -41,13 +41,13 @@ LidarPlace::Answer LidarPlace::find(const std::string& cloud_frame) {
   }
   lidar_frame_ = frame;
   const std::string what = "no transform " + base_frame_ + " -> " + frame + ": ";
-  if (frame == base_frame_) {
-    T_base_lidar_ = Pose::Identity();
-  } else if (frame.empty()) {
+  if (frame.empty()) {
     fault_ = "the clouds have no frame_id: set the driver's, to a frame that tf places in " + base_frame_;
+  } else if (frame == base_frame_) {
+    T_base_lidar_ = Pose::Identity();
   } else {
     try {
-      // by way of the parameter's six numbers, as offline: the same to the last bit
+      // through the parameter's six numbers, as offline: the same bits
       T_base_lidar_ = asMounting(fromMessage(buffer_->lookupTransform(base_frame_, frame, ros::Time(0)).transform));
     } catch (const tf2::TransformException& error) {
       fault_ = what + withoutStop(error.what()) +

@@ -1,5 +1,5 @@
-// Where the lidar sits in base_link: given, or looked up in tf once, for the frame of the first cloud. Never an
-// identity in place of a transform that is missing; clouds of another frame are refused from then on.
+// The lidar's mounting in base_link: given by parameter, or looked up once in tf for the frame of the first cloud. A
+// missing transform is never replaced by the identity. Once the mounting is known, clouds of another frame are refused.
 #pragma once
 
 #include <tf2_ros/buffer.h>
@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "core/geometry/pose.hpp"
 
 namespace fail_aware {
 
@@ -20,13 +20,13 @@ class LidarPlace {
   void useTransforms(const std::string& base_frame);
   void use(const Pose& T_base_lidar) { T_base_lidar_ = T_base_lidar; }
 
-  /// Is the place of this cloud's lidar known?
+  /// Looks for the mounting of this cloud's lidar.
   Answer find(const std::string& cloud_frame);
 
   bool known() const { return T_base_lidar_.has_value(); }
   const Pose& T_base_lidar() const { return *T_base_lidar_; }
   const std::string& lidarFrame() const { return lidar_frame_; }
-  /// Why the place is not known, and what to do: one line for people. Empty: it was not looked for yet.
+  /// Why the mounting is not known, and what to do: one line for the user. Empty: not looked for yet.
   const std::string& fault() const { return fault_; }
 
  private:

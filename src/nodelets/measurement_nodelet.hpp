@@ -1,12 +1,12 @@
-// What the three measurement nodelets share. In: sweep/points, sweep/prediction, filter_state (same stamps exactly).
+// Base of the three measurement nodelets. In: sweep/points, sweep/prediction, filter_state (exactly the same stamps).
 // Out: measurement/NAME, at most one message a sweep.
 //
-// A sweep is measured once its points and its prediction are there and the sweep before it was placed at its filter
-// state. The filter state of a measured sweep places it in the reference, also when the measurement came too late. A
-// nodelet that is overloaded skips to the newest sweep.
+// A sweep is measured when its points and its prediction are there and the reference contains the previous sweep at its
+// filter state. The filter state of a measured sweep updates the reference, even if the measurement was late. An
+// overloaded nodelet drops sweeps and continues with the newest.
 // Algorithm: Algorithm(node, const PipelineParameters&), static name(), Config and Tuning (reconfiguration.hpp) with
 // tuning() and tune(tuning), measure(corrected, task), place(state), skip(state), reset(),
-// and show(prediction), which publishes what it has for rviz once its measurement is out.
+// and show(prediction), which publishes its rviz data after the measurement is published.
 #pragma once
 
 #include <ros/ros.h>
@@ -15,9 +15,10 @@
 #include <memory>
 #include <string>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/parameter_server.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "deferred_call.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "graph_nodelet.hpp"
 #include "measurement_record.hpp"
@@ -70,7 +71,7 @@ class MeasurementNodelet : public GraphNodelet {
       if (const std::optional<FilterState> state = fromMessage(*message)) algorithm_->skip(*state);
     }
     measure(*job->prediction, *job->cloud);
-    work_->request();  // its filter state may be here already
+    work_->request();  // the sweep's filter state may already be here
   }
 
   void measure(const messages::SweepPrediction& prediction, const sensor_msgs::PointCloud2& cloud) {
@@ -99,7 +100,7 @@ class MeasurementNodelet : public GraphNodelet {
   SweepMatcher matcher_;
   CorrectedSweep sweep_;
   MeasurementRecord record_;
-  // What calls back is destroyed first, and waits for a call that is under way.
+  // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   std::unique_ptr<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>> reconfiguration_;
   std::unique_ptr<DeferredCall> work_;
   ros::Subscriber cloud_subscriber_, prediction_subscriber_, state_subscriber_;

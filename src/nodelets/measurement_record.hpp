@@ -1,30 +1,30 @@
-// What a measurement nodelet's diagnostics say: its last measurement, and how many of its sweeps gave a pose.
+// A measurement nodelet's diagnostics: its last measurement, and how many of its sweeps gave a pose.
 // Units m, s. No failure modes.
 #pragma once
 
+#include "fail_aware_lidar_odometry/PoseMeasurement.h"
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
-#include <fail_aware_lidar_odometry/PoseMeasurement.h>
 
 #include <cstddef>
 
-#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "core/types/measurement.hpp"
 #include "sweep_progress.hpp"
 
 namespace fail_aware {
 
 class MeasurementRecord {
  public:
-  /// `message`: what was published of a measurement that has this status.
+  /// `message`: the published measurement; `status`: its status.
   void add(const ::fail_aware_lidar_odometry::PoseMeasurement& message, MeasurementStatus status) {
     last_ = message;
     last_status_ = status;
     if (status == MeasurementStatus::kOk) ++usable_;
     progress_.done(message.header.stamp);
   }
-  /// A prediction whose poses are none.
+  /// A prediction with an invalid pose.
   void addUnusable() { ++unusable_; }
 
-  /// `skipped`: sweeps (SweepMatcher).
+  /// `skipped`: number of dropped sweeps (SweepMatcher).
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, std::size_t skipped) {
     const char* summary = progress_.sweeps() == 0 ? "no sweep yet" : toString(last_status_);
     status.summary(diagnostic_msgs::DiagnosticStatus::OK, summary);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "bridge/parameter_server.hpp"
+#include "core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {
@@ -71,7 +71,7 @@ MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
 void MeasurementSources::listen() {
   check_subscriber_ = node_.subscribe<messages::SweepCheck>(
       topics::kSweepCheck, topics::kQueue, [this](const messages::SweepCheckConstPtr& message) { onCheck(*message); });
-  for (Source& source : sources_) {  // they stay where they are
+  for (Source& source : sources_) {  // the sources do not move in memory
     if (source.exact) {
       source.subscriber = node_.subscribe<messages::PoseMeasurement>(
           source.params.topic, topics::kQueue,
@@ -87,7 +87,7 @@ void MeasurementSources::listen() {
 
 MeasurementSources::~MeasurementSources() { stopListening(); }
 
-// Each waits for a call that is under way, which needs all the members.
+// Each shutdown() waits for a running callback, which needs all the members.
 void MeasurementSources::stopListening() {
   check_subscriber_.shutdown();
   for (Source& source : sources_) source.subscriber.shutdown();
@@ -135,7 +135,7 @@ bool MeasurementSources::isAtWork(bool late_only) const {
   const auto patience = [&](const SourceHealth& record) {
     return record.isAtWork() && (record.isLate() || !late_only);
   };
-  if (checkAwaited()) return patience(check_record_);  // the others wait for it, too
+  if (checkAwaited()) return patience(check_record_);  // the other sources wait for the check, too
   return std::any_of(sources_.begin(), sources_.end(), [&](const Source& source) {
     return !source.measurement && awaited(source) && patience(source.record);
   });
@@ -167,10 +167,10 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
   const std::string frame = withoutSlash(message.header.frame_id);
   if (source.built_in || frame == odom_frame_) {
     source.measurement = fromMessage(message);
-    if (!source.built_in) source.measurement->clock_jump_suspected = false;  // what is not made here cannot say that
+    if (!source.built_in) source.measurement->clock_jump_suspected = false;  // only built-in sources can detect it
   } else {
     refuse(source, "its frame is " + frame + ", must be " + odom_frame_);
-    source.measurement = Measurement();  // an answer all the same: nobody waits for another
+    source.measurement = Measurement();  // still an answer: no further waiting
   }
   source.last_status = toString(source.measurement->status);
   source.last_duration_s = message.duration;
@@ -188,8 +188,8 @@ void MeasurementSources::onPose(Source& source, const geometry_msgs::PoseWithCov
     pose.stamp_s = message.header.stamp.toSec();
     pose.covariance = rotateCovariance(fromMessage(message.pose.covariance), T_odom_frame->linear());
     if (T_frame_base) pose.T_odom_base = *T_odom_frame * *T_frame_base;
-    reason =
-        T_frame_base ? estimator_.offer(source.name, pose) : "the pose is none (orientation must be a unit quaternion)";
+    reason = T_frame_base ? estimator_.offer(source.name, pose)
+                          : "the pose is not valid (orientation must be a unit quaternion)";
     if (reason.empty()) return;
   }
   refuse(source, reason);
@@ -212,7 +212,7 @@ std::optional<Pose> MeasurementSources::odomFrom(const std::string& frame_id, st
   try {
     std::optional<Pose> T_odom_frame =
         fromMessage(tf_buffer_->lookupTransform(odom_frame_, frame, ros::Time(0)).transform);
-    if (!T_odom_frame) reason = "tf's transform from its frame " + frame + " to " + odom_frame_ + " is none";
+    if (!T_odom_frame) reason = "tf's transform from its frame " + frame + " to " + odom_frame_ + " is not valid";
     return T_odom_frame;
   } catch (const tf2::TransformException& error) {
     reason = "its frame is " + frame + ", not " + odom_frame_ + ", and tf does not know it: " + error.what();

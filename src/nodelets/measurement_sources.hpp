@@ -1,13 +1,13 @@
-// Who answers for a sweep: the sweep's check (from SweepCorrection), the three measurements, and any further source
-// that is named by parameter. Collects the answers to the open sweep and says when nobody is left to wait for.
+// Collects the answers to the open sweep and knows when none is missing. Sources: the sweep check (from
+// SweepCorrection), the three measurements, and any other source that a parameter names.
 //
-// Not waited for: a source that nobody publishes, one that missed absent_after_sweeps in a row (until it is heard
-// again), one whose last absent_after_sweeps answers came later than a sweep may stay open (until one does not), the
-// three measurements while SweepCorrection is silent, and poses with a stamp of their own (they are taken when the sweep
-// is closed, the nearest in time). Whoever answers late is at work, and is told from who is silent.
+// FusionUkf does not wait for: a source without a publisher; one that missed absent_after_sweeps consecutive sweeps
+// (until it answers again); one whose last absent_after_sweeps answers came later than a sweep may stay open (until one
+// is in time); the three measurements while SweepCorrection is silent; poses with their own stamps (taken when the
+// sweep is closed, the nearest in time). A source that answers late is at work and is distinguished from a silent one.
 //
-// Parameters: ~extra_sources/NAME/{topic, type, tolerance_s}. type: PoseMeasurement (stamp of the sweep, exactly;
-// waited for) or PoseWithCovarianceStamped (base_link in odom, or in a frame that tf knows in odom).
+// Parameters: ~extra_sources/NAME/{topic, type, tolerance_s}. type: PoseMeasurement (has exactly the sweep's stamp and
+// is waited for) or PoseWithCovarianceStamped (base_link in odom, or in a frame that tf knows in odom).
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -24,16 +24,16 @@
 #include <string>
 #include <vector>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "core/estimator.hpp"
 #include "source_health.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
 
 namespace fail_aware {
 
 struct ExtraSourceParams {
   std::string topic;
   std::string type = "PoseWithCovarianceStamped";  ///< or PoseMeasurement
-  double tolerance_s = 0.1;                        ///< between its stamp and the sweep's
+  double tolerance_s = 0.1;                        ///< largest difference between its stamp and the sweep's
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -49,34 +49,34 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
 
 class MeasurementSources {
  public:
-  /// `estimator` takes the poses with stamps of their own, and lives longer. `answered` is called whenever something came
-  /// for the open sweep.
+  /// `estimator` receives the poses with their own stamps; it must outlive this object. `answered` is called for every
+  /// answer to the open sweep.
   MeasurementSources(const ros::NodeHandle& node, const std::map<std::string, ExtraSourceParams>& extra,
                      const std::string& odom_frame, Estimator& estimator, std::function<void()> answered);
-  /// Subscribes. Whatever `answered` needs must be there by then: messages come in another thread than load()'s.
+  /// Subscribes. Everything that `answered` needs must exist: messages come in another thread than load()'s.
   void listen();
   ~MeasurementSources();
-  /// `answered` is called no more.
+  /// After this `answered` is not called any more.
   void stopListening();
   MeasurementSources(const MeasurementSources&) = delete;
   MeasurementSources& operator=(const MeasurementSources&) = delete;
 
   void setAbsentAfter(int sweeps) { absent_after_sweeps_ = sweeps; }
-  /// One of the three measurements: false: neither waited for nor fused.
+  /// For one of the three measurements; not used: neither waited for nor fused.
   void use(const std::string& name, bool used);
 
-  /// `longest_s`: what takes longer than this is too late for any sweep.
+  /// `longest_s`: an answer that takes longer is too late for any sweep.
   void open(const ros::Time& stamp, double longest_s);
   bool allAnswered() const;
-  /// Somebody at work has not answered yet: for `late_only` one whose last answer was late.
+  /// Whether a source at work has not answered yet; with `late_only` only sources whose last answer was late.
   bool isAtWork(bool late_only) const;
-  /// What came for the open sweep, but for the poses with stamps of their own.
+  /// The answers to the open sweep, except for poses with their own stamps.
   SweepAccount close();
-  /// What the estimator made of those.
+  /// Adds the estimator's measurements from the poses with their own stamps.
   void addPoses(const std::vector<ExternalMeasurement>& poses, SweepAccount& account);
   void reset() { clear(); }
 
-  /// " a b (too late)": those that are not waited for any more.
+  /// " a b (too late)": the sources that are no longer waited for.
   std::string absent() const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
@@ -84,9 +84,9 @@ class MeasurementSources {
   struct Source {
     std::string name;
     ExtraSourceParams params;
-    bool built_in = false;  ///< made of SweepCorrection's points
+    bool built_in = false;  ///< one of the three measurements, made from SweepCorrection's points
     bool used = true;
-    bool exact = true;  ///< carries the sweep's stamp
+    bool exact = true;  ///< has the sweep's stamp
     ros::Subscriber subscriber;
     std::optional<Measurement> measurement;  ///< of the open sweep
     SourceHealth record;
@@ -116,8 +116,8 @@ class MeasurementSources {
   Estimator& estimator_;
   std::function<void()> answered_;
   int absent_after_sweeps_ = 3;
-  ros::Time open_;  ///< zero: none
-  /// Until when an answer to the last sweeps was of use.
+  ros::Time open_;  ///< zero: no open sweep
+  /// For each of the last sweeps: the time until which an answer was useful.
   struct Latest {
     ros::Time stamp;
     ros::SteadyTime at;

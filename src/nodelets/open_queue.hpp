@@ -1,6 +1,5 @@
-// nodelet 1.10.0 (Debian 11) throws away what comes for a nodelet while its onInit works: a timer whose tick is lost never
-// ticks again, and a subscriber whose call is lost is a message behind from then on. Since 1.10.1 the queue is open from
-// the start.
+// nodelet 1.10.0 (Debian 11) discards callbacks for a nodelet while its onInit runs: a timer that loses a tick never
+// ticks again, and a subscriber that loses a call stays one message behind. Since 1.10.1 the queue is always open.
 #pragma once
 
 #include <nodelet/detail/callback_queue.h>
@@ -8,7 +7,7 @@
 
 namespace fail_aware {
 
-/// To be called first in onInit: what is called back from then on must find what it uses.
+/// Call first in onInit: everything that the callbacks use must already exist.
 inline void openQueue(ros::CallbackQueueInterface& queue) {
   if (auto* of_nodelet = dynamic_cast<nodelet::detail::CallbackQueue*>(&queue)) of_nodelet->enable();
 }

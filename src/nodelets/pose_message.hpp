@@ -1,4 +1,4 @@
-// A message of set_pose as a pose from elsewhere. Refused, with a reason: another frame, no unit quaternion.
+// Converts a set_pose message into an external pose. Refused, with a reason: another frame, no unit quaternion.
 #pragma once
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -8,11 +8,11 @@
 
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/types/external_pose.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 
 namespace fail_aware {
 
-/// `reason`: why there is none.
+/// `reason`: set if the pose is refused.
 inline std::optional<ExternalPose> poseInOdom(const geometry_msgs::PoseWithCovarianceStamped& message,
                                               const std::string& odom_frame, std::string& reason) {
   const std::string frame = withoutSlash(message.header.frame_id);
@@ -22,7 +22,7 @@ inline std::optional<ExternalPose> poseInOdom(const geometry_msgs::PoseWithCovar
     return std::nullopt;
   }
   if (!T_odom_base) {
-    reason = "the pose is none (orientation must be a unit quaternion)";
+    reason = "the pose is not valid (orientation must be a unit quaternion)";
     return std::nullopt;
   }
   return ExternalPose{message.header.stamp.toSec(), *T_odom_base, fromMessage(message.pose.covariance)};

@@ -1,9 +1,10 @@
-// Brings together what SweepCorrection needs of one sweep, by exact stamp: its cloud and its prediction, whichever comes
-// first. Where the prediction names the lidar's frame, a cloud of another frame is not the sweep's.
-// Bounded: the oldest message gives way. Failure: none; a cloud without a prediction is counted once a later one has its.
+// Matches SweepCorrection's inputs for one sweep by exact stamp: the cloud and the prediction, in either order of
+// arrival. If the prediction names the lidar's frame, a cloud of another frame does not match.
+// Bounded: the oldest message is dropped. Failure: none; a cloud without a prediction is counted when a later cloud
+// gets its prediction.
 #pragma once
 
-#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include "fail_aware_lidar_odometry/SweepPrediction.h"
 #include <sensor_msgs/PointCloud2.h>
 
 #include <cstddef>
@@ -25,7 +26,7 @@ class PredictedClouds {
     Prediction prediction;
   };
 
-  /// The sweep that is complete with this message; none: the other one is missing.
+  /// The sweep that this message completes; none: the other message is missing.
   std::optional<Pair> add(const Cloud& cloud) {
     clouds_.push(cloud->header.stamp, cloud);
     return take(cloud->header.stamp);
@@ -35,7 +36,7 @@ class PredictedClouds {
     return take(prediction->header.stamp);
   }
 
-  /// Clouds without a prediction.
+  /// Number of clouds without a prediction.
   std::size_t unmatched() const { return unmatched_; }
 
  private:

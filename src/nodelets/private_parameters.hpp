@@ -1,5 +1,5 @@
-// What may stand in a nodelet's private namespace: its own parameters; those that can change in flight, which
-// dynamic_reconfigure keeps there; and ROS's. Anything else is refused.
+// Checks a nodelet's private namespace. It may contain: the nodelet's own parameters; those that can change at run
+// time, which dynamic_reconfigure stores there; and ROS's. Anything else is refused.
 #pragma once
 
 #include <ros/ros.h>
@@ -7,20 +7,20 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/parameter_server.hpp"
 
 namespace fail_aware {
 
-/// The own parameters of a nodelet that has none.
+/// For a nodelet without its own parameters.
 struct NoOwnParams {
   template <class Self, class Visitor>
   static void visit(Self& /*self*/, Visitor&& /*v*/) {}
 };
 
-/// The Tuning of a nodelet in which nothing changes in flight.
+/// The Tuning of a nodelet without parameters that change at run time.
 using NoTuning = NoOwnParams;
 
-/// Reads `own`; keys that are not there keep their values. `groups`: beginnings of keys that the nodelet reads itself.
+/// Reads `own`; missing keys keep their values. `groups`: prefixes of keys that the nodelet reads itself.
 /// Throws ParameterError.
 template <class Own, class Tuning>
 void readPrivateParameters(const ros::NodeHandle& private_node, Own& own, const Tuning& tuning,
@@ -35,8 +35,8 @@ void readPrivateParameters(const ros::NodeHandle& private_node, Own& own, const 
   readParameters(private_node, "", own, MissingKeys::kKeep, groups);
 }
 
-/// Says which values that can change in flight stand in the private namespace and do not count: left from an earlier
-/// run, or put there instead of into the profile. To be called before dynamic_reconfigure writes there.
+/// Warns of values in the private namespace that can change at run time and are ignored: left from an earlier run, or
+/// written there instead of into the profile. Call this before dynamic_reconfigure writes there.
 template <class Own, class Tuning>
 void warnOfOtherValues(const ros::NodeHandle& private_node, const Own& own, const Tuning& tuning) {
   const ParameterMap here = readParameterMap(private_node, ""), owned = toMap(own);

@@ -1,5 +1,5 @@
-// What is wrong with the clouds' topic while no cloud comes: nobody publishes it, or something else than clouds is
-// published there (roscpp says only that md5sums do not match, and not what to do).
+// Explains why no cloud arrives: the cloud topic has no publisher, or another type is published on it (roscpp only
+// reports that md5sums differ).
 #pragma once
 
 #include <ros/master.h>
@@ -9,8 +9,7 @@
 
 namespace fail_aware {
 
-/// The type that is published there, by the master; empty: nobody publishes it, or the master does not answer (it is
-/// asked once, not waited for).
+/// The published type according to the master; empty: no publisher, or the master does not answer (asked once).
 inline std::string publishedType(const std::string& topic) {
   XmlRpc::XmlRpcValue request, response, published;
   request[0] = ros::this_node::getName();
@@ -24,7 +23,7 @@ inline std::string publishedType(const std::string& topic) {
 
 inline bool isAnotherType(const std::string& type) { return !type.empty() && type != "sensor_msgs/PointCloud2"; }
 
-/// One line for people. `type`: publishedType(topic).
+/// One line for the user. `type`: publishedType(topic).
 inline std::string whyNoCloud(const std::string& topic, const std::string& type) {
   if (type.empty()) return "no cloud yet: nobody publishes " + topic;
   if (!isAnotherType(type)) return "no cloud yet on " + topic;

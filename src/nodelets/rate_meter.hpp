@@ -1,4 +1,4 @@
-// How often something happens, by the steady clock, since it was last asked: for diagnostics.
+// The rate of an event since the last query, by the steady clock; for diagnostics.
 #pragma once
 
 #include <ros/time.h>
@@ -11,7 +11,7 @@ class RateMeter {
  public:
   void tick() { ++count_; }
 
-  /// Hz since the last call; 0 the first time.
+  /// Hz since the last call; 0 at the first call.
   double take_hz() {
     const ros::SteadyTime now = ros::SteadyTime::now();
     const double since_s = asked_.isZero() ? 0.0 : (now - asked_).toSec();

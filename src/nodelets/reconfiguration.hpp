@@ -1,8 +1,8 @@
-// dynamic_reconfigure of a nodelet: a Tuning struct (tuning.hpp) behind a generated Config of the same names.
+// dynamic_reconfigure of a nodelet: a Tuning struct (tuning.hpp) behind a generated Config with the same names.
 //
-// At start-up the Config takes the values that the nodelet runs with, whatever the .cfg's defaults are. A request that
-// would give an invalid set changes nothing: it is refused in the log, in the diagnostics, and in the reply, which holds
-// the old values. A value that came from yaml and lies beyond the .cfg's bounds stays until somebody changes it.
+// At start-up the Config gets the values that the nodelet runs with, whatever the .cfg's defaults are. A request that
+// gives an invalid set changes nothing: it is refused in the log, in the diagnostics, and in the reply, which contains
+// the old values. A yaml value beyond the .cfg's bounds stays until a request changes it.
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/parameters/parameter_map.hpp"
 
 namespace fail_aware {
 
@@ -44,7 +44,7 @@ Config configOf(const Tuning& tuning) {
   return config;
 }
 
-/// The set that a request gives. Throws ParameterError.
+/// The set that results from a request. Throws ParameterError.
 template <class Config, class Tuning>
 Tuning tunedBy(const Config& request, const Tuning& current) {
   Config clamped = configOf<Config>(current);
@@ -64,14 +64,14 @@ Tuning tunedBy(const Config& request, const Tuning& current) {
 template <class Config, class Tuning>
 class Reconfiguration {
  public:
-  /// `apply`: called with each new set that differs from the last. Callbacks come from private_node's queue.
+  /// `apply` is called with each new set that differs from the last one. Callbacks come from private_node's queue.
   Reconfiguration(const ros::NodeHandle& private_node, const Tuning& current, std::function<void(const Tuning&)> apply)
       : name_(private_node.getNamespace()), current_(current), apply_(std::move(apply)), server_(mutex_, private_node) {
     server_.updateConfig(configOf<Config>(current_));
     server_.setCallback([this](Config& config, std::uint32_t) { onRequest(config); });
   }
 
-  /// Why the last request was refused, if it was.
+  /// Reports why the last request was refused, if it was.
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {
     if (!refused_.empty()) status.add("reconfiguration refused", refused_);
   }
@@ -93,7 +93,7 @@ class Reconfiguration {
   std::string name_;
   Tuning current_;
   std::function<void(const Tuning&)> apply_;
-  std::string refused_;  ///< why, of the last request; empty: it was taken
+  std::string refused_;  ///< reason, if the last request was refused; otherwise empty
   boost::recursive_mutex mutex_;
   dynamic_reconfigure::Server<Config> server_;
 };

@@ -1,7 +1,7 @@
-// set_pose in FusionUkf: a pose of base_link in odom (m, rad) that somebody sets from outside. It waits in the estimator for
+// set_pose in FusionUkf: a pose of base_link in odom (m, rad) that is set from outside. It waits in the estimator for
 // the next sweep's update.
-// Failure: a refused pose (another frame, no unit quaternion, the estimator's reasons) changes nothing; it is in the log
-// and in the diagnostics, as is a pose that was set.
+// Failure: a refused pose (another frame, no unit quaternion, the estimator's reasons) changes nothing. Refused poses
+// and poses that were set appear in the log and in the diagnostics.
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "core/estimator.hpp"
 #include "pose_message.hpp"
 #include "topics.hpp"
 
@@ -20,14 +20,14 @@ namespace fail_aware {
 
 class SetPoseInput {
  public:
-  /// Subscribes. `estimator` lives longer. `log_name`: the nodelet's.
+  /// Subscribes. `estimator` must outlive this object. `log_name`: the nodelet's name.
   SetPoseInput(ros::NodeHandle& node, const std::string& log_name, const std::string& odom_frame,
                const Pose& T_base_cog, Estimator& estimator)
       : log_name_(log_name), odom_frame_(odom_frame), T_cog_base_(T_base_cog.inverse()), estimator_(estimator) {
     subscriber_ = node.subscribe(topics::kSetPose, 1, &SetPoseInput::onPose, this);
   }
 
-  /// What became of the pose that waited, after the estimator's update or reset.
+  /// Reports the outcome of the waiting pose; call it after the estimator's update or reset.
   void report() {
     refuse(estimator_.poseSet().refused);
     if (!estimator_.poseSet().done) return;
@@ -59,7 +59,7 @@ class SetPoseInput {
   Pose T_cog_base_;
   Estimator& estimator_;
   std::size_t set_ = 0, refused_ = 0;
-  ros::Subscriber subscriber_;  // calls back: destroyed first
+  ros::Subscriber subscriber_;  // has callbacks: must be destroyed first
 };
 
 }  // namespace fail_aware

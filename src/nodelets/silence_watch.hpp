@@ -1,28 +1,28 @@
-// Is the silence of the filter states long enough to be a failure (core/fail_aware/silence.hpp), and is it time to say so
-// (again)? Times: s of one clock, which may jump back where simulated time begins anew: silence then counts from there.
-// No failure modes.
+// Decides whether the silence of the filter states is a failure (core/integrity/silence.hpp) and whether a message
+// about it is due. Times: s of one clock. The clock may jump back when simulated time restarts; silence then counts
+// from there.
 #pragma once
 
 #include <algorithm>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/silence.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/integrity/silence.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 
 class SilenceWatch {
  public:
-  static constexpr double kRepeat_s = 0.1;  ///< from one message to the next, while the silence lasts
+  static constexpr double kRepeat_s = 0.1;  ///< interval between the messages during silence
 
-  /// Silence counts from now on.
+  /// Silence counts from `now_s` on.
   explicit SilenceWatch(const SilenceParams& params = {}, double now_s = 0.0) : params_(params), heard_s_(now_s) {}
 
-  /// A filter state; `dt_s`: since the one before, 0: there is none.
+  /// Call for each filter state; `dt_s`: since the previous one, 0: there is none.
   void heard(double now_s, double dt_s) {
     heard_s_ = now_s;
     if (dt_s > 0.0) period_s_ = dt_s;
   }
-  /// A message has been published, about a filter state or about silence.
+  /// Call after publishing a message about a filter state or about silence.
   void published(double now_s) { published_s_ = now_s; }
 
   double silence_s(double now_s) const { return now_s - heard_s_; }

@@ -1,5 +1,5 @@
-// How a stage has answered lately: in time, late (it is at work, but not done by the deadline), in vain (late beyond
-// what a sweep would have waited for it at most), or not at all.
+// How a source has answered recently: in time, late (at work, but after the deadline), in vain (later than the longest
+// time that a sweep stays open), or not at all.
 #pragma once
 
 namespace fail_aware {
@@ -10,7 +10,7 @@ class SourceHealth {
     missed_ = in_vain_ = 0;
     late_ = false;
   }
-  /// An answer to a sweep that was closed already.
+  /// An answer to a sweep that was already closed.
   void late(bool in_vain) {
     missed_ = 0;
     late_ = true;
@@ -19,13 +19,13 @@ class SourceHealth {
   /// A sweep was closed without an answer.
   void miss() { ++missed_; }
 
-  /// Not heard of for so many sweeps in a row.
+  /// No answer for this many consecutive sweeps.
   bool isSilent(int sweeps) const { return missed_ >= sweeps; }
-  /// So many answers in a row were in vain: waiting for it costs time and gains nothing.
+  /// This many consecutive answers were in vain: waiting for the source gains nothing.
   bool isTooLate(int sweeps) const { return in_vain_ >= sweeps; }
-  /// Since the last sweep was closed, or in it, something was heard.
+  /// The source answered the last closed sweep, or has answered since.
   bool isAtWork() const { return missed_ == 0; }
-  /// What was heard last came too late: more time may help.
+  /// The last answer was late: more time may help.
   bool isLate() const { return late_; }
 
  private:

@@ -1,5 +1,5 @@
-// Faults in the log: one line a kind at most every 10 s, by the steady clock (ROS_WARN_THROTTLE says nothing while ROS
-// time stands still). Give it what is wrong as often as you like, from one thread.
+// Faults in the log: per kind at most one line every 10 s, by the steady clock (ROS_WARN_THROTTLE is silent while ROS
+// time stands still). Call it for every occurrence, from one thread.
 #pragma once
 
 #include <ros/console.h>
@@ -18,13 +18,13 @@ class SpokenFaults {
 
   explicit SpokenFaults(std::string name) : name_(std::move(name)) {}
 
-  /// Empty text: nothing is wrong, nothing is said.
+  /// Empty text: no fault, no line.
   void say(const std::string& kind, const std::string& text, const ros::SteadyTime& now = ros::SteadyTime::now()) {
     if (text.empty() || !isDue(kinds_[kind], now)) return;
     ROS_WARN("%s: %s", name_.c_str(), text.c_str());
   }
 
-  /// `total`: how often it has happened so far. Says by how many it grew since the last line of this kind.
+  /// `total`: number of occurrences so far. Reports the increase since the last line of this kind.
   void count(const std::string& kind, std::size_t total, const ros::SteadyTime& now = ros::SteadyTime::now()) {
     Kind& known = kinds_[kind];
     if (total <= known.said || !isDue(known, now)) return;

@@ -1,19 +1,20 @@
-// Does the instant that the stamps are taken for (sensor.timing.stamp_reference) agree with what else is known of it?
+// Checks the assumed reference of the stamps (sensor.timing.stamp_reference) against the other evidence.
 #pragma once
 
 #include <cstdio>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "core/preprocessing/timing.hpp"
 
 namespace fail_aware {
 
 inline constexpr double kLateFrom_periods = 0.9, kLateTo_periods = 1.6;
 
-/// One line for people; empty: nothing speaks against it.
-/// `age_s`: of the clouds on arrival (ClockCheck). Stamps of a revolution's first packet are a period old when the cloud
-/// comes; those of its last one are as old as driver and transport are slow. So a stamp that was taken for the end of a
-/// sweep by default, and is that old in cloud after cloud, is doubted. One that the parameter says is believed.
+/// One line for the user; empty: no contradiction.
+/// `age_s`: age of the clouds on arrival (ClockCheck). If a stamp is the time of the revolution's first packet, the
+/// cloud arrives one period later. If it is the time of the last packet, the age is only the delay of driver and
+/// transport. So this function doubts a stamp that is the end of the sweep by default and is always about a period old.
+/// A reference that the parameter sets is trusted.
 inline std::string stampFault(const SweepTimingParams& params, const TimingResult& timing, double age_s) {
   const bool assumed = params.stamp_reference == "auto";
   char text[320];

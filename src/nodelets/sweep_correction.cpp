@@ -1,7 +1,7 @@
-// Sweep correction in the live graph (core/sweep/sweep_corrector.hpp).
-// In: points (any PointCloud2), sweep/prediction of the same stamp. Out: sweep/points, one for every prediction whose
-// cloud is there; without points where the cloud could not be read, so that the sweep still closes; and sweep/check,
-// what the raw sweep looks like (core/sweep/sweep_check.hpp).
+// Sweep correction in the live graph (core/preprocessing/sweep_corrector.hpp).
+// In: points (any PointCloud2), sweep/prediction of the same stamp. Out: sweep/points, one per prediction whose cloud
+// arrived, without points if the cloud was not readable, so that the sweep still closes; and sweep/check, the findings
+// about the raw sweep (core/preprocessing/sweep_check.hpp).
 #include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -10,12 +10,13 @@
 #include <memory>
 #include <optional>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/parameter_server.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "correction_diagnosis.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 #include "graph_nodelet.hpp"
 #include "predicted_clouds.hpp"
 #include "private_parameters.hpp"
@@ -49,7 +50,7 @@ class SweepCorrectionNodelet : public GraphNodelet {
   }
 
   void onPrediction(const messages::SweepPredictionConstPtr& prediction) {
-    if (prediction->dt <= 0.0) corrector_->reset();  // a drive begins, whether this sweep's cloud comes or not
+    if (prediction->dt <= 0.0) corrector_->reset();  // a drive begins, even if this sweep's cloud does not arrive
     correct(inputs_.add(prediction));
   }
 
@@ -83,10 +84,10 @@ class SweepCorrectionNodelet : public GraphNodelet {
   std::unique_ptr<SweepCheck> check_;
   std::unique_ptr<SweepCorrector> corrector_;
   std::unique_ptr<CorrectionDiagnosis> diagnosis_;
-  Sweep sweep_;  ///< their memory is used again
+  Sweep sweep_;  ///< this and corrected_: reuse their memory
   CorrectedSweep corrected_;
   ros::Publisher publisher_, check_publisher_;
-  // What calls back is destroyed first, and waits for a call that is under way.
+  // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   ros::Subscriber cloud_subscriber_, prediction_subscriber_;
   std::unique_ptr<Health> health_;
 };

@@ -1,12 +1,13 @@
-// Brings together what a measurement nodelet needs of one sweep, by exact stamp: its points, its prediction, and, for
-// the sweep measured before it, the filter state that places that one in the reference; with it the states of those
-// that were skipped between the two.
+// Matches a measurement nodelet's inputs for one sweep by exact stamp: its points, its prediction, and the filter state
+// of the previously measured sweep, which updates the reference. The filter states of the sweeps dropped between the
+// two come with it.
 //
-// Only the newest predicted sweep is ever measured: who falls behind skips, the filter has closed the others already.
+// Only the newest predicted sweep is measured: an overloaded nodelet drops sweeps, since the filter has already closed
+// the older ones.
 #pragma once
 
-#include <fail_aware_lidar_odometry/FilterState.h>
-#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include "fail_aware_lidar_odometry/FilterState.h"
+#include "fail_aware_lidar_odometry/SweepPrediction.h"
 #include <sensor_msgs/PointCloud2.h>
 
 #include <cstddef>
@@ -25,14 +26,14 @@ class SweepMatcher {
   struct Job {
     Prediction prediction;
     sensor_msgs::PointCloud2ConstPtr cloud;
-    bool begins = false;           ///< a drive began with this sweep, or with one that was skipped before it
-    std::vector<State> skipped{};  ///< of the sweeps since the one measured last
+    bool begins = false;           ///< a drive began with this sweep, or with one dropped before it
+    std::vector<State> skipped{};  ///< filter states of the sweeps since the last measured one
   };
 
   void add(const sensor_msgs::PointCloud2ConstPtr& cloud) { clouds_.push(cloud->header.stamp, cloud); }
 
   void add(const Prediction& prediction) {
-    if (prediction->dt <= 0.0) {  // a drive begins; it may repeat the last one's stamps
+    if (prediction->dt <= 0.0) {  // a drive begins; its stamps may repeat the last drive's
       states_.clear();
       measured_ = ros::Time();
       begins_ = true;
@@ -43,7 +44,7 @@ class SweepMatcher {
 
   void add(const State& state) { states_.push(state->header.stamp, state); }
 
-  /// The filter state of the sweep that was measured last; null: not there yet, or taken.
+  /// The filter state of the last measured sweep; null: not arrived yet, or already taken.
   State takePlace() {
     if (measured_.isZero()) return nullptr;
     const State* found = states_.find(measured_);
@@ -54,8 +55,8 @@ class SweepMatcher {
     return state;
   }
 
-  /// The sweep to measure now; it counts as measured. Nothing while its points, or the place of the sweep right before
-  /// it, are missing.
+  /// The sweep to measure now; it then counts as measured. Nothing while its points, or the filter state of the
+  /// previously measured sweep, are missing.
   std::optional<Job> next() {
     if (!newest_) return std::nullopt;
     const ros::Time stamp = newest_->header.stamp;
@@ -79,7 +80,7 @@ class SweepMatcher {
   ExactStampBuffer<State> states_{kKept};
   Prediction newest_;
   bool begins_ = false;
-  ros::Time measured_;  ///< of the sweep that waits for its filter state; zero: none
+  ros::Time measured_;  ///< stamp of the sweep that waits for its filter state; zero: none
   std::size_t skipped_ = 0;
 };
 

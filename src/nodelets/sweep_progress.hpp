@@ -1,4 +1,4 @@
-// How a stage gets on, for its diagnostics: sweeps done, how often (Hz, steady clock), age of the last one (s, ROS time).
+// A stage's progress for its diagnostics: number of sweeps, rate (Hz, steady clock), age of the last one (s, ROS time).
 // No failure modes.
 #pragma once
 
@@ -21,11 +21,11 @@ class SweepProgress {
     rate_.tick();
     last_stamp_ = stamp;
   }
-  /// A new drive, in which no sweep is done yet. The count stays.
+  /// A new drive without a finished sweep. The count stays.
   void forgetLast() { last_stamp_ = ros::Time(); }
   std::size_t sweeps() const { return sweeps_; }
 
-  /// `what`: a sweep's result, as people call it.
+  /// `what`: the user's name for a sweep's result.
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& what) {
     status.addf("rate (Hz)", "%.2f", rate_.take_hz());
     if (!last_stamp_.isZero()) {

@@ -6,11 +6,11 @@
 
 namespace fail_aware::topics {
 
-inline constexpr std::uint32_t kQueue = 8;  ///< messages, of publishers and subscribers within the graph
-/// Sweeps: their clouds wait in a buffer of kQueue beside the one in work and the one that comes.
+inline constexpr std::uint32_t kQueue = 8;  ///< messages, for publishers and subscribers within the graph
+/// Number of waiting sweeps: their clouds are in a buffer of kQueue, with the cloud in work and the next one.
 inline constexpr int kMaxWaiting = static_cast<int>(kQueue) - 2;
 
-inline constexpr const char* kClouds = "points";  ///< in: the lidar's; odometry.launch remaps it
+inline constexpr const char* kClouds = "points";  ///< in: the lidar's clouds; odometry.launch remaps it
 inline constexpr const char* kSetPose = "set_pose";
 inline constexpr const char* kSweepPrediction = "sweep/prediction";
 inline constexpr const char* kSweepPoints = "sweep/points";

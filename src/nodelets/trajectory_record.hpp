@@ -1,5 +1,5 @@
 // Every pose since the start (or the last reset), for ~save_trajectory. 144 bytes a pose; beyond the limit the oldest
-// give way and are counted.
+// poses are dropped and counted.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/trajectory_io.hpp"
 
 namespace fail_aware {
 

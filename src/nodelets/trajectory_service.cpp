@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/parameter_server.hpp"
 
 namespace fail_aware {
 
@@ -15,7 +15,7 @@ TrajectoryService::TrajectoryService(ros::NodeHandle private_node, const std::st
 }
 
 TrajectoryService::~TrajectoryService() {
-  spinner_.stop();  // waits for a call that is under way
+  spinner_.stop();  // waits for a running callback
 }
 
 void TrajectoryService::add(double stamp_s, const Pose& T_odom_base) {
@@ -29,7 +29,7 @@ void TrajectoryService::clear() {
 }
 
 bool TrajectoryService::onSave(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  // may have been set meanwhile
+  // the parameter may have changed since the start
   const std::string file = readText(private_node_, "trajectory_file", file_);
   std::error_code error;
   const std::filesystem::path path = std::filesystem::absolute(file, error);

@@ -1,5 +1,5 @@
-// ~save_trajectory: writes every pose of base_link in odom since the drive began (trajectory_record.hpp) to a file. It works
-// in a thread of its own: a slow disk must not hold up the estimates.
+// ~save_trajectory: writes every pose of base_link in odom since the drive began (trajectory_record.hpp) to a file. It
+// has its own thread, so that a slow disk does not delay the estimates.
 // Failure: the response says why nothing was written.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace fail_aware {
 
 class TrajectoryService {
  public:
-  /// `file`: where ~trajectory_file is not set by the time of the call.
+  /// `file`: used if ~trajectory_file is not set at the time of the call.
   TrajectoryService(ros::NodeHandle private_node, const std::string& file, std::size_t max_poses);
   ~TrajectoryService();
 

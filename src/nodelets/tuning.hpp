@@ -1,15 +1,15 @@
-// What can change in flight, nodelet by nodelet: the parameters of cfg/*.cfg, by the same names, beside the places in
-// the parameter structs that they stand for. A test compares names, types and defaults.
+// The parameters that can change at run time, per nodelet: those of cfg/*.cfg, with the same names, mapped to the
+// fields of the parameter structs. A test compares names, types and defaults.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 #include "fusion_ukf_params.hpp"
 
 namespace fail_aware {
 
 struct FusionUkfTuning {
   FusionUkfNodeletParams node;
-  RegistrationParameters registration;  ///< only which measurements are used
+  RegistrationParameters registration;  ///< only which measurements are in use
   MeasurementFusion::Params fusion;
 
   template <class Self, class Visitor>

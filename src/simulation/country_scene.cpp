@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/country_scene.hpp"
+#include "simulation/country_scene.hpp"
 
 #include <cmath>
 
@@ -8,9 +8,9 @@ namespace {
 
 enum CountrySort : std::uint64_t { kTrees = 200, kWoods, kHedges, kFarms, kBushes, kFences };
 
-constexpr double kStretch_m = 60.0;  // of hedge, fence or wood, or nothing
+constexpr double kStretch_m = 60.0;  // length of a hedge, fence, wood or gap
 
-/// What lines one side of the road over a stretch.
+/// Adds what borders one side of the road, stretch by stretch.
 void addStretch(SceneChunk& chunk, double side) {
   chunk.every(5.0, [&](double s, std::int64_t index) {
     const auto stretch = static_cast<std::int64_t>(std::floor(s / kStretch_m));

@@ -1,16 +1,16 @@
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
+#include "simulation/drive_simulation.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/arena_size.hpp"
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
-#include "fail_aware_lidar_odometry/simulation/scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/traffic.hpp"
+#include "core/arena_size.hpp"
+#include "core/parallel.hpp"
+#include "core/parameters/check.hpp"
+#include "core/parameters/mounting.hpp"
+#include "simulation/random.hpp"
+#include "simulation/scene.hpp"
+#include "simulation/traffic.hpp"
 
 namespace fail_aware {
 
@@ -19,7 +19,7 @@ namespace {
 constexpr int kColumnsPerBlock = 64;
 constexpr std::array<VehicleShape, 3> kShapes = {VehicleShape::kCar, VehicleShape::kVan, VehicleShape::kTruck};
 
-/// Poses of the vehicle, one a step of its simulation, evenly spaced from a sweep's start to its end.
+/// Poses of the vehicle, one per simulation step, evenly spaced from a sweep's start to its end.
 struct Motion {
   std::vector<Eigen::Quaterniond> rotations;
   std::vector<Eigen::Vector3d> translations;

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/fault.hpp"
+#include "simulation/fault.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <sstream>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

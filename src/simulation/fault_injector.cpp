@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
+#include "simulation/fault_injector.hpp"
 
 #include <utility>
 
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_faults.hpp"
+#include "simulation/random.hpp"
+#include "simulation/sweep_faults.hpp"
 
 namespace fail_aware {
 

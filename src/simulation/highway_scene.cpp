@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/highway_scene.hpp"
+#include "simulation/highway_scene.hpp"
 
 #include <cmath>
 

@@ -1,20 +1,20 @@
-#include "fail_aware_lidar_odometry/simulation/lidar_model.hpp"
+#include "simulation/lidar_model.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 
 namespace {
 
 constexpr int kBeams = 64;
-// The weakest return that is seen: the sensor's data sheet has asphalt (0.1) to 50 m and a car (0.8) to 120 m.
+// The weakest detected return: the sensor's data sheet gives asphalt (0.1) up to 50 m, a car (0.8) up to 120 m.
 constexpr float kWeakestReturn = 1.25e-5f;
-constexpr float kIncidenceFloor = 0.3f;  // share of the return that does not depend on the angle
+constexpr float kIncidenceFloor = 0.3f;  // ratio of the return that does not depend on the angle
 
 double elevationDeg(int ring) {  // from below
   return ring < 32 ? -8.83 - 15.5 + 0.5 * ring : 2.0 - (kBeams - 1 - ring) / 3.0;
@@ -63,7 +63,7 @@ std::optional<LidarModel::Return> LidarModel::measure(std::size_t beam_index, do
   if (uniformFromBits(bits) < params_.dropout + static_cast<double>(surface.dropout)) return std::nullopt;
   const float incidence = kIncidenceFloor + (1.0f - kIncidenceFloor) * hit.incidence_cos;
   const float strength = surface.reflectivity * incidence / (hit.range_m * hit.range_m) / kWeakestReturn;
-  // seen for certain above 1.3 times the weakest, never below 0.7 times
+  // always detected above 1.3 times the weakest, never below 0.7 times
   if (strength < 0.7f + 0.6f * static_cast<float>(uniformFromBits(mixBits(bits + 1)))) return std::nullopt;
 
   const Beam& beam = beams_[beam_index];

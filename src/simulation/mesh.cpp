@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/mesh.hpp"
+#include "simulation/mesh.hpp"
 
 #include <cmath>
 

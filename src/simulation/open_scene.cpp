@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/open_scene.hpp"
+#include "simulation/open_scene.hpp"
 
 namespace fail_aware {
 

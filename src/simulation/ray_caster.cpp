@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/ray_caster.hpp"
+#include "simulation/ray_caster.hpp"
 
 #include <embree3/rtcore.h>
 
@@ -38,7 +38,7 @@ struct RayCaster::Impl {
     unsigned instance;
     Eigen::Vector3d origin;
   };
-  /// What the top scene's instance number refers to.
+  /// The object of an instance number in the top scene.
   struct Target {
     const Solid* solid = nullptr;
     Eigen::Matrix3f R_object_world = Eigen::Matrix3f::Identity();
@@ -128,7 +128,7 @@ void RayCaster::remove(std::int64_t id) {
 }
 
 int RayCaster::addShape(const Mesh& mesh) {
-  // instances refer to shapes by address
+  // instances store the addresses of shapes
   if (!impl_->moving_instances.empty()) throw std::logic_error("shapes come before what moves");
   impl_->shapes.push_back(impl_->build(mesh));
   return static_cast<int>(impl_->shapes.size()) - 1;

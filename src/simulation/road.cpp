@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/road.hpp"
+#include "simulation/road.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ constexpr double kStep_m = 0.5;
 constexpr double kLeadIn_m = 200.0, kFirstStraight_m = 40.0;
 constexpr double kBlend_m = 40.0;
 constexpr double kStreetCornerRadius_m = 13.0, kStreetCornerRamp_m = 6.0;
-constexpr double kTurnBack_rad = 0.6;  // a heading beyond this is turned back
+constexpr double kTurnBack_rad = 0.6;  // beyond this heading the road turns back
 
 }  // namespace
 
@@ -95,7 +95,7 @@ double Road::blended(double s_m, double RoadCharacter::*value) const {
   const double before = roadCharacter(kindAt(s_m - 0.5 * kBlend_m)).*value;
   const double after = roadCharacter(kindAt(s_m + 0.5 * kBlend_m)).*value;
   if (before == after) return before;
-  // the border lies somewhere within the 40 m: how far is it behind the window's end?
+  // the border lies within these 40 m; f: distance from the border to their end, as a ratio of 40 m
   const ScenePlan::Range range = plan_.partAt(s_m + 0.5 * kBlend_m);
   const double f = std::clamp((s_m + 0.5 * kBlend_m - range.begin_m) / kBlend_m, 0.0, 1.0);
   return before + f * (after - before);
@@ -114,7 +114,7 @@ double Road::project(const Eigen::Vector2d& p, double s_guess_m) const {
 }
 
 double Road::distance(const Eigen::Vector2d& p, double s_m, double reach_m) const {
-  constexpr std::int64_t kStride = 4;  // 2 m: an error of some cm at most where it matters
+  constexpr std::int64_t kStride = 4;  // 2 m: an error of a few cm at most where it matters
   const auto index = [&](double s) {
     return std::clamp(static_cast<std::int64_t>(s / kStep_m) - first_index_, std::int64_t{0},
                       static_cast<std::int64_t>(points_.size()) - 1);

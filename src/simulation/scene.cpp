@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/simulation/scene.hpp"
+#include "simulation/scene.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-#include "fail_aware_lidar_odometry/simulation/country_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/highway_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/open_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/town_scene.hpp"
-#include "fail_aware_lidar_odometry/simulation/tunnel_scene.hpp"
+#include "simulation/country_scene.hpp"
+#include "simulation/highway_scene.hpp"
+#include "simulation/open_scene.hpp"
+#include "simulation/town_scene.hpp"
+#include "simulation/tunnel_scene.hpp"
 
 namespace fail_aware {
 
@@ -19,7 +19,7 @@ constexpr double kRoadStep_m = 2.0;
 constexpr double kChunk_m = 25.0, kAhead_m = 160.0, kBehind_m = 140.0;
 constexpr double kCell_m = 40.0, kGroundRadius_m = 130.0, kGroundForget_m = 150.0;
 constexpr int kGrid = 16;                                 // squares along a cell's side
-constexpr double kVergeBegin_m = 3.0, kVergeEnd_m = 7.0;  // from the asphalt: from smooth to rough
+constexpr double kVergeBegin_m = 3.0, kVergeEnd_m = 7.0;  // distances from the asphalt: smooth before, rough after
 
 std::int64_t chunkId(std::int64_t index) { return 2 * index; }
 std::int64_t cellId(const std::pair<std::int64_t, std::int64_t>& cell) {
@@ -106,7 +106,7 @@ SceneTile Scene::makeChunk(std::int64_t index) const {
 SceneTile Scene::makeGround(const Cell& cell, double s_m) const {
   const Eigen::Vector2d low(kCell_m * static_cast<double>(cell.first), kCell_m * static_cast<double>(cell.second));
   const Eigen::Vector2d middle = low + Eigen::Vector2d::Constant(0.5 * kCell_m);
-  // the stretch of road that can be near this cell, thinned
+  // the part of the road that can be near this cell, thinned
   struct Near {
     Eigen::Vector2d position;
     double half_width_m, roughness_m;

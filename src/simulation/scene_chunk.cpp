@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene_chunk.hpp"
+#include "simulation/scene_chunk.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kReach_m = 110.0;  // along the road, in which another part of it may come near
+constexpr double kReach_m = 110.0;  // range along the road in which another part of the road may come close
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene_kind.hpp"
+#include "simulation/scene_kind.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,16 +6,16 @@
 #include <limits>
 #include <sstream>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kShortest_m = 30.0;  // of a part without a length
-constexpr double kMeanSpeed = 0.6;    // share of the limit that is driven on average
+constexpr double kShortest_m = 30.0;  // for a part without a length
+constexpr double kMeanSpeed = 0.6;    // mean speed as a ratio of the limit
 constexpr SceneKind kKinds[] = {SceneKind::kTown, SceneKind::kCountry, SceneKind::kHighway, SceneKind::kTunnel,
                                 SceneKind::kOpen};
 

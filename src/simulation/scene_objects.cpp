@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene_objects.hpp"
+#include "simulation/scene_objects.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ Place at(const Place& place, double x, double y, double z) { return place * Eige
 void addLeaves(Mesh& mesh, const Eigen::Vector3d& centre, const Eigen::Vector3d& radii, int leaves, double leaf_size,
                RandomStream& random) {
   for (int i = 0; i < leaves; ++i) {
-    // evenly in the ball, by rejection
+    // uniform in the ball, by rejection
     Eigen::Vector3d p;
     do {
       p = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
@@ -34,11 +34,11 @@ void addLeaves(Mesh& mesh, const Eigen::Vector3d& centre, const Eigen::Vector3d&
 void addHouse(Mesh& mesh, const Place& place, double length, double depth, double height, RandomStream& random) {
   const double side = depth > 0.0 ? 1.0 : -1.0;
   const double body = std::abs(depth);
-  constexpr double kBelow = 1.5;  // into the ground, which may slope
+  constexpr double kBelow = 1.5;  // depth below the ground, which may slope
   mesh.addBox(at(place, 0.0, 0.5 * depth, -kBelow), {length, body, height + kBelow}, Material::kWall);
   mesh.addFrustum(at(place, 0.0, 0.5 * depth, height), {length + 0.5, body + 0.6, 0.3 * body}, 1.0, 0.05,
                   Material::kConcrete);
-  // plinth, and what stands out of or lies in the front
+  // plinth, and the parts that stand out of the front or lie in it
   mesh.addBox(at(place, 0.0, -0.04 * side, -kBelow), {length, 0.08, kBelow + 0.6}, Material::kConcrete);
   constexpr double kFloor = 3.0;
   const int floors = std::max(1, static_cast<int>(height / kFloor));

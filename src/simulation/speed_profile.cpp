@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/speed_profile.hpp"
+#include "simulation/speed_profile.hpp"
 
 #include <algorithm>
 #include <cmath>

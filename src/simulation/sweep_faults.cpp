@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/simulation/sweep_faults.hpp"
+#include "simulation/sweep_faults.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 
@@ -24,7 +24,7 @@ void resize(Sweep& sweep, std::size_t size) {
   if (!sweep.rings.empty()) sweep.rings.resize(size);
 }
 
-/// Keeps the points for which keep(index) holds, in order.
+/// Keeps the points for which keep(index) is true, in order.
 template <class Keep>
 void filter(Sweep& sweep, Keep&& keep) {
   std::size_t kept = 0;
@@ -90,7 +90,7 @@ void cutShort(Sweep& sweep, double share) {
 
 void tiltMount(Sweep& sweep, double angle_deg) {
   const double angle = angle_deg * kDegree;
-  // the sensor turns by R, so what it sees turns by R^-1
+  // the sensor turns by R, so its points turn by R^-1
   const Eigen::Matrix3f R = rotationFromRpy(0.5 * angle, angle, 0.0).transpose().cast<float>();
   for (Eigen::Vector3f& p : sweep.points_lidar) p = R * p;
 }

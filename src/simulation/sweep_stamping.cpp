@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "simulation/sweep_stamping.hpp"
 
 namespace fail_aware {
 

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/simulation/terrain.hpp"
+#include "simulation/terrain.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 
@@ -11,9 +11,9 @@ namespace {
 constexpr double kLongestHill_m = 900.0, kShortestHill_m = 120.0;
 constexpr double kLongestBump_m = 14.0, kShortestBump_m = 5.0;
 constexpr double kLongestRoughness_m = 12.0, kShortestRoughness_m = 1.2;
-constexpr double kRoughness_m = 0.002;  // at the shortest wave; grows with the wave's length
+constexpr double kRoughness_m = 0.002;  // at the shortest wave; increases with the wavelength
 
-/// Wavelengths from longest to shortest in equal ratios, directions at random; amplitude(wavelength, count).
+/// Wavelengths from longest to shortest in equal ratios, random directions; amplitude(wavelength).
 template <std::size_t N, class Wave, class Amplitude>
 void spread(std::array<Wave, N>& waves, double longest_m, double shortest_m, RandomStream random,
             Amplitude&& amplitude) {
@@ -31,7 +31,7 @@ void spread(std::array<Wave, N>& waves, double longest_m, double shortest_m, Ran
 
 Terrain::Terrain(std::uint64_t seed, double grade) {
   const double count = static_cast<double>(hills_.size());
-  // equal shares of the slope: rms of the sum of N waves of slope g is g sqrt(N / 2)
+  // each wave has the same slope: the rms of the sum of N waves of slope g is g sqrt(N / 2)
   spread(hills_, kLongestHill_m, kShortestHill_m, RandomStream(combineKeys(seed, 1)),
          [&](double length_m) { return grade * std::sqrt(2.0 / count) * length_m / (2.0 * M_PI); });
   spread(bumps_, kLongestBump_m, kShortestBump_m, RandomStream(combineKeys(seed, 2)),

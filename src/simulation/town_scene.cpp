@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/town_scene.hpp"
+#include "simulation/town_scene.hpp"
 
 #include <algorithm>
 #include <cmath>

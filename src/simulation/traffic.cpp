@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/traffic.hpp"
+#include "simulation/traffic.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ Pose placeOnRoad(const Road& road, const Terrain& terrain, double s_m, double la
   return T;
 }
 
-/// The places of the ring, from the nearest on: along the road and across it, in lanes.
+/// The positions of the ring, nearest first: along the road and across it, in lanes.
 struct RingPlace {
   double along_m;
   int lane;
@@ -67,7 +67,7 @@ void Traffic::refill(const Road& road, double s_m) {
     next_oncoming_m_ = appear_m + spacing(character.oncoming_per_km);
   }
   if (character.same_way_per_km > 0.0 && appear_m >= next_same_way_m_) {
-    // slower ones on the right lane are overtaken
+    // the car overtakes slower ones on the right lane
     same_way_.push_back({appear_m, speed * random_.uniform(0.7, 0.8), -(character.lane_offset_m + 3.6),
                          random_.chance(0.6) ? VehicleShape::kTruck : randomShape(random_)});
     next_same_way_m_ = appear_m + 0.25 * spacing(character.same_way_per_km);

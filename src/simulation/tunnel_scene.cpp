@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/tunnel_scene.hpp"
+#include "simulation/tunnel_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,7 +54,7 @@ void buildTunnel(SceneChunk& chunk) {
   const double wall = chunk.halfWidth(0.5 * (chunk.begin_m() + chunk.end_m())) + kFootway_m;
   for (double side : {-1.0, 1.0}) {
     double from = chunk.begin_m();
-    // a niche lies within one chunk: the chunks' length divides their spacing
+    // a niche lies within one chunk: the chunks' length divides the niches' spacing
     chunk.every(kNicheSpacing_m, [&](double s, std::int64_t) {
       const double niche = s + (side > 0.0 ? 5.0 : 12.0);
       if (niche + kNicheLength_m > chunk.end_m()) return;
@@ -63,7 +63,7 @@ void buildTunnel(SceneChunk& chunk) {
       from = niche + kNicheLength_m;
     });
     addTube(chunk, from, chunk.end_m(), side, wall);
-    chunk.every(50.0, [&](double s, std::int64_t) {  // signs of the ways out
+    chunk.every(50.0, [&](double s, std::int64_t) {  // exit signs
       chunk.mesh.addBox(chunk.place(s + 3.0, side * (wall - 0.06), 1.4), {0.5, 0.1, 0.35}, Material::kSign);
     });
   }

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/simulation/vehicle_drive.hpp"
+#include "simulation/vehicle_drive.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -15,7 +15,7 @@ constexpr double kAirDrag_kg_per_m = 0.42;  // half air density times drag area
 constexpr double kRolling = 0.012;
 constexpr double kLookAhead_m = 3.5, kLookAhead_s = 0.55;
 constexpr double kMaxSteering_rad = 0.6, kMaxSteeringRate_rps = 0.7, kSteeringLag_s = 0.12;
-constexpr double kWander_m = 0.12, kWander_per_m = 2.0 * M_PI / 170.0;  // nobody keeps to the very middle of his lane
+constexpr double kWander_m = 0.12, kWander_per_m = 2.0 * M_PI / 170.0;  // no driver stays exactly in the lane's middle
 constexpr double kSpeedGain_per_s = 1.5;
 constexpr double kKinematicBelow_mps = 1.5;  // slip angles are singular at rest
 constexpr int kDriverEvery = 10;             // steps
@@ -57,7 +57,7 @@ VehicleDrive::VehicleDrive(std::uint64_t seed, const Params& params, const Road&
   const double l_f = params_.vehicle.cog_to_front_axle_m, l_r = params_.vehicle.cog_to_rear_axle_m;
   ground_m_ << roadHeight(terrain, l_f, 0.75), roadHeight(terrain, l_f, -0.75), roadHeight(terrain, -l_r, 0.75),
       roadHeight(terrain, -l_r, -0.75);
-  // let the springs settle before the drive begins
+  // the springs settle before the drive begins
   const State begin = state_;
   for (int i = 0; i < 3000; ++i) moveOnSprings(ground_m_);
   state_.position = begin.position;
@@ -124,14 +124,14 @@ void VehicleDrive::moveOnPlane(double slope, double bank) {
   const VehicleParameters& car = params_.vehicle;
   const double vx = state_.forward_mps;
   const double old_left_mps = state_.left_mps;
-  // the driver's command is what he feels: he compensates slope and resistance up to the friction limit
+  // the command is the felt acceleration: the driver compensates slope and resistance up to the friction limit
   const double resistance =
       kAirDrag_kg_per_m * vx * std::abs(vx) / car.mass_kg + (vx > 0.0 ? kRolling * kGravity_mps2 : 0.0);
   const double traction = std::clamp(state_.command_mps2 + resistance + kGravity_mps2 * slope,
                                      -params_.friction * kGravity_mps2, 0.5 * params_.friction * kGravity_mps2);
   double forward_mps2 = traction - resistance - kGravity_mps2 * slope;
 
-  if (vx < kKinematicBelow_mps) {  // wheels roll where they point
+  if (vx < kKinematicBelow_mps) {  // the wheels roll in their direction, without slip
     const double follow = kStep_s / 0.05;
     const double rate = vx * std::tan(state_.steering_rad) / car.wheelbase_m();
     state_.yaw_rate_rps += follow * (rate - state_.yaw_rate_rps);
@@ -188,7 +188,7 @@ void VehicleDrive::moveOnSprings(const Eigen::Vector4d& ground_m) {
     roll_nm += left[i] * force;
   }
   ground_m_ = ground_m;
-  // inertia acts above the axes; what is not taken by the springs goes through the links, straight into the wheels
+  // inertia acts above the axes; what the springs do not carry goes through the links straight into the wheels
   pitch_nm -= car.mass_kg * car.cog_above_pitch_axis_m * state_.forward_mps2;
   roll_nm += car.mass_kg * car.cog_above_roll_axis_m * state_.left_mps2;
   const double link_pitch_n =

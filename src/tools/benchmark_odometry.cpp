@@ -1,5 +1,5 @@
-// benchmark_odometry: time of a sweep of the whole odometry beside that of scan-to-scan pcl::IterativeClosestPoint on
-// the same sweeps in the same run. Machines differ, and one machine differs from hour to hour; the ratio holds.
+// benchmark_odometry: time per sweep of the whole odometry compared with scan-to-scan pcl::IterativeClosestPoint on the
+// same sweeps in the same run. Times differ between machines and from hour to hour; the ratio stays.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -17,10 +17,10 @@
 #include <pcl/point_types.h>
 #include <pcl/registration/icp.h>
 
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/io/kitti_directory.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "evaluation/quantile.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
 #include "tool_support.hpp"
@@ -54,7 +54,7 @@ double residentMb() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
-/// Registers each sweep against the one before; the guess is the motion found last.
+/// Registers each sweep against the previous one; the initial guess is the last motion.
 class PclScanToScan {
  public:
   PclScanToScan() {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/evaluation/azimuth_calibration.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
+#include "evaluation/azimuth_calibration.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
@@ -73,8 +73,10 @@ int run(const Options& options) {
                 found.distance_m, found.direction_deg, found.sigma_deg);
   std::cerr << kName << ": " << text << std::endl;
   if (found.curvature_ratio > kMostBends) {
-    std::cerr << kName << ": warning: nearly all of that may be the curvature of these drives; give some with curvatures to both "
-              << "sides, or straight on" << std::endl;
+    std::cerr
+        << kName
+        << ": warning: nearly all of that may be the curvature of these drives; give some with curvatures to both "
+        << "sides, or straight on" << std::endl;
   } else if (found.sigma_deg > kUsefulSigma_deg) {
     std::cerr << kName << ": warning: that is not known to " << kUsefulSigma_deg
               << " deg; give more drives, or longer ones" << std::endl;

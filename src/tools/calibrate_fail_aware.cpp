@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_calibration.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "evaluation/fail_aware_calibration.hpp"
 #include "fail_aware_run.hpp"
 #include "result_files.hpp"
 #include "tool_support.hpp"

@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/evaluation/noise_calibration.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "evaluation/noise_calibration.hpp"
 #include "fail_aware_run.hpp"
 #include "result_files.hpp"
 #include "tool_support.hpp"

@@ -1,7 +1,7 @@
-// Which cloud was answered by which odometry, and after what time; for measure_latency.
+// Matches clouds with the odometry messages that answer them, and measures the time between; for measure_latency.
 //
-// Both are told in the order in which they come, with the steady clock's time. A cloud that is not answered within
-// `patience_s` counts as unanswered. Memory: the open clouds and one number a sweep.
+// Report both in the order of arrival, with the steady clock's time. A cloud without an answer within `patience_s`
+// counts as unanswered. Memory: the open clouds and one number a sweep.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +16,11 @@ class CloudAnswers {
  public:
   explicit CloudAnswers(double patience_s = 10.0) : patience_s_(patience_s) {}
 
-  /// `stamp_ns` tells the sweeps apart.
+  /// `stamp_ns` identifies the sweep.
   void cloud(std::uint64_t stamp_ns, double now_s) {
     ++clouds_;
     if (early_.erase(stamp_ns) > 0) {
-      latencies_s_.push_back(0.0);  // the answer came on its own connection, ahead of the cloud's copy for us
+      latencies_s_.push_back(0.0);  // the answer overtook this node's copy of the cloud on its own connection
       return;
     }
     if (!open_.emplace(stamp_ns, now_s).second) ++unanswered_;  // the same stamp again
@@ -41,7 +41,7 @@ class CloudAnswers {
 
   std::size_t clouds() const { return clouds_; }
   std::size_t odometries() const { return odometries_; }
-  /// Given up, and still open.
+  /// Clouds that were given up or are still open.
   std::size_t unanswered() const { return unanswered_ + open_.size(); }
   const std::vector<double>& latencies_s() const { return latencies_s_; }
 
@@ -60,8 +60,8 @@ class CloudAnswers {
   }
 
   double patience_s_;
-  std::map<std::uint64_t, double> open_;   ///< stamp -> when the cloud came
-  std::map<std::uint64_t, double> early_;  ///< stamp -> when the odometry came
+  std::map<std::uint64_t, double> open_;   ///< stamp -> arrival of the cloud
+  std::map<std::uint64_t, double> early_;  ///< stamp -> arrival of the odometry
   std::vector<double> latencies_s_;
   std::size_t clouds_ = 0, odometries_ = 0, unanswered_ = 0;
 };

@@ -2,8 +2,8 @@
 
 #include <cstdio>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/integrity/monitor_replay.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
 
@@ -62,7 +62,7 @@ void DriveResults::write() {
   log_.close();
 }
 
-/// What a reader of per_sweep.csv needs to know of the run.
+/// Facts about the run that a reader of per_sweep.csv needs.
 Json DriveResults::describeRun(long first) const {
   const MonitorParameters& monitor = params_.profile.monitor;
   Json json;

@@ -1,6 +1,6 @@
-// What a run of offline_odometry keeps of its sweeps, and says of them: trajectories, logs, summary, warnings, verdict.
+// The results of an offline_odometry run: trajectories, logs, summary, warnings, verdict.
 //
-// Trajectories hold the sweeps that have a pose of their own (SweepLog::hasPose), in the order of the recording.
+// Trajectories contain the sweeps with a pose of their own (SweepLog::hasPose), in the order of the recording.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/sweep_source.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/io/sweep_source.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/odometry_pipeline.hpp"
 #include "json.hpp"
 #include "sweep_log.hpp"
 
@@ -18,11 +18,11 @@ namespace fail_aware {
 
 class DriveResults {
  public:
-  /// Writes its logs into `folder` as the sweeps come. Throws InputError if a file cannot be opened.
+  /// Writes the logs into `folder` while sweeps are added. Throws InputError if a file cannot be opened.
   DriveResults(const std::filesystem::path& folder, const PipelineParameters& params)
       : folder_(folder), params_(params), log_(folder) {}
 
-  /// A scan as it was read, and what the odometry made of it. `name`: the scan's, for texts.
+  /// A scan as read, and the odometry's result for it. `name`: the scan's, for messages.
   void add(const ReadResult& read, const std::string& name, double stamp_s, std::size_t points_dropped,
            const SweepResult& result);
 
@@ -35,10 +35,10 @@ class DriveResults {
   /// Writes trajectories and parameters, and closes the logs. Throws std::runtime_error.
   void write();
 
-  /// `first`: scan of the drive that the run began with.
+  /// `first`: index of the run's first scan in the drive.
   Json summary(long first) const;
 
-  /// One line: distance, time, sweeps, what was dropped, the last state.
+  /// One line: distance, time, sweeps, dropped sweeps, the last state.
   std::string verdict() const;
 
  private:

@@ -1,5 +1,5 @@
-// drive_simulator: publishes a made-up drive in real time, as a vehicle with a Velodyne does: the cloud, the lidar's
-// place on /tf_static, and the truth.
+// drive_simulator: publishes a simulated drive in real time, like a vehicle with a Velodyne: the cloud, the lidar's
+// mounting on /tf_static, and the ground truth.
 //
 // Private parameters: those of DriveSimulation::Params (scene, duration_s, seed, drive/..., lidar/...), VelodyneNames
 // (topics, frames), and the ones below. Stamps are the wall clock's: use_sim_time must be off. Ends with the drive.
@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
-#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "bridge/parameter_server.hpp"
+#include "bridge/velodyne_messages.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "simulation/fault_injector.hpp"
+#include "simulation/sweep_stamping.hpp"
 #include "simulation_options.hpp"
 
 namespace {
@@ -39,7 +39,7 @@ struct Parameters {
   DriveSimulation::Params simulation;
   VelodyneNames names;
   std::string faults;               ///< KIND[:START[:DURATION[:SEVERITY]]], separated by blanks
-  bool wait_for_subscriber = true;  ///< the drive begins when somebody hears the clouds
+  bool wait_for_subscriber = true;  ///< the drive begins when the clouds have a subscriber
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -58,7 +58,7 @@ std::vector<Fault> faultsOf(const std::string& text, double drive_s) {
   return parseFaults(words, drive_s);
 }
 
-/// What ROS does not take for its own (remappings, private parameters).
+/// The arguments that are not ROS's (remappings, private parameters).
 std::vector<std::string> argumentsOf(int argc, char** argv) {
   std::vector<std::string> arguments;
   ros::removeROSArgs(argc, argv, arguments);
@@ -83,7 +83,7 @@ class DriveSimulator {
       ros::WallDuration(0.05).sleep();
     }
     SimulatedSweep sweep;
-    bool more = simulation_.next(sweep, vehiclesAround(faults_, simulation_.time_s()));  // the world takes a while
+    bool more = simulation_.next(sweep, vehiclesAround(faults_, simulation_.time_s()));  // building the world is slow
     epoch_ = ros::Time::now();
     const ros::SteadyTime begin = ros::SteadyTime::now();
     std::size_t late = 0, count = 0;
@@ -97,7 +97,7 @@ class DriveSimulator {
     publish(injector_.flush());
     if (late > 0) ROS_WARN("%zu of %zu sweeps came late: the machine is too slow or too busy", late, count);
     ROS_INFO("the drive is over: %zu sweeps", count);
-    ros::WallDuration(1.0).sleep();  // what is under way still arrives
+    ros::WallDuration(1.0).sleep();  // so that the last messages still arrive
   }
 
  private:

@@ -5,7 +5,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 #include "result_files.hpp"
 
 namespace fail_aware {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_episode.hpp"
+#include "evaluation/fail_aware_episode.hpp"
 #include "fail_aware_report.hpp"
 
 namespace fail_aware {

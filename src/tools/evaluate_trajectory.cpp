@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/evaluation/absolute_trajectory_error.hpp"
-#include "fail_aware_lidar_odometry/evaluation/kitti_metric.hpp"
-#include "fail_aware_lidar_odometry/evaluation/relative_step_error.hpp"
-#include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
-#include "fail_aware_lidar_odometry/evaluation/trajectory_pair.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "evaluation/absolute_trajectory_error.hpp"
+#include "evaluation/kitti_metric.hpp"
+#include "evaluation/relative_step_error.hpp"
+#include "evaluation/time_to_failure.hpp"
+#include "evaluation/trajectory_pair.hpp"
 #include "json.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"
@@ -45,12 +45,13 @@ void declareOptions(CLI::App& app, Options& options) {
   app.add_option("--ground-truth", options.ground_truth, "true poses, KITTI rows (12 numbers)")->required();
   app.add_option(
          "--estimate", options.estimate,
-         "estimated poses, KITTI rows, lidar frame: one a true pose; or trajectory_kitti.txt in the folder of a "
+         "estimated poses, KITTI rows, lidar frame: one per true pose; or trajectory_kitti.txt in the folder of a "
          "run of offline_odometry, which says which scans they are")
       ->required();
   app.add_option("--calib", options.calib,
-                 "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' brings it to the lidar's");
-  app.add_option("--output", options.output, "folder for evaluation.json and trajectory.csv; plot_trajectory draws them");
+                 "KITTI calib.txt: the ground truth is in the camera frame; its line 'Tr:' converts it to the lidar's");
+  app.add_option("--output", options.output,
+                 "folder for evaluation.json and trajectory.csv; plot_trajectory draws them");
   app.add_option("--lengths", options.lengths_m,
                  "segment lengths of the KITTI metric in m, comma-separated (default 100,200,...,800; "
                  "5,10,20,40,80 and step 1 if no segment of 100 m fits)")
@@ -58,21 +59,21 @@ void declareOptions(CLI::App& app, Options& options) {
       ->check(positiveNumber());
   app.add_option("--step", options.step, "segments begin at every n-th pose (default 10)")
       ->check(wholeNumber(1, std::numeric_limits<int>::max()));
-  app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that is a failure, m")
+  app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that counts as a failure, m")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between the starts of episodes, s")
       ->check(positiveNumber())
       ->capture_default_str();
   auto* times = app.add_option("--times", options.times, "stamps of the poses, one a row, s");
-  app.add_option("--period", options.period_s, "time between poses where --times is not given, s")
+  app.add_option("--period", options.period_s, "time between poses if --times is not given, s")
       ->check(positiveNumber())
       ->capture_default_str()
       ->excludes(times);
 }
 
-/// Where the estimate is the trajectory of a run: the rows of the ground truth that its poses belong to. Otherwise none:
-/// row by row.
+/// If the estimate is the trajectory of a run: the rows of the ground truth that belong to its poses. Otherwise none:
+/// the trajectories match row by row.
 std::optional<std::vector<std::size_t>> truthRowsOfRun(const Options& options, std::size_t truth_rows) {
   const fs::path estimate = options.estimate, folder = estimate.parent_path();
   std::error_code error;
@@ -115,7 +116,7 @@ Trajectories load(const Options& options) {
   return in;
 }
 
-/// The metric as asked for; with no lengths asked for and none of the usual ones fitting, that for short runs.
+/// The metric for the requested lengths. Without a request, and if no usual length fits: the metric for short runs.
 std::pair<KittiMetric, KittiMetric::Params> kittiMetricFor(const Trajectories& in, const Options& options) {
   KittiMetric::Params params;
   if (!options.lengths_m.empty()) params.lengths_m = options.lengths_m;
@@ -142,7 +143,7 @@ void addAbsoluteError(Json& json, const std::string& prefix, const AbsoluteTraje
   json[prefix + "_yaw_rmse_deg"] = error.yaw_rmse_rad / kDegree;
 }
 
-/// Turns summed up with their sign, left positive: two rounds of a block are 720.
+/// Sum of the signed turns, left positive: two rounds of a block are 720.
 double headingChange(const std::vector<Pose>& poses) {
   double heading_rad = 0.0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -198,7 +199,7 @@ Json evaluate(const Trajectories& in, const Options& options, const AbsoluteTraj
   return json;
 }
 
-/// Positions in the frame of the first pose, the estimate's laid on the truth there.
+/// Positions in the frame of the first pose; the two trajectories coincide there.
 void writeCsv(const fs::path& path, const Trajectories& in, const AbsoluteTrajectoryError& ate,
               const AbsoluteTrajectoryError& ate_aligned) {
   std::ofstream file = createFile(path);

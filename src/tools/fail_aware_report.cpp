@@ -12,15 +12,15 @@
 #include <tuple>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
-#include "fail_aware_lidar_odometry/evaluation/alarm_statistics.hpp"
-#include "fail_aware_lidar_odometry/evaluation/concordance.hpp"
-#include "fail_aware_lidar_odometry/evaluation/consistency.hpp"
-#include "fail_aware_lidar_odometry/evaluation/kaplan_meier.hpp"
-#include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
-#include "fail_aware_lidar_odometry/evaluation/stanford_diagram.hpp"
+#include "core/integrity/monitor_replay.hpp"
+#include "core/types/measurement.hpp"
+#include "evaluation/alarm_statistics.hpp"
+#include "evaluation/concordance.hpp"
+#include "evaluation/consistency.hpp"
+#include "evaluation/kaplan_meier.hpp"
+#include "evaluation/prediction_statistics.hpp"
+#include "evaluation/quantile.hpp"
+#include "evaluation/stanford_diagram.hpp"
 #include "json.hpp"
 
 namespace fail_aware {

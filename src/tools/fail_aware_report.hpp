@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_episode.hpp"
+#include "evaluation/fail_aware_episode.hpp"
 #include "fail_aware_run.hpp"
 #include "json.hpp"
 

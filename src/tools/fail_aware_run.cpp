@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/monitor_log.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 #include "parameter_overrides.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
@@ -26,7 +26,7 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   run.log = readMonitorLog((path / "monitor_log.csv").string());
   const fs::path measurements = path / "measurements.csv";
   if (fs::exists(measurements)) run.measurements = readMeasurementLog(measurements.string());
-  // A run made before a parameter was there is as good as one with its default.
+  // A run made before a parameter existed behaves as with its default.
   loadYaml((path / "parameters.yaml").string(), run.params, MissingKeys::kKeep);
   overrideParameters(run.params, options.parameters, options.set);
 
@@ -71,7 +71,7 @@ std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
 
 void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m) {
   app.add_option("--alert-limit", alert_limit_m,
-                 "horizontal error that is a failure, m (default: that of the monitor, "
+                 "horizontal error that counts as a failure, m (default: that of the monitor, "
                  "monitor.predictor.alert_limit_m of the runs or of --set)")
       ->check(positiveNumber());
 }

@@ -1,4 +1,4 @@
-// A recorded run (offline_odometry's folder) with its ground truth: what the fail-aware tools start from.
+// A recorded run (offline_odometry's folder) with its ground truth: the input of the fail-aware tools.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/types/monitor_input.hpp"
+#include "core/io/measurement_log.hpp"
+#include "core/pipeline_parameters.hpp"
+#include "core/types/monitor_input.hpp"
 
 namespace fail_aware {
 
@@ -29,10 +29,11 @@ struct FailAwareRunOptions {
 void addRunOptions(CLI::App& app, FailAwareRunOptions& options);
 
 /// The n-th ground truth belongs to the n-th run. The monitor's parameters are those of the runs, changed by
-/// `parameters` (yaml files that may name some keys only, one after another) and `set`. Throws InputError, ParameterError.
+/// `parameters` (yaml files that may name only some keys, applied in order) and `set`. Throws InputError,
+/// ParameterError.
 std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options);
 
-/// --alert-limit: what counts as a failure where it is given; otherwise the limit of the monitor that is replayed.
+/// --alert-limit: the error that counts as a failure; if it is not given, the limit of the replayed monitor counts.
 void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m);
 /// Throws InputError if the runs' limits differ and none is given.
 double alertLimitOf(const std::vector<FailAwareRun>& runs, const std::optional<double>& given_m);

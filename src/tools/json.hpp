@@ -1,5 +1,5 @@
-// The tools' JSON: members stay in the order in which they were written. nlohmann-json has that since 3.9; with an older
-// one (Ubuntu 20.04: 3.7) they stand in the order of the alphabet.
+// The tools' JSON: members keep the order in which they were written. nlohmann-json supports this since 3.9; with an
+// older one (Ubuntu 20.04: 3.7) they are in alphabetical order.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// kitti_to_bag: a drive in KITTI's folder layout -> a bag as kitti2bag makes it.
+// kitti_to_bag: a drive in KITTI's folder layout -> a bag in kitti2bag's layout.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <optional>
 #include <string>
 
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_ground_truth.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "bridge/kitti_bag_writer.hpp"
+#include "core/io/kitti_directory.hpp"
+#include "core/io/kitti_ground_truth.hpp"
+#include "core/io/profile_files.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -20,9 +20,9 @@ using namespace fail_aware;
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "kitti_to_bag";
-constexpr double kClockTime_s = 1e8;                // stamps above are of a clock, below of a stopwatch
+constexpr double kClockTime_s = 1e8;                // larger stamps are from a clock, smaller ones from a stopwatch
 constexpr double kStopwatchStart_s = 1317000000.0;  // late September 2011, when KITTI was recorded
-constexpr double kLatest_s = 4294967295.0;          // ros::Time's end
+constexpr double kLatest_s = 4294967295.0;          // end of ros::Time's range
 
 struct Options {
   std::string directory, bag;
@@ -45,7 +45,7 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--with-tf", options.with_tf,
                "the true pose also as /tf world -> base_link, as kitti2bag does; the "
                "odometry must then not publish odom -> base_link");
-  app.add_option("--period", options.period_s, "s between scans where there is no times.txt")
+  app.add_option("--period", options.period_s, "s between scans if there is no times.txt")
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--start", options.start_s, "s added to the stamps (default: 1317000000 if they begin near zero)")
@@ -65,11 +65,12 @@ ros::Time bagTime(double stamp_s) {
   return ros::Time(static_cast<std::uint32_t>(whole_s), 0) + ros::Duration(0, static_cast<std::int32_t>(nanoseconds));
 }
 
-/// Seconds to add to the stamps, so that all of them are times that a bag can have.
+/// Seconds to add to the stamps, so that a bag can store all of them.
 double startOf(const Options& options, const std::vector<double>& stamps_s) {
   const double start_s = options.start_s.value_or(stamps_s.front() < kClockTime_s ? kStopwatchStart_s : 0.0);
   if (!(stamps_s.front() + start_s >= 1.0) || !(stamps_s.back() + start_s <= kLatest_s)) {
-    throw InputError("--start " + std::to_string(start_s) + ": the stamps must end up between 1 s and 4294967295 s");
+    throw InputError("--start " + std::to_string(start_s) +
+                     ": the resulting stamps must be between 1 s and 4294967295 s");
   }
   return start_s;
 }

@@ -1,8 +1,8 @@
-// measure_latency: from cloud to odometry in the running graph, and what its process uses.
+// measure_latency: time from cloud to odometry in the running graph, and CPU and memory of its process.
 //
-// Latency is measured here, from this node's receipt of a cloud to its receipt of the odometry with the same stamp, on
-// the steady clock, whatever use_sim_time says. For good figures run it on the machine of the graph.
-#include <fail_aware_lidar_odometry/FilterState.h>
+// Latency is the time from this node's receipt of a cloud to its receipt of the odometry with the same stamp, on the
+// steady clock, whatever use_sim_time is. For accurate figures run it on the graph's machine.
+#include "fail_aware_lidar_odometry/FilterState.h"
 #include <nav_msgs/Odometry.h>
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "cloud_answers.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "evaluation/quantile.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 #include "json.hpp"
 #include "process_monitor.hpp"
 #include "tool_support.hpp"
@@ -41,15 +41,15 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("--cloud", options.cloud, "the topic that the odometry reads")->capture_default_str();
-  app.add_option("--namespace", options.graph, "of the graph: its odometry and filter_state are read")
+  app.add_option("--namespace", options.graph, "namespace of the graph whose odometry and filter_state are read")
       ->capture_default_str();
   app.add_option("--manager", options.manager,
                  "node whose process is watched (default: the one that publishes NAMESPACE/odometry)");
   app.add_option("--duration", options.duration_s, "s from the first cloud (default: until Ctrl-C)")
       ->check(positiveNumber());
-  app.add_option("--idle", options.idle_s, "ends when nothing came for so many s after the first cloud")
+  app.add_option("--idle", options.idle_s, "ends after this many s without a message, after the first cloud")
       ->check(positiveNumber());
-  app.add_option("--skip", options.skip, "answered sweeps at the start that the latency leaves out")
+  app.add_option("--skip", options.skip, "number of answered sweeps at the start that the latency leaves out")
       ->check(wholeNumber(0));
   app.add_option("--json", options.json, "file for the figures");
   app.add_option("--trajectory", options.trajectory, "file for the odometry, TUM format");
@@ -57,7 +57,7 @@ void addOptions(CLI::App& app, Options& options) {
 
 double steadyNow_s() { return ros::SteadyTime::now().toSec(); }
 
-/// What came from the graph. Callbacks run in several threads.
+/// Records the graph's messages. Callbacks run in several threads.
 class Observer {
  public:
   Observer(ros::NodeHandle& node, const Options& options)
@@ -76,7 +76,7 @@ class Observer {
     const std::lock_guard<std::mutex> lock(mutex_);
     return view_;
   }
-  /// 0: nothing yet.
+  /// Time of the first message; 0: no message yet.
   double firstAt() const {
     const std::lock_guard<std::mutex> lock(mutex_);
     return view_.first_s;
@@ -117,10 +117,10 @@ class Observer {
   ros::Subscriber cloud_, odometry_, state_;
 };
 
-/// The manager's process, sampled while clouds come.
+/// The manager's process, sampled while clouds arrive.
 class ProcessWatch {
  public:
-  /// An empty node: the one that publishes `topic`.
+  /// `node` empty: the node that publishes `topic`.
   ProcessWatch(std::string node, std::string topic) : node_(std::move(node)), topic_(std::move(topic)) {}
 
   void update() {
@@ -207,7 +207,7 @@ void printTable(const Json& json) {
   } else {
     const std::string node = process["node"].get<std::string>();
     std::printf("CPU and memory           not measured: %s\n",
-                node.empty() ? "no node publishes the odometry" : (node + " is no node on this machine").c_str());
+                node.empty() ? "no node publishes the odometry" : (node + " is not a node on this machine").c_str());
   }
   std::fflush(stdout);
 }
@@ -254,7 +254,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
-    ros::init(argc, argv, kName, ros::init_options::AnonymousName);  // takes its own arguments away
+    ros::init(argc, argv, kName, ros::init_options::AnonymousName);  // removes ROS's arguments
     CLI::App app(
         "Measures the time from cloud to odometry in the running graph, counts what was dropped, and watches CPU "
         "and memory of the nodelet manager. Prints a table at the end.\n"

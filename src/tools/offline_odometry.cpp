@@ -1,5 +1,4 @@
-// offline_odometry: runs the odometry over a recorded drive, every sweep in order, and writes trajectory and
-// statistics.
+// offline_odometry: runs the odometry over every sweep of a recorded drive and writes trajectory and statistics.
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
@@ -11,20 +10,20 @@
 #include <utility>
 #include <vector>
 
+#include "core/integrity/monitor_replay.hpp"
+#include "core/io/kitti_sweep_source.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "core/parameters/mounting.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 #include "drive_results.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_sweep_source.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
 #include "json.hpp"
 #include "parameter_overrides.hpp"
 #include "poses_from_outside.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#include "bridge/bag_sweep_source.hpp"
 #endif
 
 namespace {
@@ -53,13 +52,12 @@ void addOptions(CLI::App& app, Options& options) {
       "--kitti", options.kitti, "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32");
 #ifdef FAIL_AWARE_WITH_BAGS
   CLI::Option* bag =
-      app.add_option(
-             "--bag", options.bags,
-             "bag with clouds; may be repeated: the parts of one drive, in the order of their recording. Where the "
-             "lidar sits is taken from /tf_static or from /tf, if it is constant there")
+      app.add_option("--bag", options.bags,
+                     "bag with clouds; may be repeated: the parts of one drive, in the order of their recording. The "
+                     "lidar's mounting comes from /tf_static, or from /tf if it is constant there")
           ->take_all()
           ->excludes(kitti);
-  app.add_option("--topic", options.topic, "of the clouds (default: the bag's only sensor_msgs/PointCloud2)")
+  app.add_option("--topic", options.topic, "topic of the clouds (default: the bag's only sensor_msgs/PointCloud2)")
       ->needs(bag);
   app.add_option("--base-frame", options.base_frame, "the vehicle's frame in the bag's /tf_static and /tf")
       ->needs(bag)
@@ -72,7 +70,7 @@ void addOptions(CLI::App& app, Options& options) {
                  "parameter sensor.lidar_in_base")
       ->delimiter(',')
       ->expected(1, 6);
-  app.add_option("--output", options.output, "folder for the results; made if it does not exist")->required();
+  app.add_option("--output", options.output, "folder for the results; created if it does not exist")->required();
   app.add_option("--profile", options.files.profile, "default, paper, or a yaml file")->capture_default_str();
   app.add_option("--vehicle", options.files.vehicle, "a file of cfg/vehicles, or a yaml file")->capture_default_str();
   app.add_option("--sensor", options.files.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
@@ -81,7 +79,7 @@ void addOptions(CLI::App& app, Options& options) {
                  "yaml file with some parameters, as the calibrations write it; overrides the profile; may be repeated")
       ->take_all();
   app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
-  app.add_option("--threads", options.threads, "measurements run beside each other")
+  app.add_option("--threads", options.threads, "number of threads for the measurements")
       ->check(wholeNumber(1, 256))
       ->capture_default_str();
   app.add_option("--first", options.first, "first scan, counted from 0")->check(wholeNumber(0));
@@ -91,17 +89,16 @@ void addOptions(CLI::App& app, Options& options) {
                  "begins to serve as the localisation")
       ->check(realNumber(0.0))
       ->capture_default_str();
-  app.add_option(
-         "--external-poses", options.poses.external,
-         "CSV of poses from elsewhere (GPS) that join the fusion; may be repeated. Columns: stamp,x,y,z,qx,qy,qz,qw,"
-         "sigma_x,sigma_y,sigma_z,sigma_roll,sigma_pitch,sigma_yaw of base_link in odom (s, m, rad); sigmas of "
-         "the rotation 0: not measured")
+  app.add_option("--external-poses", options.poses.external,
+                 "CSV of external poses (GPS) for the fusion; may be repeated. Columns: stamp,x,y,z,qx,qy,qz,qw,"
+                 "sigma_x,sigma_y,sigma_z,sigma_roll,sigma_pitch,sigma_yaw of base_link in odom (s, m, rad); sigmas of "
+                 "the rotation 0: not measured")
       ->take_all();
-  app.add_option("--pose-tolerance", options.poses.tolerance_s, "s between such a pose and its sweep, at most")
+  app.add_option("--pose-tolerance", options.poses.tolerance_s, "largest time between such a pose and its sweep, s")
       ->check(realNumber(0.0))
       ->capture_default_str();
   app.add_option("--set-pose", options.poses.set,
-                 "CSV of the same columns: at each stamp base_link is there, and odom moves under it");
+                 "CSV with the same columns: at each stamp base_link is set to the pose; odom moves under it");
 }
 
 double maxRssMb() {
@@ -119,7 +116,7 @@ Json levelSummary(const VerticalReference::Report& report) {
           {"curvature_deg_per_m", report.curvature_deg_per_m}};
 }
 
-/// Null: not found.
+/// Unknown values are null.
 Json clockSummary(const SweepClock& clock) {
   const auto orNull = [](std::optional<double> value) { return value ? Json(*value) : Json(nullptr); };
   return {{"period_s", orNull(clock.period_s())},
@@ -127,8 +124,7 @@ Json clockSummary(const SweepClock& clock) {
           {"stamps_left_out", clock.outliers()}};
 }
 
-/// Whether the command line says where the lidar sits. The sensor's file has no say in it over a bag: it always holds some
-/// place.
+/// Whether the command line gives the lidar's mounting. The sensor file does not count: it always contains one.
 bool saysWhereLidarSits(const Options& options) {
   const std::string key = "sensor.lidar_in_base";
   const auto sets = [&](const std::string& assignment) { return assignment.rfind(key + '=', 0) == 0; };
@@ -143,7 +139,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Opens the drive, and gives the sensor what the drive knows of it.
+/// Opens the drive and sets the sensor parameters that the drive contains.
 std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters& sensor) {
 #ifdef FAIL_AWARE_WITH_BAGS
   if (options.kitti.empty() && options.bags.empty()) throw InputError("--kitti or --bag is needed (see --help)");
@@ -178,7 +174,7 @@ void runOver(SweepSource& drive, std::size_t scans, const Options& options, Odom
     const ReadResult read = drive.next(sweep);
     if (i == 0) pipeline.startRedundant(sweep.stamp_s + options.redundant_at_s - kStartTolerance_s);
     if (read.status == ReadStatus::kSideFileUnusable && !std::exchange(side_file_told, true)) {
-      warn(read.message + " (said once)");
+      warn(read.message + " (reported once)");
     }
     const double stamp_s = sweep.stamp_s;
     const std::size_t points_dropped = sweep.points_dropped;

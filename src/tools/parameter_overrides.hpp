@@ -1,15 +1,15 @@
-// What a command line changes of a profile's parameters: files that name some keys, then single keys.
+// Changes a profile's parameters from the command line: files that name some keys, then single keys.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 
 namespace fail_aware {
 
-/// `files` (yaml) one after another, then `assignments` (key=value); the last one counts. Validates. Throws
+/// Applies `files` (yaml) in order, then `assignments` (key=value); the last value counts. Validates. Throws
 /// ParameterError.
 inline void overrideParameters(PipelineParameters& params, const std::vector<std::string>& files,
                                const std::vector<std::string>& assignments) {

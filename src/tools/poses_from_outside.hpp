@@ -1,5 +1,5 @@
-// What comes from outside into an offline run: sources of poses that join the fusion, and poses that are set; from CSV
-// files (io/external_pose_file.hpp).
+// External poses in an offline run: sources of poses that are fused, and poses that are set, both from CSV files
+// (io/external_pose_file.hpp).
 #pragma once
 
 #include <filesystem>
@@ -8,23 +8,23 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/external_pose_file.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/io/external_pose_file.hpp"
+#include "core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 
 struct PoseFiles {
-  std::vector<std::string> external;  ///< a source each, named as the file
+  std::vector<std::string> external;  ///< one source per file, named after it
   std::string set;                    ///< empty: none
-  double tolerance_s = 0.1;           ///< between a pose and its sweep
+  double tolerance_s = 0.1;           ///< largest difference between the stamps of a pose and of its sweep
 };
 
-/// Poses of a file, in the order of their stamps; each is given out once.
+/// Poses of a file, in the order of their stamps; each is taken once.
 class PoseQueue {
  public:
   explicit PoseQueue(const std::string& path) : poses_(readExternalPoses(path)) {}
 
-  /// Those up to a stamp.
+  /// Takes the poses up to a stamp.
   template <class Take>
   void until(double stamp_s, Take take) {
     for (; next_ < poses_.size() && poses_[next_].stamp_s <= stamp_s; ++next_) take(poses_[next_]);
@@ -35,7 +35,7 @@ class PoseQueue {
   std::size_t next_ = 0;
 };
 
-/// What comes from outside: sources of poses that join the fusion, and poses that are set.
+/// Sources of poses that are fused, and poses that are set.
 class PosesFromOutside {
  public:
   PosesFromOutside(const PoseFiles& files, OdometryPipeline& pipeline)
@@ -47,7 +47,7 @@ class PosesFromOutside {
     if (!files.set.empty()) set_.emplace(files.set);
   }
 
-  /// Before the sweep with this stamp.
+  /// Call before the sweep with this stamp.
   void offer(double stamp_s) {
     for (Source& source : sources_) {
       source.poses.until(stamp_s + tolerance_s_, [&](const ExternalPose& pose) {

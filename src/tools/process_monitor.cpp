@@ -48,7 +48,7 @@ std::optional<long> processOfNode(const std::string& node_name) {
 std::optional<ProcessSample> sampleProcess(long pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   const std::string line{std::istreambuf_iterator<char>(file), {}};
-  const std::size_t name_end = line.rfind(')');  // a name may hold blanks and brackets
+  const std::size_t name_end = line.rfind(')');  // a process name may contain blanks and brackets
   if (name_end == std::string::npos) return std::nullopt;
   std::istringstream fields(line.substr(name_end + 1));
   std::string skipped;

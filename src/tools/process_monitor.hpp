@@ -7,10 +7,10 @@
 
 namespace fail_aware {
 
-/// The node that publishes a topic (its resolved name), by the master; nodelets do so in their manager's name. Empty: none.
+/// The node that publishes a topic (resolved name), from the master; a nodelet counts as its manager. Empty: none.
 std::string publisherOf(const std::string& topic);
 
-/// From the master and the node itself; nothing if there is no such node.
+/// The process id, from the master and the node itself; nothing if there is no such node.
 std::optional<long> processOfNode(const std::string& node_name);
 
 struct ProcessSample {

@@ -1,4 +1,4 @@
-// Files that tools write: made or refused with a line that says why, and known to be complete.
+// Output files of the tools: created or refused with a line that says why, and checked for completeness.
 #pragma once
 
 #include <cerrno>
@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 
@@ -28,10 +28,10 @@ inline std::ofstream createFile(const std::filesystem::path& path) {
 
 inline void finishFile(std::ofstream& file, const std::filesystem::path& path) {
   file.close();
-  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+  if (!file) throw std::runtime_error(path.string() + ": could not be written completely");
 }
 
-/// On the standard output, and in the file if one is named.
+/// Writes to the standard output and, if `path` is not empty, to the file.
 inline void printAndKeep(const std::string& text, const std::filesystem::path& path) {
   std::cout << text << std::flush;
   if (path.empty()) return;

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 #include "result_files.hpp"
 
 namespace fail_aware {
@@ -23,7 +23,7 @@ constexpr const char* kSummary = "summary.json";
 const std::string kUnfinished = "unfinished_";
 constexpr std::size_t kIdDigits = 16;
 
-/// Begins with a letter that no number has, so that nobody takes it for one.
+/// Begins with a letter that is not a hexadecimal digit, so that nobody mistakes it for a number.
 std::string newId() {
   std::random_device random;
   char text[kIdDigits + 2];
@@ -31,7 +31,7 @@ std::string newId() {
   return text;
 }
 
-/// Of a folder that a run which did not finish left behind; empty: it is something else.
+/// The id of a folder that an unfinished run left; empty: the folder is something else.
 std::string idOfUnfinished(const fs::path& path) {
   const std::string name = path.filename().string();
   if (name.rfind(kUnfinished + "r", 0) != 0 || name.size() != kUnfinished.size() + 1 + kIdDigits) return {};
@@ -64,7 +64,7 @@ struct FileMark {
   std::uint32_t crc32 = 0;
 };
 
-/// False: it cannot be read.
+/// False if the file cannot be read.
 bool markOf(const fs::path& path, FileMark& mark) {
   static const std::array<std::uint32_t, 256> kTable = crcTable();
   std::error_code error;
@@ -118,7 +118,7 @@ RunFolder::RunFolder(const fs::path& folder, std::vector<std::string> files)
 Json RunFolder::finish(Json summary) {
   sealRun(unfinished_, files_, id_, summary);
   std::error_code error;
-  fs::remove(folder_ / kSummary, error);  // from here on until the end the folder holds no run
+  fs::remove(folder_ / kSummary, error);  // from here to the end the folder contains no valid run
   std::vector<std::string> names = files_;
   names.emplace_back(kSummary);
   for (const std::string& name : names) {
@@ -141,7 +141,7 @@ void sealRun(const fs::path& folder, const std::vector<std::string>& files, cons
   summary["files"] = marks;
   const fs::path path = folder / kSummary;
   std::ofstream file = createFile(path);
-  file << summary.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';  // a file's name need not be UTF-8
+  file << summary.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';  // file names may not be UTF-8
   finishFile(file, path);
 }
 

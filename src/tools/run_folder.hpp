@@ -1,8 +1,8 @@
-// The folder of a run of offline_odometry: it holds all files of one run, or says that it does not.
+// The folder of an offline_odometry run. Readers can tell whether it contains all files of one run.
 //
-// A run writes its files into FOLDER/unfinished_ID and moves them into FOLDER when it is done. summary.json is the last
-// one; it names the run ("run.id") and the size and the CRC-32 (that of zip) of every other file ("files"). Readers use
-// these to refuse a run that did not finish and files of different runs.
+// A run writes its files into FOLDER/unfinished_ID and moves them into FOLDER when it is done. The last one is
+// summary.json. It names the run ("run.id") and gives size and CRC-32 (zip's) of every other file ("files"), so that
+// readers refuse an unfinished run and files of different runs.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@
 
 namespace fail_aware {
 
-/// Writes a run. Two runs that write into one folder at the same time: the one that began first fails at its end.
+/// Writes a run. If two runs write into one folder at the same time, the one that began first fails at its end.
 class RunFolder {
  public:
-  /// `files`: the names of all results but summary.json. Makes the folders and removes what runs that were cut off left
-  /// behind. Throws InputError if the results cannot be written there.
+  /// `files`: the names of all results except summary.json. Creates the folders and removes what interrupted runs left.
+  /// Throws InputError if the results cannot be written there.
   RunFolder(const std::filesystem::path& folder, std::vector<std::string> files);
 
   const std::string& id() const { return id_; }
-  /// The files go here first.
+  /// The folder for the files until finish().
   const std::filesystem::path& unfinished() const { return unfinished_; }
 
-  /// Adds "run.id" and "files" to the summary, writes it, and moves all files to their place. Throws std::runtime_error.
+  /// Writes the summary with "run.id" and "files" added, and moves all files to `folder`. Throws std::runtime_error.
   Json finish(Json summary);
 
  private:
@@ -34,27 +34,27 @@ class RunFolder {
   std::string id_;
 };
 
-/// Writes "run.id" and "files" for the files that are in the folder: what finish() does, in place.
+/// Writes "run.id" and "files" for the files in the folder: what finish() does, but without moving.
 void sealRun(const std::filesystem::path& folder, const std::vector<std::string>& files, const std::string& id,
              Json& summary);
 
-/// summary.json of a run, after a check of all its files. Throws InputError, one line that says what to do: no run there, a
-/// run that did not finish, a file that is missing or is not the one that the run wrote, results of a version that did
-/// not mark its runs. Cost: every file is read once.
+/// Reads a run's summary.json after checking all its files. Throws InputError with one line that says what to do: no
+/// run there, an unfinished run, a file that is missing or was not written by the run, results of a version without
+/// these checks. Cost: reads every file once.
 Json readRunSummary(const std::filesystem::path& folder);
 
-/// Which scans of the drive the rows of a run's trajectory are.
+/// The scans of the drive that belong to the rows of a run's trajectory.
 struct RunRows {
-  std::size_t first = 0;              ///< scan of the drive that the run began with (--first)
-  std::size_t scans = 0;              ///< that the run read; per_sweep.csv has a row for each
-  std::vector<std::size_t> accepted;  ///< of those, counted from 0: the trajectories have a row for each
+  std::size_t first = 0;              ///< index in the drive of the run's first scan (--first)
+  std::size_t scans = 0;              ///< number of scans read; per_sweep.csv has a row for each
+  std::vector<std::size_t> accepted;  ///< indices, among these scans, of those in the trajectories
 };
 
-/// Throws InputError if the summary does not hold it. `path`: the summary's, for the text.
+/// Throws InputError if the summary lacks them. `path`: the summary's, for the message.
 RunRows runRows(const Json& summary, const std::filesystem::path& path);
 
-/// The row of the ground truth for scan 0 of the run. The ground truth has a row for each scan of the drive, or for each
-/// scan that the run read. Throws InputError if it has neither.
+/// The row of the ground truth for scan 0 of the run. The ground truth has a row for each scan of the drive or for each
+/// scan of the run. Throws InputError if it has neither.
 std::size_t firstTruthRow(const RunRows& rows, std::size_t truth_rows, const std::string& truth,
                           const std::string& run);
 

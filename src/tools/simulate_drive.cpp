@@ -1,4 +1,4 @@
-// simulate_drive: a made-up drive with an HDL-64E, as a KITTI folder or a bag, with the truth and, if wanted, faults.
+// simulate_drive: a simulated drive with an HDL-64E, as a KITTI folder or a bag, with ground truth and optional faults.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "core/io/kitti_writer.hpp"
 #include "json.hpp"
+#include "simulation/fault_injector.hpp"
+#include "simulation/sweep_stamping.hpp"
 #include "simulation_options.hpp"
 #include "tool_support.hpp"
 #ifdef FAIL_AWARE_WITH_BAGS
-#include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
+#include "bridge/velodyne_bag_writer.hpp"
 #endif
 
 namespace {
@@ -42,7 +42,7 @@ void addOptions(CLI::App& app, Options& options) {
                  "town, country, highway, tunnel or open; or one after the other, with lengths in m: town:250,tunnel")
       ->capture_default_str();
   app.add_option("--duration", simulation.duration_s, "s")->check(realNumber(0.1, 1e6))->capture_default_str();
-  app.add_option("--seed", simulation.seed, "another seed: another world and another drive")
+  app.add_option("--seed", simulation.seed, "random seed of the world and the drive")
       ->check(wholeNumber(0, std::numeric_limits<int>::max()))
       ->capture_default_str();
   app.add_option("--fault", options.faults, "KIND[:START[:DURATION[:SEVERITY]]], s; may be repeated; kinds: below")
@@ -51,7 +51,7 @@ void addOptions(CLI::App& app, Options& options) {
       ->check(realNumber(0.0, 60.0))
       ->capture_default_str();
   app.add_option("--start-speed", simulation.drive.start_speed_mps,
-                 "m/s (-1: the scene's own; standing in town, else 0.7 of the limit)")
+                 "m/s (-1: chosen by the scene; standstill in town, else 0.7 of the limit)")
       ->check(realNumber(-1.0, 60.0))
       ->capture_default_str();
   app.add_flag("--no-rolling-shutter", options.no_rolling_shutter,
@@ -110,7 +110,7 @@ std::unique_ptr<Output> openOutput(const Options& options) {
 #endif
 }
 
-/// Beside a bag, or in the folder.
+/// A file beside the bag, or in the KITTI folder.
 std::string sideFile(const Options& options, const std::string& name) {
   if (!isBag(options.output)) return (fs::path(options.output) / name).string();
   return (fs::path(options.output).replace_extension("").string() + "_" + name);
@@ -182,15 +182,14 @@ int run(Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Simulates a drive with a Velodyne HDL-64E through a made-up world. Same arguments, same bytes.\n"
+        "Simulates a drive with a Velodyne HDL-64E through a simulated world. The same arguments give the same bytes.\n"
         "KITTI folder: velodyne/, stamps/, rings/, times.txt (mid-sweep), poses.txt (truth, lidar frame), "
         "ground_truth_tum.txt (truth, base_link), calib.txt, faults.csv, simulation.json.\n"
         "Bag: /velodyne_points (stamp: the sweep's end), /tf_static, /ground_truth/odometry; beside it "
         "FILE_faults.csv, FILE_simulation.json.\n"
         "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);
-    app.footer("Faults: what they do, what SEVERITY means (its default); how long by default, from START (10 s):\n" +
-               faultHelp());
+    app.footer("Faults: effect; meaning of SEVERITY (default); default duration from START (10 s):\n" + faultHelp());
     Options options;
     addOptions(app, options);
     if (!parseArguments(app, argc, argv)) return kExitDone;

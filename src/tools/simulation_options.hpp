@@ -1,16 +1,16 @@
-// The arguments of a made-up drive, shared by what writes and what publishes it.
+// The arguments of a simulated drive, shared by the tools that write it and that publish it.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault.hpp"
+#include "core/io/input_error.hpp"
+#include "simulation/drive_simulation.hpp"
+#include "simulation/fault.hpp"
 
 namespace fail_aware {
 
-/// Throws what Fault::parse throws, and InputError for a fault that would begin after the drive.
+/// Throws what Fault::parse throws, and InputError for a fault that begins after the drive.
 inline std::vector<Fault> parseFaults(const std::vector<std::string>& texts, double drive_s) {
   std::vector<Fault> faults;
   faults.reserve(texts.size());

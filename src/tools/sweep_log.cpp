@@ -7,12 +7,12 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_check.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/measurement_log.hpp"
+#include "core/io/monitor_log.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "evaluation/quantile.hpp"
 #include "json.hpp"
 
 namespace fail_aware {
@@ -43,10 +43,10 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   measurement_log_ << measurementLogHeader() << '\n';
   out_
       << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_icp_point_to_point,weight_icp_point_to_plane,weight_corner_svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_"
-         "corners,nis_fused,"
+         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_icp_point_to_point,weight_icp_point_to_plane,"
+         "weight_corner_svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_corner_svd,nis_fused,"
          "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference";
-  for (const char* name : {"point", "plane", "corners"}) {
+  for (const char* name : {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd}) {
     for (const char* column : {"status", "iterations", "inlier_ratio", "rms_m", "degenerate_directions"}) {
       out_ << ',' << name << '_' << column;
     }
@@ -67,8 +67,9 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < w.size() ? w[i] : 0.0);
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < nis.size() ? nis[i] : -1.0);
   const StageTimes& t = r.times;
-  out_ << ',' << (r.state.measurement_applied ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ',' << t.correction_ms << ','
-       << t.point_ms << ',' << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ',' << t.reference_ms;
+  out_ << ',' << (r.state.measurement_applied ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ','
+       << t.correction_ms << ',' << t.point_ms << ',' << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ','
+       << t.reference_ms;
   for (const Measurement* measurement : {&r.point, &r.plane, &r.corners}) writeMeasurement(out_, *measurement);
   out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_ratio << ',' << r.state.fusion.disagreement_m;
   const Matrix6d& c = m.covariance_since_start;

@@ -34,7 +34,7 @@ std::string limits(Value low, Value high) {
   return text.str();
 }
 
-/// `parse` gives the number or nothing; `fits` says whether it is within the limits.
+/// `parse` returns the number or nothing; `fits` checks the limits.
 template <class Parse, class Fits>
 CLI::Validator checked(const std::string& limits, Parse&& parse, Fits&& fits) {
   const auto check = [=](const std::string& text) {

@@ -1,4 +1,4 @@
-// What the command line tools share: exit codes, one-line errors, a progress bar.
+// Shared by the command line tools: exit codes, one-line errors, a progress bar.
 //
 // Exit codes: 0 the work is done, 1 it failed, 2 the arguments or the input are unusable.
 #pragma once
@@ -11,8 +11,8 @@
 #include <ostream>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -39,18 +39,18 @@ int runTool(const std::string& name, Work&& work) {
   }
 }
 
-/// What a numeric option takes, ends included. Its error names option, value and limits; text is no number, nor is nan or inf.
+/// The range of a numeric option, ends included. The error names option, value, limits. Refuses text, nan and inf.
 CLI::Validator wholeNumber(long low, long high = std::numeric_limits<long>::max());
 CLI::Validator realNumber(double low, double high = std::numeric_limits<double>::max());
 CLI::Validator positiveNumber();
 
-/// Parses into `app`'s options; throws InputError for bad ones. False: help was asked for and printed.
+/// Parses into `app`'s options; throws InputError for bad ones. False: help was requested and printed.
 bool parseArguments(CLI::App& app, int argc, const char* const* argv);
 
 /// "120/271 (44 %), 9.8 per s, 0:15 left"
 std::string progressText(std::size_t done, std::size_t total, double elapsed_s);
 
-/// A line on stderr that is redrawn at most ten times a second; silent where stderr is no terminal.
+/// A line on stderr that is redrawn at most ten times a second; silent if stderr is not a terminal.
 class ProgressBar {
  public:
   explicit ProgressBar(std::size_t total);
@@ -61,7 +61,7 @@ class ProgressBar {
 
   void update(std::size_t done);
 
-  /// Leaves the line as it is and goes to the next; a later error message starts on a line of its own.
+  /// Keeps the line and goes to the next one, so that a later error message starts on its own line.
   void finish();
 
  private:

@@ -4,16 +4,16 @@
 #include <vector>
 
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/cloud/voxel_filter.hpp"
-#include "fail_aware_lidar_odometry/core/cloud/voxel_map.hpp"
-#include "fail_aware_lidar_odometry/core/filter/ukf.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/measurement_fusion.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/registration/corner_extraction.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
+#include "core/estimation/measurement_fusion.hpp"
+#include "core/estimation/ukf.hpp"
+#include "core/map/voxel_map.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "core/preprocessing/registration_cloud.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
+#include "core/preprocessing/voxel_filter.hpp"
+#include "core/registration/corner_svd/corner_extraction.hpp"
+#include "core/registration/icp_point_to_plane.hpp"
+#include "core/registration/icp_point_to_point.hpp"
 
 namespace fail_aware {
 namespace {

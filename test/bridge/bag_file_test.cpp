@@ -7,14 +7,14 @@
 
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
 
 namespace fs = std::filesystem;
 
-TEST(BagFile, writesLatchedAndPlainMessages) {
+TEST(BagFile, WritesLatchedAndPlainMessages) {
   const std::string path =
       (fs::path(::testing::TempDir()) / ("bag_file_" + std::to_string(getpid()) + ".bag")).string();
   std_msgs::String message;
@@ -38,7 +38,7 @@ TEST(BagFile, writesLatchedAndPlainMessages) {
   fs::remove(path);
 }
 
-TEST(BagFile, placeThatCannotBeWrittenIsRefused) { EXPECT_THROW(BagFile("/no/such/folder/x.bag"), InputError); }
+TEST(BagFile, PlaceThatCannotBeWrittenIsRefused) { EXPECT_THROW(BagFile("/no/such/folder/x.bag"), InputError); }
 
 }  // namespace
 }  // namespace fail_aware

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
+#include "bridge/bag_sweep_source.hpp"
 
 #include <gtest/gtest.h>
 #include <std_msgs/Header.h>
@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
+#include "bridge/kitti_bag_writer.hpp"
+#include "core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
@@ -92,7 +92,7 @@ class BagSweepSourceTest : public ::testing::Test {
   std::string path_;
 };
 
-TEST_F(BagSweepSourceTest, takesAConstantPlaceFromTf) {
+TEST_F(BagSweepSourceTest, TakesAConstantPlaceFromTf) {
   const BagSweepSource::Mounting mounting = mountingFromTf([](int i) {
     const double noise = 1e-6 * (i % 3);
     return i < 3 ? Transforms()
@@ -103,7 +103,7 @@ TEST_F(BagSweepSourceTest, takesAConstantPlaceFromTf) {
   EXPECT_NEAR(mounting.T_base_lidar->translation().z(), 3.0, 1e-12);
 }
 
-TEST_F(BagSweepSourceTest, aPlaceThatChangesIsNotKnown) {
+TEST_F(BagSweepSourceTest, APlaceThatChangesIsNotKnown) {
   const auto whyNot = [&](auto&& more) {
     const BagSweepSource::Mounting mounting = mountingFromTf(more);
     EXPECT_FALSE(mounting.T_base_lidar);
@@ -136,7 +136,7 @@ TEST_F(BagSweepSourceTest, aPlaceThatChangesIsNotKnown) {
             "/tf_static and /tf do not connect base_link -> velodyne");
 }
 
-TEST_F(BagSweepSourceTest, cloudsWithoutAFrameAreNamed) {
+TEST_F(BagSweepSourceTest, CloudsWithoutAFrameAreNamed) {
   {
     rosbag::Bag bag(path_, rosbag::bagmode::Write);
     bag.write("/points", kStart, cloud(""));
@@ -145,7 +145,7 @@ TEST_F(BagSweepSourceTest, cloudsWithoutAFrameAreNamed) {
             "the clouds on /points have an empty header.frame_id");
 }
 
-TEST_F(BagSweepSourceTest, partsAreReadInTheOrderOfTheirRecording) {
+TEST_F(BagSweepSourceTest, PartsAreReadInTheOrderOfTheirRecording) {
   const std::string later = path_ + "_0_later.bag", none = path_ + "_none.bag";
   const auto write = [&](const std::string& path, int first, int last) {
     rosbag::Bag bag(path, rosbag::bagmode::Write);
@@ -186,7 +186,7 @@ TEST_F(BagSweepSourceTest, partsAreReadInTheOrderOfTheirRecording) {
   fs::remove(none);
 }
 
-TEST_F(BagSweepSourceTest, recordingsOfRos2AreNamed) {
+TEST_F(BagSweepSourceTest, RecordingsOfRos2AreNamed) {
   std::ofstream(path_) << "SQLite format 3" << std::string(20, '\0');
   expectRefused("",
                 "is a ROS 2 bag (sqlite3), not a ROS 1 bag; convert its folder: pip install rosbags; rosbags-convert");
@@ -200,7 +200,7 @@ TEST_F(BagSweepSourceTest, recordingsOfRos2AreNamed) {
   fs::remove_all(path_);
 }
 
-TEST_F(BagSweepSourceTest, givesTheSweepsInOrder) {
+TEST_F(BagSweepSourceTest, GivesTheSweepsInOrder) {
   writeDrive(4);
   BagSweepSource source(path_);
   EXPECT_EQ(source.topic(), "/kitti/velo/pointcloud");
@@ -215,7 +215,7 @@ TEST_F(BagSweepSourceTest, givesTheSweepsInOrder) {
   }
 }
 
-TEST_F(BagSweepSourceTest, skips) {
+TEST_F(BagSweepSourceTest, Skips) {
   writeDrive(4);
   BagSweepSource source(path_, "/kitti/velo/pointcloud");
   source.skip(3);
@@ -225,7 +225,7 @@ TEST_F(BagSweepSourceTest, skips) {
   EXPECT_EQ(source.size(), 4u);
 }
 
-TEST_F(BagSweepSourceTest, findsWhereTheLidarSits) {
+TEST_F(BagSweepSourceTest, FindsWhereTheLidarSits) {
   writeDrive(1);
   const BagSweepSource source(path_);
   const std::optional<Pose> T_base_lidar = source.lidarInBase("base_link").T_base_lidar;
@@ -238,7 +238,7 @@ TEST_F(BagSweepSourceTest, findsWhereTheLidarSits) {
   EXPECT_EQ(source.lidarInBase("vehicle").why_not, "/tf_static and /tf do not connect vehicle -> velo_link");
 }
 
-TEST_F(BagSweepSourceTest, transformsAreChained) {
+TEST_F(BagSweepSourceTest, TransformsAreChained) {
   {
     rosbag::Bag bag(path_, rosbag::bagmode::Write);
     tf2_msgs::TFMessage message;
@@ -258,7 +258,7 @@ TEST_F(BagSweepSourceTest, transformsAreChained) {
   EXPECT_NEAR(T_base_lidar->translation().x(), -0.595, 1e-12);
 }
 
-TEST_F(BagSweepSourceTest, cloudsThatCannotBeUsedAreData) {
+TEST_F(BagSweepSourceTest, CloudsThatCannotBeUsedAreData) {
   {
     rosbag::Bag bag(path_, rosbag::bagmode::Write);
     sensor_msgs::PointCloud2 bad = cloud("velodyne");
@@ -287,7 +287,7 @@ TEST_F(BagSweepSourceTest, cloudsThatCannotBeUsedAreData) {
   EXPECT_EQ(source.next(sweep).status, ReadStatus::kNoFinitePoint);
 }
 
-TEST_F(BagSweepSourceTest, refusesWhatIsNoBagWithClouds) {
+TEST_F(BagSweepSourceTest, RefusesWhatIsNoBagWithClouds) {
   expectRefused("", "no such file");
   std::ofstream(path_).close();
   expectRefused("", "not a complete bag");
@@ -313,7 +313,7 @@ TEST_F(BagSweepSourceTest, refusesWhatIsNoBagWithClouds) {
   EXPECT_EQ(BagSweepSource(path_, "/rear").lidarFrame(), "b");
 }
 
-TEST_F(BagSweepSourceTest, refusesARecordingThatWasCutOff) {
+TEST_F(BagSweepSourceTest, RefusesARecordingThatWasCutOff) {
   writeDrive(20);
   const auto size = fs::file_size(path_);
   for (const double share : {0.01, 0.5, 0.9, 0.999}) {

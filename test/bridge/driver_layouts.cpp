@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "core/preprocessing/timing.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "bridge/graph_message_conversion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ std_msgs::Header someHeader() {
   return header;
 }
 
-TEST(GraphMessages, reasonBitsAndStatesAreTheCores) {
+TEST(GraphMessages, ReasonBitsAndStatesAreTheCores) {
   using Message = messages::TimeToFailure;
   EXPECT_EQ(Message::REASON_STALE, kReasonStale);
   EXPECT_EQ(Message::REASON_NO_MEASUREMENT, kReasonNoMeasurement);
@@ -53,7 +53,7 @@ TEST(GraphMessages, reasonBitsAndStatesAreTheCores) {
   EXPECT_EQ(Message::FAILED, static_cast<int>(FailAwareState::kFailed));
 }
 
-TEST(GraphMessages, predictionThereAndBack) {
+TEST(GraphMessages, PredictionThereAndBack) {
   SweepTask task;
   task.prediction.dt_s = 0.1;
   task.prediction.T_odom_cog_previous = somePose(1.0);
@@ -85,7 +85,7 @@ TEST(GraphMessages, predictionThereAndBack) {
   EXPECT_TRUE(toMessage(task, someHeader(), previous).previous_stamp.isZero());
 }
 
-TEST(GraphMessages, predictionBeyondAllPlacesIsNone) {
+TEST(GraphMessages, PredictionBeyondAllPlacesIsNone) {
   SweepTask task;
   task.T_cog_lidar = somePose(-0.5);
   messages::SweepPrediction message = toMessage(task, someHeader(), ros::Time());
@@ -94,7 +94,7 @@ TEST(GraphMessages, predictionBeyondAllPlacesIsNone) {
   EXPECT_FALSE(fromMessage(message));
 }
 
-TEST(GraphMessages, measurementThereAndBack) {
+TEST(GraphMessages, MeasurementThereAndBack) {
   Measurement measurement;
   measurement.status = MeasurementStatus::kTooFewCorners;
   measurement.T_odom_cog = somePose(3.0);
@@ -121,7 +121,7 @@ TEST(GraphMessages, measurementThereAndBack) {
   EXPECT_EQ(back.min_information_ratio, 0.3);
 }
 
-TEST(GraphMessages, measurementThatIsNoPoseIsNotFinite) {
+TEST(GraphMessages, MeasurementThatIsNoPoseIsNotFinite) {
   messages::PoseMeasurement message;  // a quaternion of zeros
   EXPECT_FALSE(isFinite(fromMessage(message).T_odom_cog));
   message.pose.orientation.w = std::numeric_limits<double>::quiet_NaN();
@@ -130,7 +130,7 @@ TEST(GraphMessages, measurementThatIsNoPoseIsNotFinite) {
   EXPECT_FALSE(fromMessage(message).ok());
 }
 
-TEST(GraphMessages, whatAMeasurementSaysOfItselfIsFinite) {
+TEST(GraphMessages, WhatAMeasurementSaysOfItselfIsFinite) {
   messages::PoseMeasurement message;
   message.rms_residual = message.inlier_ratio = std::numeric_limits<double>::quiet_NaN();
   message.seed_spread = message.min_information_ratio = std::numeric_limits<double>::infinity();
@@ -171,7 +171,7 @@ FilterState someState() {
   return state;
 }
 
-TEST(GraphMessages, stateThereAndBack) {
+TEST(GraphMessages, StateThereAndBack) {
   const FilterState state = someState();
   const std::optional<FilterState> back = fromMessage(toMessage(state, SweepAccount{}, someHeader()));
   ASSERT_TRUE(back);
@@ -203,7 +203,7 @@ TEST(GraphMessages, stateThereAndBack) {
   EXPECT_EQ(back->fusion.valid_inputs, 2);
 }
 
-TEST(GraphMessages, conditionTellsWhatIsMissing) {
+TEST(GraphMessages, ConditionTellsWhatIsMissing) {
   Measurement ok;
   ok.status = MeasurementStatus::kOk;
   ok.min_information_ratio = 0.25;
@@ -229,7 +229,7 @@ TEST(GraphMessages, conditionTellsWhatIsMissing) {
   EXPECT_FALSE(conditionOf(toMessage(someState(), account, someHeader())).corners_missing) << "not used, not missed";
 }
 
-TEST(GraphMessages, conditionTellsWhatTheSweepsCheckFound) {
+TEST(GraphMessages, ConditionTellsWhatTheSweepsCheckFound) {
   SweepAccount account;
   EXPECT_TRUE(conditionOf(toMessage(someState(), account, someHeader())).no_answer) << "not even the check came";
   SweepFindings findings;
@@ -260,7 +260,7 @@ TEST(GraphMessages, conditionTellsWhatTheSweepsCheckFound) {
   EXPECT_TRUE(condition.low_visibility && condition.time_jump && condition.time_field_refused);
 }
 
-TEST(GraphMessages, timesToFailureAreNeverMistaken) {
+TEST(GraphMessages, TimesToFailureAreNeverMistaken) {
   MonitorOutput output;
   const MonitorParameters params;
   messages::TimeToFailure message = toMessage(output, params, someHeader());

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
+#include "bridge/kitti_bag_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -9,9 +9,10 @@
 #include <filesystem>
 #include <map>
 
+#include "core/io/input_error.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
@@ -55,7 +56,7 @@ class KittiBagWriterTest : public ::testing::Test {
   std::string path_;
 };
 
-TEST(WriteKittiCloud, hasTheFieldsOfKitti2bag) {
+TEST(WriteKittiCloud, HasTheFieldsOfKitti2bag) {
   sensor_msgs::PointCloud2 cloud;
   writeKittiCloud(threePoints(), false, cloud);
   EXPECT_EQ(namesOf(cloud), (std::vector<std::string>{"x", "y", "z", "i"}));
@@ -74,7 +75,7 @@ TEST(WriteKittiCloud, hasTheFieldsOfKitti2bag) {
   EXPECT_TRUE(back.times_s.empty());
 }
 
-TEST(WriteKittiCloud, hasTimesWhereAskedForAndThere) {
+TEST(WriteKittiCloud, HasTimesWhereAskedForAndThere) {
   sensor_msgs::PointCloud2 cloud;
   writeKittiCloud(threePoints(), true, cloud);
   EXPECT_EQ(namesOf(cloud).back(), "time");
@@ -88,7 +89,7 @@ TEST(WriteKittiCloud, hasTimesWhereAskedForAndThere) {
   EXPECT_EQ(namesOf(cloud).back(), "i");
 }
 
-TEST(WriteKittiCloud, aSweepWithoutPointsIsAnEmptyCloud) {
+TEST(WriteKittiCloud, ASweepWithoutPointsIsAnEmptyCloud) {
   sensor_msgs::PointCloud2 cloud;
   writeKittiCloud(Sweep(), true, cloud);
   EXPECT_EQ(cloud.width, 0u);
@@ -97,7 +98,7 @@ TEST(WriteKittiCloud, aSweepWithoutPointsIsAnEmptyCloud) {
   EXPECT_EQ(readCloud(cloud, back).status, CloudStatus::kEmpty);
 }
 
-TEST_F(KittiBagWriterTest, writesCloudTransformAndTruth) {
+TEST_F(KittiBagWriterTest, WritesCloudTransformAndTruth) {
   const Pose T_world_base = poseFromVector((Vector6d() << 10, -2, 0.5, 0.01, -0.02, 3.0).finished());
   {
     KittiBagWriter writer(path_, {kLidar, false, true});
@@ -130,7 +131,7 @@ TEST_F(KittiBagWriterTest, writesCloudTransformAndTruth) {
   EXPECT_TRUE(fromMessage(truth[0]->pose.pose)->isApprox(T_world_base, 1e-12));
 }
 
-TEST_F(KittiBagWriterTest, theTransformIsLatchedAndAheadOfTheFirstCloud) {
+TEST_F(KittiBagWriterTest, TransformComesBeforeTheFirstCloud) {
   {
     KittiBagWriter writer(path_, {kLidar, false, false});
     writer.add(kStamp, threePoints());
@@ -142,7 +143,7 @@ TEST_F(KittiBagWriterTest, theTransformIsLatchedAndAheadOfTheFirstCloud) {
   EXPECT_TRUE(view.begin()->isLatching());
 }
 
-TEST_F(KittiBagWriterTest, baseLinkHasNoSecondParentUnlessAskedFor) {
+TEST_F(KittiBagWriterTest, BaseLinkHasNoSecondParentUnlessAskedFor) {
   {
     KittiBagWriter writer(path_, {kLidar, false, false});
     writer.add(kStamp, threePoints(), Pose::Identity());
@@ -151,7 +152,7 @@ TEST_F(KittiBagWriterTest, baseLinkHasNoSecondParentUnlessAskedFor) {
   EXPECT_EQ(messages<nav_msgs::Odometry>("/kitti/ground_truth").size(), 1u);
 }
 
-TEST(KittiBagWriter, saysWhatCannotBeWritten) {
+TEST(KittiBagWriter, SaysWhatCannotBeWritten) {
   EXPECT_THROW(KittiBagWriter("/no/such/folder/x.bag", {}), InputError);
   EXPECT_THROW(KittiBagWriter(::testing::TempDir(), {}), InputError) << "a folder";
 }

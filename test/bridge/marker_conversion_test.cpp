@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
+#include "bridge/marker_conversion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -94,7 +94,7 @@ Corner houseCorner(double x, double y) {
   return corner;
 }
 
-TEST(SeedMarkers, offsetsFromTheBestAreMagnified) {
+TEST(SeedMarkers, OffsetsFromTheBestAreMagnified) {
   const MarkerArray array = seedMarkers({trackAt(10.1, 10.0, true), trackAt(9.8, 10.02, false)}, sweepHeader());
   expectDisplayable(array);
   EXPECT_EQ(array.markers.size(), 2 * kMaxSeedMarkers);
@@ -106,7 +106,7 @@ TEST(SeedMarkers, offsetsFromTheBestAreMagnified) {
   EXPECT_EQ(find(array, "seeds before", 2).action, static_cast<int>(Marker::DELETE));
 }
 
-TEST(SeedMarkers, withoutSeedsOrWithBadOnesAllOldOnesGo) {
+TEST(SeedMarkers, WithoutSeedsOrWithBadOnesAllOldOnesGo) {
   std::vector<SeedTrack> bad(20, trackAt(kNan, 0.0, true));
   for (const auto& tracks : {std::vector<SeedTrack>(), bad}) {
     const MarkerArray array = seedMarkers(tracks, sweepHeader());
@@ -116,14 +116,14 @@ TEST(SeedMarkers, withoutSeedsOrWithBadOnesAllOldOnesGo) {
   }
 }
 
-TEST(SeedMarkers, noneWonIsShownToo) {
+TEST(SeedMarkers, NoneWonIsShownToo) {
   const MarkerArray array = seedMarkers({trackAt(kNan, 1, false), trackAt(2, 3, false)}, sweepHeader());
   expectDisplayable(array);
   EXPECT_EQ(find(array, "seeds before", 0).action, static_cast<int>(Marker::DELETE));
   EXPECT_EQ(find(array, "seeds before", 1).action, static_cast<int>(Marker::ADD));
 }
 
-TEST(CornerMarkers, pointsLineAndWallsOfACorner) {
+TEST(CornerMarkers, PointsLineAndWallsOfACorner) {
   const MarkerArray array = cornerMarkers({houseCorner(5, 7)}, {houseCorner(5, 7), houseCorner(9, 1)}, sweepHeader());
   expectDisplayable(array);
   EXPECT_EQ(find(array, "corners", 0).points.size(), 3u);
@@ -143,7 +143,7 @@ TEST(CornerMarkers, pointsLineAndWallsOfACorner) {
   EXPECT_EQ(find(array, "corner reference", 0).points.size(), 4u);
 }
 
-TEST(CornerMarkers, noneBadAndVeryMany) {
+TEST(CornerMarkers, NoneBadAndVeryMany) {
   const auto places = placesOf(cornerMarkers({houseCorner(5, 7)}, {}, sweepHeader()));
   Corner bad = houseCorner(1, 1), flat = houseCorner(2, 2);
   bad.rectangles[1].high.x() = kNan;
@@ -161,7 +161,7 @@ TEST(CornerMarkers, noneBadAndVeryMany) {
   EXPECT_EQ(find(array, "corners", 0).points.size(), 3 * kMaxCornerMarkers);
 }
 
-TEST(UncertaintyMarkers, ellipsesHaveTheSigmasOfTheirAxes) {
+TEST(UncertaintyMarkers, EllipsesHaveTheSigmasOfTheirAxes) {
   const Eigen::Rotation2Dd turn(0.5);
   const Eigen::Matrix2d covariance =
       turn.toRotationMatrix() * Eigen::Vector2d(0.04, 0.0009).asDiagonal() * turn.toRotationMatrix().transpose();
@@ -182,7 +182,7 @@ TEST(UncertaintyMarkers, ellipsesHaveTheSigmasOfTheirAxes) {
   EXPECT_NEAR(std::hypot(limit.points[5].x - 3.0, limit.points[5].y - 4.0), 0.6, 1e-9);
 }
 
-TEST(UncertaintyMarkers, whatIsNoCovarianceHasNoEllipse) {
+TEST(UncertaintyMarkers, WhatIsNoCovarianceHasNoEllipse) {
   for (const double xx : {-1.0, kNan}) {
     Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();
     covariance(0, 0) = xx;
@@ -207,7 +207,7 @@ Marker textOf(FailAwareState state, const TimeToFailure& time, std::uint32_t rea
   return marker;
 }
 
-TEST(TimeToFailureMarker, saysStateTimeAndReasons) {
+TEST(TimeToFailureMarker, SaysStateTimeAndReasons) {
   const Marker degraded = textOf(FailAwareState::kDegraded, TimeToFailure::fromSeconds(7.26, 60.0),
                                  kReasonSweepIncomplete | kReasonMissingIcpPlane);
   EXPECT_EQ(degraded.text, "DEGRADED  7.3 s\nSWEEP_INCOMPLETE\nMISSING_ICP_PLANE");
@@ -217,7 +217,7 @@ TEST(TimeToFailureMarker, saysStateTimeAndReasons) {
   EXPECT_GT(degraded.pose.position.z, 2.0) << "above the vehicle";
 }
 
-TEST(TimeToFailureMarker, eachStateHasItsColour) {
+TEST(TimeToFailureMarker, EachStateHasItsColour) {
   std::set<std::pair<float, float>> colours;
   for (int i = 0; i < 5; ++i) {
     const auto colour = textOf(static_cast<FailAwareState>(i), TimeToFailure::unknown(), ~0u).color;
@@ -226,7 +226,7 @@ TEST(TimeToFailureMarker, eachStateHasItsColour) {
   EXPECT_EQ(colours.size(), 5u);
 }
 
-TEST(TimeToFailureMarker, withoutAPlaceItIsDeleted) {
+TEST(TimeToFailureMarker, WithoutAPlaceItIsDeleted) {
   const Marker marker = timeToFailureMarker(MonitorOutput(), {kNan, 0, 0}, sweepHeader());
   EXPECT_EQ(marker.action, static_cast<int>(Marker::DELETE));
   EXPECT_TRUE(isFiniteMarker(marker));

@@ -1,15 +1,15 @@
-#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
+#include "bridge/odometry_conversion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 namespace {
 
-TEST(OdometryMessage, isThatOfTheBaseWithTwistInIt) {
+TEST(OdometryMessage, IsThatOfTheBaseWithTwistInIt) {
   Pose T_base_cog = Pose::Identity();
   T_base_cog.translation() << 0.3, 0.0, 0.5;
   Vector6d twist = Vector6d::Zero();
@@ -48,11 +48,11 @@ void expectUnknownTwist(const nav_msgs::Odometry& message) {
   EXPECT_GE(C(0, 0), 1000.0 * 1000.0) << "m^2/s^2";
 }
 
-TEST(OdometryMessage, aFirstSweepsTwistIsUnknown) {
+TEST(OdometryMessage, AFirstSweepsTwistIsUnknown) {
   expectUnknownTwist(toOdometryMessage(FilterState(), Matrix6d::Identity(), Pose::Identity(), "odom", "base_link"));
 }
 
-TEST(OdometryMessage, aTwistThatIsNotFiniteIsUnknown) {
+TEST(OdometryMessage, ATwistThatIsNotFiniteIsUnknown) {
   FilterState state;
   state.dt_s = 0.1;
   state.increment_covariance = 1e-4 * Matrix6d::Identity();

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/parameter_server.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ XmlRpc::XmlRpcValue vehicleAsLoaded() {
   return value;
 }
 
-TEST(ParameterServer, structsBecomeDottedKeys) {
+TEST(ParameterServer, StructsBecomeDottedKeys) {
   XmlRpc::XmlRpcValue value = vehicleAsLoaded();
   value["dynamics"]["mass_kg"] = 1800;
   VehicleFileParameters vehicle;
@@ -34,7 +34,7 @@ std::string messageOf(const XmlRpc::XmlRpcValue& value) {
   return "";
 }
 
-TEST(ParameterServer, namesWhatIsWrong) {
+TEST(ParameterServer, NamesWhatIsWrong) {
   XmlRpc::XmlRpcValue unknown = vehicleAsLoaded();
   unknown["dynamics"]["mass"] = 1.0;
   EXPECT_NE(messageOf(unknown).find("dynamics.mass"), std::string::npos) << messageOf(unknown);

@@ -1,4 +1,5 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
+#include "core/types/corrected_sweep.hpp"
 
 #include <gtest/gtest.h>
 
@@ -67,7 +68,7 @@ sensor_msgs::PointCloud2 velodyneCloud(const std::vector<Eigen::Vector3f>& point
 
 const std::vector<Eigen::Vector3f> kPoints = {{1, 2, 3}, {-4, 5, -6}, {7.5f, -8.25f, 9}};
 
-TEST(ReadCloud, velodynePacking) {
+TEST(ReadCloud, VelodynePacking) {
   Sweep sweep;
   ASSERT_TRUE(readCloud(velodyneCloud(kPoints), sweep).ok());
   EXPECT_DOUBLE_EQ(sweep.stamp_s, 1000000000.5);
@@ -77,7 +78,7 @@ TEST(ReadCloud, velodynePacking) {
   EXPECT_EQ(sweep.times_s, (std::vector<float>{-0.0f, -0.01f, -0.02f}));
 }
 
-TEST(ReadCloud, doublesShortNamesAndRowPadding) {
+TEST(ReadCloud, DoublesShortNamesAndRowPadding) {
   auto cloud = makeCloud({{"z", 1, PointField::FLOAT64},
                           {"x", 9, PointField::FLOAT64},
                           {"y", 17, PointField::FLOAT64},
@@ -103,7 +104,7 @@ TEST(ReadCloud, doublesShortNamesAndRowPadding) {
   EXPECT_TRUE(sweep.rings.empty());
 }
 
-TEST(ReadCloud, leavesOutWhatIsNoPoint) {
+TEST(ReadCloud, LeavesOutWhatIsNoPoint) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   Sweep sweep;
   ASSERT_TRUE(readCloud(velodyneCloud({{nan, 1, 1}, {1, 2, 3}, {1, inf, 1}, {0, 0, 0}, {4, 5, 6}}), sweep).ok());
@@ -119,7 +120,7 @@ TEST(ReadCloud, leavesOutWhatIsNoPoint) {
   EXPECT_TRUE(sweep.empty());
 }
 
-TEST(ReadCloud, anIntensityThatIsNoNumberBecomesZero) {
+TEST(ReadCloud, AnIntensityThatIsNoNumberBecomesZero) {
   auto cloud = velodyneCloud({{1, 2, 3}, {4, 5, 6}});
   put(cloud, 12, std::numeric_limits<float>::quiet_NaN());
   Sweep sweep;
@@ -127,7 +128,7 @@ TEST(ReadCloud, anIntensityThatIsNoNumberBecomesZero) {
   EXPECT_EQ(sweep.intensities, (std::vector<float>{0, 11}));
 }
 
-TEST(ReadCloud, refusesMorePointsThanAnyLidarGives) {
+TEST(ReadCloud, RefusesMorePointsThanAnyLidarGives) {
   auto cloud = makeCloud({{"x", 0, PointField::FLOAT32}, {"y", 0, PointField::FLOAT32}, {"z", 0, PointField::FLOAT32}},
                          4, 10000001);
   Sweep sweep;
@@ -146,7 +147,7 @@ sensor_msgs::PointCloud2 timedCloud(const char* name, std::uint8_t datatype) {
   return cloud;
 }
 
-TEST(ReadCloud, timeOfEveryType) {
+TEST(ReadCloud, TimeOfEveryType) {
   Sweep sweep;
   auto absolute = timedCloud("timestamp", PointField::FLOAT64);
   put(absolute, 12, 1000000000.45);
@@ -158,7 +159,7 @@ TEST(ReadCloud, timeOfEveryType) {
   EXPECT_NEAR(sweep.times_s.at(0), 0.025, 1e-9);
 }
 
-TEST(ReadCloud, rowStepCountsOnlyWhereRowsArePadded) {
+TEST(ReadCloud, RowStepCountsOnlyWhereRowsArePadded) {
   Sweep sweep;
   for (const std::uint32_t row_step : {0u, 1u, 65u, 66u, 0xffffffffu}) {
     auto cloud = velodyneCloud(kPoints);
@@ -172,7 +173,7 @@ TEST(ReadCloud, rowStepCountsOnlyWhereRowsArePadded) {
   }
 }
 
-TEST(ReadCloud, bigEndian) {
+TEST(ReadCloud, BigEndian) {
   const auto cloud = velodyneCloud(kPoints);
   auto swapped = cloud;
   swapped.is_bigendian = true;
@@ -192,7 +193,7 @@ TEST(ReadCloud, bigEndian) {
   EXPECT_EQ(sweep.times_s, expected.times_s);
 }
 
-TEST(ReadCloud, takesTheTimeFieldThatTellsTimes) {
+TEST(ReadCloud, TakesTheTimeFieldThatTellsTimes) {
   auto cloud = makeCloud({{"x", 0, PointField::FLOAT32},
                           {"y", 4, PointField::FLOAT32},
                           {"z", 8, PointField::FLOAT32},
@@ -220,7 +221,7 @@ TEST(ReadCloud, takesTheTimeFieldThatTellsTimes) {
   EXPECT_TRUE(sweep.times_s.empty());
 }
 
-TEST(ReadCloud, refusesWithAReason) {
+TEST(ReadCloud, RefusesWithAReason) {
   Sweep sweep;
   const auto status = [&](const sensor_msgs::PointCloud2& cloud) {
     const CloudReadResult result = readCloud(cloud, sweep);
@@ -258,7 +259,7 @@ TEST(ReadCloud, refusesWithAReason) {
   EXPECT_EQ(status(cloud), CloudStatus::kNoCoordinates);
 }
 
-TEST(CorrectedCloud, comesBackAsItWas) {
+TEST(CorrectedCloud, ComesBackAsItWas) {
   CorrectedSweep sweep, back;
   sweep.points_lidar = kPoints;
   sweep.times_s = {-0.05f, 0.0f, 0.05f};
@@ -294,7 +295,7 @@ TEST(CorrectedCloud, comesBackAsItWas) {
   EXPECT_TRUE(back.times_s.empty());
 }
 
-TEST(WritePoints, areReadBack) {
+TEST(WritePoints, AreReadBack) {
   sensor_msgs::PointCloud2 cloud;
   writePoints({{1.0, 2.0, 3.0}, {-4.0, 5.0, 6.0}}, Pose::Identity(), cloud);
   EXPECT_EQ(cloud.point_step, 12u);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/bridge/velodyne_bag_writer.hpp"
+#include "bridge/velodyne_bag_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <rosbag/view.h>
@@ -7,8 +7,8 @@
 
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "bridge/bag_sweep_source.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
@@ -37,7 +37,7 @@ class VelodyneBagWriterTest : public ::testing::Test {
   Pose T_base_lidar_ = Pose::Identity();
 };
 
-TEST_F(VelodyneBagWriterTest, readsBackAsASourceOfSweeps) {
+TEST_F(VelodyneBagWriterTest, ReadsBackAsASourceOfSweeps) {
   VelodyneBagWriter writer(path_, T_base_lidar_);
   Pose T = Pose::Identity();
   for (int i = 1; i <= 3; ++i) {
@@ -67,7 +67,7 @@ TEST_F(VelodyneBagWriterTest, readsBackAsASourceOfSweeps) {
   }
 }
 
-TEST_F(VelodyneBagWriterTest, arrivalOrderIsKeptWhateverTheStampsSay) {
+TEST_F(VelodyneBagWriterTest, ArrivalOrderIsKeptWhateverTheStampsSay) {
   VelodyneBagWriter writer(path_, T_base_lidar_);
   for (double stamp_s : {0.1, 0.3, 0.2, -4.6, 0.5}) writer.add(sweepAt(stamp_s), Pose::Identity(), std::abs(stamp_s));
   writer.close();
@@ -84,7 +84,7 @@ TEST_F(VelodyneBagWriterTest, arrivalOrderIsKeptWhateverTheStampsSay) {
   EXPECT_NEAR(stamps_s[3], -4.6, 1e-9);
 }
 
-TEST_F(VelodyneBagWriterTest, placeThatCannotBeWrittenIsRefused) {
+TEST_F(VelodyneBagWriterTest, PlaceThatCannotBeWrittenIsRefused) {
   EXPECT_THROW(VelodyneBagWriter("/no/such/folder/x.bag", T_base_lidar_), InputError);
 }
 

@@ -1,10 +1,11 @@
-#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
+#include "bridge/velodyne_messages.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
@@ -21,7 +22,7 @@ Sweep driverSweep() {
   return sweep;
 }
 
-TEST(VelodyneMessages, cloudHasTheDriversLayoutAndReadsBack) {
+TEST(VelodyneMessages, CloudHasTheDriversLayoutAndReadsBack) {
   sensor_msgs::PointCloud2 cloud;
   writeVelodyneCloud(driverSweep(), cloud);
   EXPECT_EQ(cloud.point_step, 22u);
@@ -39,7 +40,7 @@ TEST(VelodyneMessages, cloudHasTheDriversLayoutAndReadsBack) {
   EXPECT_EQ(back.rings, sweep.rings);
 }
 
-TEST(VelodyneMessages, emptyNanAndMissingArrays) {
+TEST(VelodyneMessages, EmptyNanAndMissingArrays) {
   sensor_msgs::PointCloud2 cloud;
   writeVelodyneCloud(Sweep(), cloud);
   EXPECT_EQ(cloud.width, 0u);
@@ -54,14 +55,14 @@ TEST(VelodyneMessages, emptyNanAndMissingArrays) {
   EXPECT_EQ(back.times_s, (std::vector<float>{0.0f}));
 }
 
-TEST(VelodyneMessages, timesKeepMicroseconds) {
+TEST(VelodyneMessages, TimesKeepMicroseconds) {
   const ros::Time epoch(1577836800, 0);
   EXPECT_EQ(timeAt(epoch, 0.1), ros::Time(1577836800, 100000000));
   EXPECT_EQ(timeAt(epoch, 0.3), ros::Time(1577836800, 300000000));
   EXPECT_EQ(timeAt(epoch, -4.9), ros::Time(1577836795, 100000000));
 }
 
-TEST(VelodyneMessages, placeAndTruth) {
+TEST(VelodyneMessages, PlaceAndTruth) {
   Pose T = Pose::Identity();
   T.translation() << -0.5, 0.25, 1.75;
   const VelodyneNames names;

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/estimator.hpp"
+#include "core/estimator.hpp"
 
 #include <gtest/gtest.h>
 

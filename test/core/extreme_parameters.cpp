@@ -13,8 +13,8 @@
 
 #include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "core/parameters/parameter_map.hpp"
 #include "parameters/error_of.hpp"
 
 namespace fail_aware {

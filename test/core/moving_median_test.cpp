@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/moving_median.hpp"
+#include "core/moving_median.hpp"
 
 #include <gtest/gtest.h>
 

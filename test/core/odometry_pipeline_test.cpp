@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/odometry_pipeline.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 
 #include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 namespace {
@@ -168,7 +168,7 @@ TEST(OdometryPipeline, ARefusedTimeFieldIsAReason) {
   }
 }
 
-TEST(OdometryPipeline, FollowsAStreetWithinCentimetresFromAFlyingStart) {
+TEST(OdometryPipeline, FollowsAStreetWithinCentimetres) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();
   const std::vector<SweepResult> results = run(pipeline, driveSweeps());
@@ -195,7 +195,7 @@ TEST(OdometryPipeline, FollowsAStreetWithinCentimetresFromAFlyingStart) {
   for (const Eigen::Vector3d& point : reference) ASSERT_TRUE(point.allFinite());
 }
 
-TEST(OdometryPipeline, GivesTheSameBitsForAnyThreadsOnASecondRunAndAfterAReset) {
+TEST(OdometryPipeline, SameBitsForAnyThreads) {
   const std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
   OdometryPipeline one(streetParameters(), 1), two(streetParameters(), 2), again(streetParameters(), 1);
   const std::vector<SweepResult> expected = run(one, sweeps);
@@ -239,7 +239,7 @@ TEST(OdometryPipeline, ASweepWithTooFewPointsIsLikeAnEmptyOne) {
   expectNear(results[8], kDrive.T_odom_base(0.8), 0.05, "after it");
 }
 
-TEST(OdometryPipeline, TheSpeedIsFoundAlthoughTheFirstSweepsAreLost) {
+TEST(OdometryPipeline, LostFirstSweepsDoNotHideTheSpeed) {
   for (const std::vector<std::size_t>& lost : {std::vector<std::size_t>{0}, {0, 1}, {1, 2}, {2}, {0, 2, 3}}) {
     std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 7);
     std::string name = "lost:";
@@ -350,7 +350,7 @@ TEST(OdometryPipeline, ARepeatedCloudCountsAsEmpty) {
   EXPECT_FALSE(results[7].condition.empty);
 }
 
-TEST(OdometryPipeline, AStampThatJumpsBackBeginsADriveAtTheLastPose) {
+TEST(OdometryPipeline, JumpBackBeginsADrive) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();
   std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 14);
@@ -366,7 +366,7 @@ TEST(OdometryPipeline, AStampThatJumpsBackBeginsADriveAtTheLastPose) {
   EXPECT_LT(poseError(since, kDrive.T_odom_base(1.3, 0.7)).horizontal_m, 0.05);
 }
 
-TEST(OdometryPipeline, OneStampFarAheadIsRefusedTwoBeginADriveAtTheLastPose) {
+TEST(OdometryPipeline, TwoStampsFarAheadBeginADrive) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();
   std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 14);
@@ -410,7 +410,7 @@ TEST_P(OdometryPipelineClock, ThatIsSetForAWhileDoesNotMoveTheCar) {
 // the last: doubles leave a difference where the stamps are the same
 INSTANTIATE_TEST_SUITE_P(Set, OdometryPipelineClock, testing::Values(0.4, -0.4, -0.4 + 1e-8));
 
-TEST(OdometryPipeline, WhereTheSweepAfterAJumpOfTheClockIsNotMeasuredTheNextOneTells) {
+TEST(OdometryPipeline, ClockJumpIsFoundALater) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();
   std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 20);
@@ -450,7 +450,7 @@ TEST(OdometryPipeline, TimesToFailureAreKnownFromStartRedundantOn) {
   }
 }
 
-TEST(OdometryPipeline, TheSweepThatServesFirstIsOneThatIsTakenAndNotBeforeItsStamp) {
+TEST(OdometryPipeline, ServiceStartsAtAnAcceptedSweep) {
   OdometryPipeline pipeline(streetParameters(), 1);
   std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
   const double from_stamp_s = sweeps[4].stamp_s - 0.02;
@@ -483,7 +483,7 @@ TEST(OdometryPipeline, SweepsThatAreCompensatedAlreadyNeedNoTiming) {
 }
 
 // A head whose zero is off, and whose clouds begin at its own rear. Compensated clouds are timed by it, too.
-TEST(OdometryPipeline, AnAzimuthThatIsOffIsCorrectedAndTimedByTheHeadsOwnZero) {
+TEST(OdometryPipeline, AzimuthOffsetIsCorrected) {
   constexpr double kOff_deg = -6.0;
   const Eigen::Matrix3f turn = rotationFromRpy(0.0, 0.0, kOff_deg * kDegree).cast<float>();
   for (const std::string source : {"azimuth", "none"}) {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "core/parameters/parameter_map.hpp"
 
 namespace fail_aware {
 namespace {

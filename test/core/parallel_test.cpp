@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
+#include "core/parallel.hpp"
 
 #include <gtest/gtest.h>
 

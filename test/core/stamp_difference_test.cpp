@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/stamp_difference.hpp"
 
 #include <gtest/gtest.h>
 
 namespace fail_aware {
 namespace {
 
-TEST(StampDifference, isTheSameWhateverTheClocksZero) {
+TEST(StampDifference, IsTheSameWhateverTheClocksZero) {
   int raw_differ = 0;
   for (int i = 1; i < 2000; ++i) {
     const double small_from = 0.103288 * (i - 1), small_to = 0.103288 * i;
@@ -18,7 +18,7 @@ TEST(StampDifference, isTheSameWhateverTheClocksZero) {
   EXPECT_GT(raw_differ, 1000) << "the reason for the rounding";
 }
 
-TEST(StampDifference, hasASign) {
+TEST(StampDifference, HasASign) {
   EXPECT_EQ(secondsBetween(2.0, 1.5), -0.5);
   EXPECT_EQ(secondsBetween(1.0, 1.0 + 4e-7), 0.0);
 }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "../support/synthetic_tunnel.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/odometry_covariance.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/estimation/odometry_covariance.hpp"
+#include "core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 namespace {

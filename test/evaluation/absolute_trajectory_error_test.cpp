@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/evaluation/absolute_trajectory_error.hpp"
+#include "evaluation/absolute_trajectory_error.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 #include "trajectory_poses.hpp"
 
 namespace fail_aware {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/alarm_statistics.hpp"
+#include "evaluation/alarm_statistics.hpp"
 
 #include <gtest/gtest.h>
 

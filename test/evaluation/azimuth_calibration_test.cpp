@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/evaluation/azimuth_calibration.hpp"
+#include "evaluation/azimuth_calibration.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/io/input_error.hpp"
 #include "trajectory_poses.hpp"
 
 namespace fail_aware {
@@ -19,8 +19,8 @@ constexpr double kAhead_m = 0.8;
 struct Drive {
   double azimuth_deg = 0.0;
   double slip_s2_per_m = 0.0;
-  double noise_m = 0.0;  ///< sideways, a sweep
-  double curvatures = 0.4;    ///< largest yaw rate, rad/s
+  double noise_m = 0.0;     ///< sideways, a sweep
+  double curvatures = 0.4;  ///< largest yaw rate, rad/s
   double least_mps = 5.0, most_mps = 15.0;
   int sweeps = 400;
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/concordance.hpp"
+#include "evaluation/concordance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ TEST(Concordance, OneSwapOfSixPairs) {
   EXPECT_DOUBLE_EQ(pairs.score, 5.0);
 }
 
-TEST(Concordance, WhatWasOnlyWatchedIsComparableWithEarlierFailuresAlone) {
+TEST(Concordance, CensoredComparesWithEarlierFailures) {
   // failed at 2, watched to 1, watched to 5: only (2, 5) is known
   const std::vector<SurvivalSample> samples = {{2.0, true, 0}, {1.0, false, 1}, {5.0, false, 2}};
   const ConcordancePairs pairs = Concordance(samples, Predicted{2.0, 99.0, 3.0}).all();

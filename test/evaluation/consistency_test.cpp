@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/consistency.hpp"
+#include "evaluation/consistency.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_calibration.hpp"
+#include "evaluation/fail_aware_calibration.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp"
+#include "core/integrity/covariance_predictor.hpp"
 #include "made_up_episode.hpp"
 
 namespace fail_aware {
@@ -19,7 +19,7 @@ FailAwareEpisode withEta(int sweeps, int fails_at) {
   return episode;
 }
 
-TEST(FailAwareCalibration, EtasThresholdIsItsValueWhereThatRatioFailed) {
+TEST(FailAwareCalibration, EtaThresholdIsTheQuantileOfFailures) {
   const std::vector<FailAwareEpisode> episodes = {withEta(100, 20), withEta(100, 40), withEta(100, 60),
                                                   withEta(100, 80)};
   EXPECT_NEAR(etaThreshold(episodes, 0.25).value(), 20e-5, 1e-12);
@@ -27,7 +27,7 @@ TEST(FailAwareCalibration, EtasThresholdIsItsValueWhereThatRatioFailed) {
   EXPECT_NEAR(etaThreshold(episodes, 0.51).value(), 60e-5, 1e-12);
 }
 
-TEST(FailAwareCalibration, EpisodesWithoutAFailureCountAsFarAsTheyWereWatched) {
+TEST(FailAwareCalibration, NoFailureIsCensored) {
   const std::vector<FailAwareEpisode> episodes = {withEta(100, 20), withEta(31, -1), withEta(100, 60),
                                                   withEta(100, -1)};
   // 1/4 failed at 20, of the two left after 30 one at 60: 1 - 3/4 * 1/2
@@ -37,7 +37,7 @@ TEST(FailAwareCalibration, EpisodesWithoutAFailureCountAsFarAsTheyWereWatched) {
   EXPECT_FALSE(etaThreshold({}, 0.1));
 }
 
-TEST(FailAwareCalibration, AQuietThresholdIsPassedByFewThatNeverFailed) {
+TEST(FailAwareCalibration, QuietThresholdHasFewFalseAlarms) {
   std::vector<FailAwareEpisode> episodes = {withEta(100, 2)};
   for (int k = 1; k <= 11; ++k) episodes.push_back(withEta(10 * k, -1));  // eta at the end: 9, 19, .. 109
   EXPECT_NEAR(quietEtaThreshold(episodes, 0.1).value(), 99e-5, 1e-12);

@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_episode.hpp"
+#include "evaluation/fail_aware_episode.hpp"
 
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/integrity/monitor_replay.hpp"
 #include "made_up_episode.hpp"
 
 namespace fail_aware {
@@ -84,7 +84,7 @@ TEST(FailAwareEpisode, KnowsHowLongTheMonitorHeardNothing) {
   EXPECT_EQ(episode.sweeps.back().silent_s, 0.0);
 }
 
-TEST(FailAwareEpisode, JudgedAtOneThreeFiveAndEverySecondBeforeTheFailure) {
+TEST(FailAwareEpisode, JudgedEverySecondBeforeFailure) {
   EXPECT_EQ(judgedSweeps(madeUpEpisode(std::string(85, 'o'), -1)), (std::vector<std::size_t>{10, 30, 50, 60, 70, 80}));
   EXPECT_EQ(judgedSweeps(madeUpEpisode(std::string(85, 'o'), 60)), (std::vector<std::size_t>{10, 30, 50}));
   EXPECT_TRUE(judgedSweeps(madeUpEpisode("oooo", -1)).empty());

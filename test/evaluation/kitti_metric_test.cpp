@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/kitti_metric.hpp"
+#include "evaluation/kitti_metric.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 #include <complex>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

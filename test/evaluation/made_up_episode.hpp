@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "fail_aware_lidar_odometry/evaluation/fail_aware_episode.hpp"
+#include "evaluation/fail_aware_episode.hpp"
 
 namespace fail_aware {
 

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/evaluation/noise_calibration.hpp"
+#include "evaluation/noise_calibration.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

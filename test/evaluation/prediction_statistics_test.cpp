@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/prediction_statistics.hpp"
+#include "evaluation/prediction_statistics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ TEST(PredictionStatistics, LateIsLongerThanTheTruth) {
   EXPECT_DOUBLE_EQ(s.lateRatio(), 0.4);
 }
 
-TEST(PredictionStatistics, WithoutAFailureOnlyShorterPredictionsAreDecided) {
+TEST(PredictionStatistics, NoFailureDecidesShorterPredictionsOnly) {
   const LateStatistics s = lateStatistics(
       {{1.0, 10.0, false, seconds(9.0)}, {1.0, 10.0, false, seconds(11.0)}, {1.0, 10.0, true, seconds(11.0)}});
   EXPECT_EQ(s.decided, 2u);

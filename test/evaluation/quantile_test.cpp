@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/evaluation/quantile.hpp"
+#include "evaluation/quantile.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/evaluation/relative_step_error.hpp"
+#include "evaluation/relative_step_error.hpp"
 
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 #include "trajectory_poses.hpp"
 
 namespace fail_aware {

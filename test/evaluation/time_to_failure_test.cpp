@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/evaluation/time_to_failure.hpp"
+#include "evaluation/time_to_failure.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/check.hpp"
 #include "trajectory_poses.hpp"
 
 namespace fail_aware {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/pose.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 

@@ -1,8 +1,8 @@
 // A folder in KITTI's layout of any bytes -> sweeps.
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/kitti_directory.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_support.hpp"
 

@@ -1,9 +1,9 @@
 // Any content of each message that a nodelet listens to -> core, as the nodelets call it, over some sweeps -> what is
 // published of it: no NaN, no infinity; covariances are symmetric and have no negative variance.
-#include <fail_aware_lidar_odometry/FilterState.h>
-#include <fail_aware_lidar_odometry/PoseMeasurement.h>
-#include <fail_aware_lidar_odometry/SweepCheck.h>
-#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include "fail_aware_lidar_odometry/FilterState.h"
+#include "fail_aware_lidar_odometry/PoseMeasurement.h"
+#include "fail_aware_lidar_odometry/SweepCheck.h"
+#include "fail_aware_lidar_odometry/SweepPrediction.h"
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <ros/serialization.h>
 
@@ -16,15 +16,15 @@
 
 #include "../../src/nodelets/pose_message.hpp"
 #include "../support/message_numbers.hpp"
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/marker_conversion.hpp"
-#include "fail_aware_lidar_odometry/bridge/odometry_conversion.hpp"
+#include "bridge/graph_message_conversion.hpp"
+#include "bridge/marker_conversion.hpp"
+#include "bridge/odometry_conversion.hpp"
+#include "core/estimation/external_pose.hpp"
+#include "core/estimation/pose_setting.hpp"
+#include "core/integrity/monitor.hpp"
+#include "core/pipeline_parameters.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor.hpp"
-#include "fail_aware_lidar_odometry/core/filter/pose_setting.hpp"
-#include "fail_aware_lidar_odometry/core/fusion/external_pose.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_corrector.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_support.hpp"
 

@@ -1,7 +1,7 @@
 // Yaml of any bytes -> parameters: refused by name, or a set that keeps its rules.
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/parameters/parameter_map.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 #include "fuzz_support.hpp"
 
 using namespace fail_aware;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_support.hpp"

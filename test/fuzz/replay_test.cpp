@@ -113,7 +113,7 @@ class FuzzReplay : public testing::TestWithParam<Target> {
 
 std::ostream& operator<<(std::ostream& out, const Target& target) { return out << target.name; }
 
-TEST_P(FuzzReplay, keepsItsPromisesOverTheCorpusAndChangesOfIt) {
+TEST_P(FuzzReplay, KeepsItsPromisesOverTheCorpusAndChangesOfIt) {
   const Target& target = GetParam();
   const std::vector<File> files = corpusOf(target);
   ASSERT_FALSE(files.empty());

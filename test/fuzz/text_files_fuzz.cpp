@@ -1,10 +1,10 @@
 // Trajectories, times, calibration and the two logs, of any bytes; the logs with any rows below their header, too.
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/measurement_log.hpp"
+#include "core/io/monitor_log.hpp"
+#include "core/io/trajectory_io.hpp"
 #include "fuzz_support.hpp"
 
 using namespace fail_aware;

@@ -21,7 +21,7 @@
 
 #include "../support/street_parameters.hpp"
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
+#include "core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 namespace {
@@ -169,7 +169,7 @@ std::string difference(const Row& now, const Row& committed, const Tolerance& to
   return "";
 }
 
-TEST(Golden, poseAndCovarianceOfEverySweepAreAsCommitted) {
+TEST(Golden, PoseAndCovarianceOfEverySweepAreAsCommitted) {
   const std::vector<Row> now = drive();
   if (std::getenv("FAIL_AWARE_UPDATE_GOLDEN") != nullptr) write(now);
   const std::vector<Row> committed = read();
@@ -185,7 +185,7 @@ TEST(Golden, poseAndCovarianceOfEverySweepAreAsCommitted) {
 }
 
 /// What kElsewhere goes by.
-TEST(Golden, otherRoundingsMoveItByLessThanTheToleranceElsewhere) {
+TEST(Golden, OtherRoundingsMoveItByLessThanTheToleranceElsewhere) {
   const std::vector<Row> usual = drive();
   for (const double wider : {-1e-12, 2e-12, 4e-9}) {
     const std::vector<Row> otherwise = drive(wider);
@@ -196,7 +196,7 @@ TEST(Golden, otherRoundingsMoveItByLessThanTheToleranceElsewhere) {
   }
 }
 
-TEST(GoldenComparison, seesEachNumberThatIsNotAsCommitted) {
+TEST(GoldenComparison, SeesEachNumberThatIsNotAsCommitted) {
   const std::vector<Row> rows = read();
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(kSweeps));
   constexpr std::size_t kT1 = 2;  // the first sweep whose motion is observed: nothing has accumulated there
@@ -238,7 +238,7 @@ TEST(GoldenComparison, seesEachNumberThatIsNotAsCommitted) {
   EXPECT_NE(difference({}, rows[1]), "");
 }
 
-TEST(GoldenComparison, committedColumnsAreThoseOfTheTriangles) {
+TEST(GoldenComparison, CommittedColumnsAreThoseOfTheTriangles) {
   EXPECT_EQ(columnOf(kCovariances[0], 0, 0), 6u);
   EXPECT_EQ(columnOf(kCovariances[0], 1, 1), 12u);
   EXPECT_EQ(columnOf(kCovariances[0], 5, 5), 26u);

@@ -65,13 +65,13 @@ class CheckRviz : public testing::Test {
   std::string said_;
 };
 
-TEST_F(CheckRviz, theShippedConfigurationIsAllOk) {
+TEST_F(CheckRviz, TheShippedConfigurationIsAllOk) {
   writeDrive(120);
   EXPECT_EQ(check("--count 30"), 0) << said_;
   EXPECT_TRUE(fs::exists(folder_ / "rviz.png"));
 }
 
-TEST_F(CheckRviz, aFrameThatNobodyPublishesIsSeen) {
+TEST_F(CheckRviz, AFrameThatNobodyPublishesIsSeen) {
   writeDrive(20);
   std::ifstream shipped(std::string(FAIL_AWARE_SOURCE_DIR) + "/rviz/odometry.rviz");
   std::ofstream wrong(folder_ / "wrong.rviz");
@@ -83,7 +83,7 @@ TEST_F(CheckRviz, aFrameThatNobodyPublishesIsSeen) {
   EXPECT_NE(said_.find("to be seen"), std::string::npos) << said_;
 }
 
-TEST_F(CheckRviz, badUsage) {
+TEST_F(CheckRviz, BadUsage) {
   EXPECT_EQ(check(""), 2);
   EXPECT_NE(said_.find("there are 0"), std::string::npos) << said_;
   EXPECT_EQ(check("--nonsense"), 2);

@@ -56,7 +56,7 @@ TEST_F(CloudIntakeTest, TheLastThreeWaitForThePlace) {
   EXPECT_EQ(accepted_.size(), 3u) << "once";
 }
 
-TEST_F(CloudIntakeTest, WhatWaitedGoesOnBeforeTheCloudThatFindsThePlace) {
+TEST_F(CloudIntakeTest, WaitingCloudsGoFirst) {
   take(1, "");
   clouds_.lidar().use(Pose::Identity());
   take(2, "");

@@ -29,7 +29,7 @@ TEST_F(CorrectionDiagnosisTest, SoundSweepsAreCorrected) {
   EXPECT_EQ(summary(), "correcting");
 }
 
-TEST_F(CorrectionDiagnosisTest, ARefusedCloudIsTheFirstFaultAndToldOnce) {
+TEST_F(CorrectionDiagnosisTest, RefusedCloudIsReportedOnce) {
   add({CloudStatus::kEmpty, "no point"});
   EXPECT_EQ(summary("the seam"), "clouds without usable points: no point");
   EXPECT_EQ(summary("the seam"), "the seam");
@@ -37,7 +37,7 @@ TEST_F(CorrectionDiagnosisTest, ARefusedCloudIsTheFirstFaultAndToldOnce) {
   EXPECT_EQ(summary(), "clouds without usable points: none again");
 }
 
-TEST_F(CorrectionDiagnosisTest, FindingsAreToldWhileTheLastSweepHasThem) {
+TEST_F(CorrectionDiagnosisTest, FindingsLastAsLongAsTheSweep) {
   SweepFindings findings;
   findings.low_visibility = true;
   add({}, findings);

@@ -19,6 +19,7 @@
 
 #include "../support/graph_recorder.hpp"
 #include "../support/synthetic_street.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
@@ -49,7 +50,7 @@ std::map<std::string, std::string> wantedTopics() {
   return wanted;
 }
 
-TEST(RvizConfiguration, everyClassExists) {
+TEST(RvizConfiguration, EveryClassExists) {
   std::ifstream file(ros::package::getPath("rviz") + "/plugin_description.xml");
   std::stringstream description;
   description << file.rdbuf();
@@ -64,7 +65,7 @@ TEST(RvizConfiguration, everyClassExists) {
   }
 }
 
-TEST(RvizConfiguration, everyTopicIsAdvertisedWithItsType) {
+TEST(RvizConfiguration, EveryTopicIsAdvertisedWithItsType) {
   const std::map<std::string, std::string> wanted = wantedTopics();
   EXPECT_EQ(wanted.size(), 5u);
   std::map<std::string, std::string> advertised;
@@ -108,7 +109,7 @@ struct MarkerLog {
   }
 };
 
-TEST(Display, aDriveBringsAllThatTheConfigurationShows) {
+TEST(Display, ADriveBringsAllThatTheConfigurationShows) {
   ros::NodeHandle node;
   MarkerLog log;
   std::vector<sensor_msgs::PointCloud2ConstPtr> maps;

@@ -116,7 +116,7 @@ TEST_P(FaultsOfAStage, AbsentKilledAndBackEachIsToldInTheNextSweep) {
     bool recovered = false;
     for (int i = 0; i < 5 && !recovered; ++i) {
       recovered = (drive() & stage.reasons & ~static_cast<std::uint32_t>(Reason::REASON_MISSING_CORNERS)) == 0 &&
-                  graph_.states.at(stampOfSweep(next_ - 1)).corrected;
+                  graph_.states.at(stampOfSweep(next_ - 1)).measurement_applied;
     }
     EXPECT_TRUE(recovered) << "round " << round;
     if (round == 1) break;
@@ -150,7 +150,7 @@ TEST_F(Faults, WithoutTheMonitorTheOdometryGoesOnAndNoTimeIsTold) {
   if (HasFatalFailure()) return;
   for (int i = 0; i < 3; ++i) drive();
   EXPECT_FALSE(graph_.times.connected()) << "a planner that hears nothing for 0.5 s takes it as failed";
-  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
+  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).measurement_applied);
   load("fail_aware_monitor");
   ASSERT_TRUE(graph_.waitUntilLinked());
   graph_.monitored = true;
@@ -159,10 +159,10 @@ TEST_F(Faults, WithoutTheMonitorTheOdometryGoesOnAndNoTimeIsTold) {
   graph_.monitored = false;
   drive();
   EXPECT_EQ(graph_.times.count(stampOfSweep(next_ - 1)), 0u);
-  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
+  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).measurement_applied);
 }
 
-TEST_F(Faults, WithoutTheFilterTheMonitorSaysFailedAndStaleUntilItIsBack) {
+TEST_F(Faults, WithoutFilterTheStateIsFailedAndStale) {
   loadAllBut("");
   ASSERT_TRUE(graph_.waitUntilLinked());
   start();
@@ -183,10 +183,10 @@ TEST_F(Faults, WithoutTheFilterTheMonitorSaysFailedAndStaleUntilItIsBack) {
   EXPECT_EQ(graph_.states.at(stampOfSweep(next_)).dt, 0.0);
   ++next_;
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(has(drive(), Reason::REASON_STALE));
-  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
+  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).measurement_applied);
 }
 
-TEST_F(Faults, AResetEndsTheServiceThatWasAskedForUntilItIsAskedForAgain) {
+TEST_F(Faults, ResetEndsTheServiceUntilAskedAgain) {
   graph_.node().setParam("fail_aware_monitor/start_redundant", false);
   loadAllBut("");
   graph_.node().deleteParam("fail_aware_monitor/start_redundant");
@@ -240,7 +240,7 @@ TEST_F(Faults, UnloadedInTheMiddleOfASweepANodeletTakesNothingWithIt) {
   ASSERT_TRUE(reconfigureDeadline(600.0));
   ASSERT_TRUE(call("fusion_ukf/reset"));
   for (int i = 0; i < 3; ++i) drive();
-  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).corrected);
+  EXPECT_TRUE(graph_.states.at(stampOfSweep(next_ - 1)).measurement_applied);
   setDeadline(600.0);
 }
 
@@ -281,7 +281,7 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
   load("fusion_ukf");
 }
 
-TEST_F(Faults, ANodeletTakesRossOwnParametersAndSaysWhichOfItsValuesDoNotCount) {
+TEST_F(Faults, NodeletNamesParametersWithoutEffect) {
   std::string log;
   ros::Subscriber listener = graph_.node().subscribe<rosgraph_msgs::Log>(
       "/rosout", 100, [&](const rosgraph_msgs::LogConstPtr& line) { log += line->msg + '\n'; });
@@ -308,7 +308,7 @@ messages::PoseMeasurement noCorners(const ros::Time& stamp) {
   return message;
 }
 
-TEST_F(Faults, AStageThatIsConnectedButSilentIsWaitedForToTheDeadlineAndThenNoLonger) {
+TEST_F(Faults, SilentStageIsGivenUpAtTheDeadline) {
   setDeadline(1.0);
   loadAllBut("corner_svd");
   setDeadline(600.0);

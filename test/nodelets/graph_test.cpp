@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "../support/graph_driver.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/parameter_server.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 namespace {
@@ -51,7 +52,7 @@ void expectPositiveDefinite(const nav_msgs::Odometry& message) {
   }
 }
 
-TEST(Graph, everyCloudHasItsEstimateAndItIsOfflines) {
+TEST(Graph, EveryCloudHasItsEstimateAndItIsOfflines) {
   GraphDriver graph;
   Recorder<messages::PoseMeasurement> point(graph.node(), "measurement/icp_point_to_point");
   Recorder<messages::PoseMeasurement> plane(graph.node(), "measurement/icp_point_to_plane");

@@ -17,9 +17,9 @@
 #include "../support/bus_links.hpp"
 #include "../support/driver_clouds.hpp"
 #include "../support/graph_driver.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
 
 namespace fail_aware {
 namespace {
@@ -110,7 +110,7 @@ TEST_F(Interfaces, CloudsOfEveryDriverGiveTheSameOdometry) {
     SetUp();
     for (int i = 0; i < kSweeps; ++i) {
       ASSERT_TRUE(graph_->drive(packing.cloud(i))) << packing.name << ", sweep " << i;
-      EXPECT_EQ(stateAt(i).corrected != 0, i > 0) << packing.name << ", sweep " << i;
+      EXPECT_EQ(stateAt(i).measurement_applied != 0, i > 0) << packing.name << ", sweep " << i;
       if (static_cast<int>(expected.size()) <= i) expected.push_back(poseAt(i));
       // rounding of the points and times that are other in each: what registration makes of it is a millimetre at most
       expectNear(poseAt(i), expected[static_cast<std::size_t>(i)], 2e-3,
@@ -130,7 +130,7 @@ TEST_F(Interfaces, ACloudOfAnotherFrameIsLostAndCounted) {
   EXPECT_EQ(graph_->states.count(stampOfSweep(3)), 0u);
   EXPECT_EQ(stateAt(4).dropped_before, 1u);
   EXPECT_TRUE(has(reasonsAt(4), Reason::REASON_DROPPED_SWEEPS));
-  EXPECT_TRUE(stateAt(4).corrected);
+  EXPECT_TRUE(stateAt(4).measurement_applied);
 
   const sensor_msgs::PointCloud2Ptr beside = streetCloud(0);  // of the same stamp as a good one
   beside->header = streetCloud(5)->header;
@@ -181,7 +181,7 @@ TEST_F(Interfaces, ACloudThatCannotBeReadIsASweepWithoutPoints) {
     ++i;
   }
   drive(i, i + 1);
-  EXPECT_TRUE(stateAt(i + 1).corrected);
+  EXPECT_TRUE(stateAt(i + 1).measurement_applied);
 }
 
 // ---- time -----------------------------------------------------------------------------------------------------------
@@ -204,7 +204,7 @@ TEST_F(Interfaces, OverAGapOfASecondItGoesOn) {
   EXPECT_NEAR(stateAt(18).dt, 1.1, 1e-6);
   EXPECT_TRUE(has(reasonsAt(18), Reason::REASON_TIME_JUMP));
   EXPECT_FALSE(has(reasonsAt(19), Reason::REASON_TIME_JUMP));
-  EXPECT_TRUE(stateAt(20).corrected);
+  EXPECT_TRUE(stateAt(20).measurement_applied);
   expectNear(poseAt(20), truthAt(20), 0.3, "after the gap");
 }
 
@@ -217,7 +217,7 @@ TEST_F(Interfaces, AStampFarAheadIsLostAndTheDriveGoesOn) {
   EXPECT_EQ(graph_->states.count(end), 0u);
   EXPECT_EQ(stateAt(4).dropped_before, 2u);
   EXPECT_NEAR(stateAt(4).dt, 0.2, 1e-6);
-  EXPECT_TRUE(stateAt(6).corrected);
+  EXPECT_TRUE(stateAt(6).measurement_applied);
   expectNear(poseAt(6), truthAt(6), 0.05, "after them");
 }
 
@@ -229,7 +229,7 @@ TEST_F(Interfaces, AClockThatIsSetForwardBeginsADrive) {
   const auto& first = graph_->states.at(stampOfSweep(4) + step);
   EXPECT_EQ(first.dt, 0.0);
   EXPECT_TRUE(has(graph_->times.at(stampOfSweep(4) + step).reasons, Reason::REASON_TIME_JUMP));
-  EXPECT_TRUE(graph_->states.at(stampOfSweep(7) + step).corrected);
+  EXPECT_TRUE(graph_->states.at(stampOfSweep(7) + step).measurement_applied);
   expectNear(graph_->T_odom_base(stampOfSweep(7) + step), poseAt(2) * truthAt(7, 4), 0.05, "since then");
 }
 
@@ -244,7 +244,7 @@ TEST_F(Interfaces, ResetIsANewStartForAll) {
   expectNear(poseAt(5), Pose::Identity(), 1e-9, "odom begins at base_link");
   EXPECT_EQ(graph_->times.at(stampOfSweep(5)).sigma_x, 0.0) << "nothing has accumulated";
   EXPECT_EQ(reasonsAt(5), std::uint32_t{Reason::REASON_MOTION_UNKNOWN}) << "nothing is wrong with a reset";
-  EXPECT_TRUE(stateAt(8).corrected);
+  EXPECT_TRUE(stateAt(8).measurement_applied);
   expectNear(poseAt(8), truthAt(8, 5), 0.05, "references began anew");
 }
 
@@ -312,7 +312,7 @@ TEST_F(Interfaces, SetPoseMovesOdomAndKeepsTheMotion) {
   const Pose T_set = poseAt(set_at);
   drive(set_at + 1, set_at + 5);
   for (int i = set_at + 1; i <= set_at + 5; ++i) {
-    EXPECT_TRUE(stateAt(i).corrected) << i;
+    EXPECT_TRUE(stateAt(i).measurement_applied) << i;
     EXPECT_EQ(stateAt(i).odom_reset_count, stateAt(set_at).odom_reset_count);
     EXPECT_GT(stateAt(i).valid_inputs, 1u) << "references began anew, the motion is known";
     expectNear(T_set.inverse() * poseAt(i), truthAt(i, set_at), 0.06, std::to_string(i));
@@ -369,7 +369,7 @@ TEST_F(Interfaces, AGpsJoinsTheFusionAndCarriesItAlone) {
     fix(i);
     ASSERT_TRUE(graph_->drive(cloudOf(Sweep(), stampOfSweep(i))));
     EXPECT_TRUE(has(reasonsAt(i), Reason::REASON_SWEEP_EMPTY));
-    used += stateAt(i).corrected ? 1 : 0;
+    used += stateAt(i).measurement_applied ? 1 : 0;
   }
   EXPECT_GE(used, 12);
   EXPECT_LT((poseAt(24).translation() - truthAt(24).translation()).head<2>().norm(), 0.6);
@@ -380,7 +380,7 @@ TEST_F(Interfaces, AGpsJoinsTheFusionAndCarriesItAlone) {
             messages::FilterState::NOT_ARRIVED);
 }
 
-TEST_F(Interfaces, APoseMeasurementOfOnesOwnIsWaitedForByItsExactStamp) {
+TEST_F(Interfaces, OwnPoseMeasurementIsMatchedByStamp) {
   visual_pose_ = [](const messages::SweepPrediction& prediction) {
     const Pose T_base_cog = synthetic::Lidar().T_base_lidar * fromMessage(prediction.lidar_in_cog)->inverse();
     const double since_start_s = (prediction.header.stamp - stampOfSweep(0)).toSec();
@@ -436,7 +436,7 @@ bool reconfigure(const std::string& node, const dynamic_reconfigure::Config& req
   return true;
 }
 
-TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
+TEST_F(Interfaces, ReconfigurationRefusesAnInvalidSet) {
   dynamic_reconfigure::Config request, reply;
   ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
   EXPECT_EQ(valueOf(reply.doubles, "gate_sigma")->value, 2.5) << "the profile's, not the .cfg's nor an earlier run's";
@@ -461,9 +461,11 @@ TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
     request.bools.push_back(off);
   }
   ASSERT_TRUE(reconfigure("fusion_ukf", request, reply));
-  EXPECT_TRUE(valueOf(reply.bools, "use_icp_point_to_point")->value && valueOf(reply.bools, "use_icp_point_to_plane")->value) << "refused";
+  EXPECT_TRUE(valueOf(reply.bools, "use_icp_point_to_point")->value &&
+              valueOf(reply.bools, "use_icp_point_to_plane")->value)
+      << "refused";
   drive(4, 4);
-  EXPECT_TRUE(stateAt(4).corrected);
+  EXPECT_TRUE(stateAt(4).measurement_applied);
 
   request = dynamic_reconfigure::Config();
   dynamic_reconfigure::DoubleParameter value;
@@ -492,7 +494,7 @@ TEST_F(Interfaces, ReconfigurationStartsWithTheYamlAndRefusesAnInvalidSet) {
   ASSERT_TRUE(reconfigure("icp_point_to_point", request, reply));
   EXPECT_EQ(valueOf(reply.ints, "seeds")->value, 1);
   drive(10, 11);
-  EXPECT_TRUE(stateAt(11).corrected);
+  EXPECT_TRUE(stateAt(11).measurement_applied);
   request.ints.front().value = 8;
   ASSERT_TRUE(reconfigure("icp_point_to_point", request, reply));
 }

@@ -1,6 +1,6 @@
 // examples/planner.cpp and planner.py: what they do in each state of doc/planner_contract.md, with time running out, and
 // in silence. Waits for what they do, with messages going on as long as it takes.
-#include <fail_aware_lidar_odometry/TimeToFailure.h>
+#include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
@@ -86,7 +86,7 @@ class PlannerExample : public testing::TestWithParam<const char*> {
   std::string action_;
 };
 
-TEST_P(PlannerExample, doesWhatTheContractSays) {
+TEST_P(PlannerExample, DoesWhatTheContractSays) {
   EXPECT_EQ(await("stop blind"), "stop blind") << "before any message";
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
   EXPECT_EQ(await("stop blind"), "stop blind") << "in silence";

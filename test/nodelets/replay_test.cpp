@@ -18,12 +18,12 @@
 
 #include "../support/graph_recorder.hpp"
 #include "../support/synthetic_street.hpp"
-#include "fail_aware_lidar_odometry/bridge/bag_sweep_source.hpp"
-#include "fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp"
-#include "fail_aware_lidar_odometry/bridge/parameter_server.hpp"
+#include "bridge/bag_sweep_source.hpp"
+#include "bridge/kitti_bag_writer.hpp"
+#include "bridge/parameter_server.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
 
 namespace fail_aware {
 namespace {
@@ -105,7 +105,7 @@ class Replay : public ::testing::Test {
 
 std::string Replay::bag_;
 
-TEST_F(Replay, everySweepIsAnsweredAsOfflineAtAnyRate) {
+TEST_F(Replay, EverySweepIsAnsweredAsOfflineAtAnyRate) {
   ASSERT_TRUE(waitFor([&] { return odometry_.getNumPublishers() > 0; }));
   const std::vector<Pose> expected = offlinePoses(bag_, readPipelineParameters(node_));
   ASSERT_EQ(expected.size(), static_cast<std::size_t>(kSweeps));
@@ -132,7 +132,7 @@ TEST_F(Replay, everySweepIsAnsweredAsOfflineAtAnyRate) {
   }
 }
 
-TEST_F(Replay, measureLatencyWatchesTheGraph) {
+TEST_F(Replay, MeasureLatencyWatchesTheGraph) {
   const std::string json = bag_ + ".json", tum = bag_ + ".tum";
   std::atomic<bool> ended{false};
   int status = -1;

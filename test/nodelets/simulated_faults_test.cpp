@@ -16,11 +16,11 @@
 
 #include "../support/graph_driver.hpp"
 #include "../support/message_numbers.hpp"
-#include "fail_aware_lidar_odometry/bridge/velodyne_messages.hpp"
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/stamp_order.hpp"
+#include "bridge/velodyne_messages.hpp"
+#include "core/estimation/stamp_order.hpp"
+#include "simulation/drive_simulation.hpp"
+#include "simulation/fault_injector.hpp"
+#include "simulation/sweep_stamping.hpp"
 
 namespace fail_aware {
 namespace {
@@ -244,7 +244,7 @@ TEST_P(SimulatedFaults, EverySweepHasAPoseOrAnHonestState) {
   EXPECT_TRUE(waitFor([] { return topicsNotSeen().empty(); })) << topicsNotSeen();
   EXPECT_TRUE(has(told, test.reasons)) << "told: " << told << ", must have: " << test.reasons;
   if (!test.recovers) return;
-  EXPECT_TRUE(graph_->states.at(newest).corrected);
+  EXPECT_TRUE(graph_->states.at(newest).measurement_applied);
   EXPECT_EQ(graph_->times.at(newest).reasons & test.reasons, 0u) << graph_->times.at(newest).reasons_text;
 }
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,11 +1,11 @@
 // Defaults in the .cfg files, in code and in cfg/profiles/default.yaml agree; a request never gives an invalid set.
 #include "../../src/nodelets/tuning.hpp"
 
-#include <fail_aware_lidar_odometry/CornerSvdConfig.h>
-#include <fail_aware_lidar_odometry/FailAwareMonitorConfig.h>
-#include <fail_aware_lidar_odometry/FusionUkfConfig.h>
-#include <fail_aware_lidar_odometry/IcpPointToPlaneConfig.h>
-#include <fail_aware_lidar_odometry/IcpPointToPointConfig.h>
+#include "fail_aware_lidar_odometry/CornerSvdConfig.h"
+#include "fail_aware_lidar_odometry/FailAwareMonitorConfig.h"
+#include "fail_aware_lidar_odometry/FusionUkfConfig.h"
+#include "fail_aware_lidar_odometry/IcpPointToPlaneConfig.h"
+#include "fail_aware_lidar_odometry/IcpPointToPointConfig.h"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 #include <random>
 
 #include "../../src/nodelets/reconfiguration.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "core/io/profile_files.hpp"
 
 namespace fail_aware {
 namespace {

@@ -79,7 +79,7 @@ TEST(TwoVehicles, EachHasItsOwnOdometryInItsOwnFrames) {
     const nav_msgs::Odometry& last = vehicle.graph.odometry.at(stampOfSweep(kSweeps - 1));
     EXPECT_EQ(last.header.frame_id, vehicle.name + "/odom");
     EXPECT_EQ(last.child_frame_id, vehicle.name + "/base_link");
-    EXPECT_EQ(vehicle.graph.states.at(stampOfSweep(kSweeps - 1)).corrected, 1);
+    EXPECT_EQ(vehicle.graph.states.at(stampOfSweep(kSweeps - 1)).measurement_applied, 1);
     const Pose truth = vehicle.drive.T_odom_base(kSweepPeriod_s * (kSweeps - 1));
     const Pose T_odom_base = vehicle.graph.T_odom_base(stampOfSweep(kSweeps - 1));
     EXPECT_LT((T_odom_base.translation() - truth.translation()).norm(), 0.1) << vehicle.name;

@@ -85,7 +85,7 @@ TEST(ArticleMap, EveryNamedFileHasItsHeaderSourceAndTest) {
   std::set<std::string> folders;
   for (const std::string& name : names) {
     folders.insert(name.substr(0, name.find('/')));
-    for (const fs::path& path : {root / "include/fail_aware_lidar_odometry" / inTree(name + ".hpp"),
+    for (const fs::path& path : {root / "src" / inTree(name + ".hpp"),
                                  root / "src" / inTree(name + ".cpp"), root / "test" / inTree(name + "_test.cpp")}) {
       EXPECT_TRUE(fs::exists(path)) << path;
     }

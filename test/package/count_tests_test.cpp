@@ -56,7 +56,7 @@ std::string suite(const std::string& cases) {
   return "<?xml version=\"1.0\"?><testsuites><testsuite name=\"S\">" + cases + "</testsuite></testsuites>";
 }
 
-TEST_F(CountTests, addsUpAllFiles) {
+TEST_F(CountTests, AddsUpAllFiles) {
   write("gtest-a.xml", suite(std::string(kPassed) + kPassed));
   write("gtest-b.xml", suite(kPassed));
   count();
@@ -64,7 +64,7 @@ TEST_F(CountTests, addsUpAllFiles) {
   EXPECT_EQ(exit_code_, 0);
 }
 
-TEST_F(CountTests, namesWhatFailedAndWhatWasSkipped) {
+TEST_F(CountTests, NamesWhatFailedAndWhatWasSkipped) {
   write("gtest-a.xml", suite(std::string(kPassed) + kFailed + kSkipped));
   count();
   EXPECT_EQ(lastLine(), "1 passed, 1 failed, 1 skipped");
@@ -73,7 +73,7 @@ TEST_F(CountTests, namesWhatFailedAndWhatWasSkipped) {
   EXPECT_EQ(exit_code_, 1);
 }
 
-TEST_F(CountTests, nothingRanIsAFailure) {
+TEST_F(CountTests, NothingRanIsAFailure) {
   count();
   EXPECT_EQ(lastLine(), "0 passed, 0 failed");
   EXPECT_EQ(exit_code_, 1);
@@ -83,7 +83,7 @@ TEST_F(CountTests, nothingRanIsAFailure) {
   EXPECT_EQ(exit_code_, 1);
 }
 
-TEST_F(CountTests, resultThatCannotBeReadIsAFailure) {
+TEST_F(CountTests, ResultThatCannotBeReadIsAFailure) {
   write("gtest-a.xml", suite(kPassed));
   write("gtest-b.xml", "<testsuites><testsuite");
   count();
@@ -91,7 +91,7 @@ TEST_F(CountTests, resultThatCannotBeReadIsAFailure) {
   EXPECT_EQ(exit_code_, 1);
 }
 
-TEST_F(CountTests, rostestsSummaryIsNotCountedTwice) {
+TEST_F(CountTests, RostestsSummaryIsNotCountedTwice) {
   write("rosunit-drive.xml", suite(std::string(kPassed) + kPassed));
   write("rostest-test_drive.xml", suite(R"(<testcase name="testdrive" classname="rostest"/>)"));
   count();
@@ -102,7 +102,7 @@ TEST_F(CountTests, rostestsSummaryIsNotCountedTwice) {
   EXPECT_EQ(lastLine(), "1 passed, 1 failed");
 }
 
-TEST_F(CountTests, rostestThatDiedIsAFailure) {
+TEST_F(CountTests, RostestThatDiedIsAFailure) {
   write("rostest-test_drive.xml",
         suite(R"(<testcase name="testdrive" classname="rostest"><error>no result</error></testcase>)"));
   count();
@@ -112,7 +112,7 @@ TEST_F(CountTests, rostestThatDiedIsAFailure) {
   EXPECT_EQ(lastLine(), "1 passed, 1 failed");
 }
 
-TEST_F(CountTests, badUsage) {
+TEST_F(CountTests, BadUsage) {
   run("");
   EXPECT_EQ(exit_code_, 2);
   run("/nowhere");

@@ -42,20 +42,20 @@ std::set<std::string> readManifest() {
   return keys;
 }
 
-TEST(Dependencies, listAndManifestAgree) {
+TEST(Dependencies, ListAndManifestAgree) {
   const std::set<std::string> manifest = readManifest();
   EXPECT_EQ(manifest.count("catkin"), 1u);
   EXPECT_EQ(readList().rosdep_keys, manifest);
 }
 
-TEST(Dependencies, listNamesTheToolsOfABareSystem) {
+TEST(Dependencies, ListNamesTheToolsOfABareSystem) {
   const DependencyList list = readList();
   for (const char* package : {"g++", "cmake", "make", "python3", "catkin"}) {
     EXPECT_EQ(list.debian_packages.count(package), 1u) << package;
   }
 }
 
-TEST(Dependencies, versionsAgree) {
+TEST(Dependencies, VersionsAgree) {
   std::smatch manifest, project;
   const std::string xml = readText(sourcePath("package.xml")), lists = readText(sourcePath("CMakeLists.txt"));
   ASSERT_TRUE(std::regex_search(xml, manifest, std::regex("<version>([0-9.]+)</version>")));

@@ -15,8 +15,8 @@
 #include "../../src/nodelets/fail_aware_monitor_params.hpp"
 #include "../../src/nodelets/fusion_ukf_params.hpp"
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/parameters/parameter_map.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {
@@ -80,7 +80,7 @@ std::set<std::string> anchorsOf(const std::string& page) {
   return anchors;
 }
 
-TEST(Documentation, linksResolve) {
+TEST(Documentation, LinksResolve) {
   EXPECT_EQ(anchorOf("Install, build and run the demo"), "install-build-and-run-the-demo");
   std::size_t links = 0;
   for (const std::string& page : pages()) {
@@ -99,14 +99,14 @@ TEST(Documentation, linksResolve) {
   EXPECT_GT(links, 50u);
 }
 
-TEST(Documentation, everyPageIsLinkedFromTheReadme) {
+TEST(Documentation, EveryPageIsLinkedFromTheReadme) {
   const std::vector<std::string> links = matchesIn(proseOf("README.md"), R"(\]\(([^)#\s]+))");
   for (const std::string& page : pages()) {
     EXPECT_TRUE(page == "README.md" || std::count(links.begin(), links.end(), page) > 0) << page;
   }
 }
 
-TEST(Documentation, readmeIsShortAndSoArePages) {
+TEST(Documentation, ReadmeIsShortAndSoArePages) {
   const std::vector<std::string> lines = linesOf(readText(sourcePath("README.md")));
   EXPECT_LE(lines.size(), 200u);
   for (const std::string& line : lines) {
@@ -117,7 +117,7 @@ TEST(Documentation, readmeIsShortAndSoArePages) {
   for (const std::string& page : pages()) EXPECT_LE(linesOf(readText(sourcePath(page))).size(), 300u) << page;
 }
 
-TEST(Documentation, commitsAreNamedInTheResultsOnly) {
+TEST(Documentation, CommitsAreNamedInTheResultsOnly) {
   for (const std::string& page : pages()) {
     if (page == "doc/results.md") continue;
     for (const std::string& word : matchesIn(linesOf(readText(sourcePath(page))), "\\b([0-9a-f]{7,40})\\b")) {
@@ -128,7 +128,7 @@ TEST(Documentation, commitsAreNamedInTheResultsOnly) {
   }
 }
 
-TEST(Documentation, namedFilesAndProgramsExist) {
+TEST(Documentation, NamedFilesAndProgramsExist) {
   const std::string folders = "(?:src|include|test|cfg|scripts|fleet|launch|examples|msg|doc|rviz|\\.ci)/";
   const std::string package = "fail_aware_lidar_odometry ";
   for (const std::string& page : pages()) {
@@ -147,7 +147,7 @@ TEST(Documentation, namedFilesAndProgramsExist) {
   }
 }
 
-TEST(Documentation, readmeHasTheCommandOfContinuousIntegration) {
+TEST(Documentation, ReadmeHasTheCommandOfContinuousIntegration) {
   const std::vector<std::string> commands = matchesIn(linesOf(readText(sourcePath(".ci/run"))), "^exec (\\S+)$");
   ASSERT_EQ(commands.size(), 1u);
   EXPECT_NE(readText(sourcePath("README.md")).find("\n" + commands[0]), std::string::npos) << commands[0];
@@ -175,7 +175,7 @@ bool isValue(const ParameterValue& value, const std::string& told) {
 }
 
 /// Rows | `key` | value ... | of any page.
-TEST(Documentation, valuesInTablesAreThoseOfTheCode) {
+TEST(Documentation, ValuesInTablesAreThoseOfTheCode) {
   const ParameterMap shipped = shippedParameters();
   const std::regex row(R"(^\| `([a-z_0-9./]+)` \| ([^|]*?) ?(?:\(paper: .*\) )?\| )");
   std::set<std::string> told;
@@ -192,7 +192,7 @@ TEST(Documentation, valuesInTablesAreThoseOfTheCode) {
 }
 
 /// A key in backticks that begins with a group of the parameters is a key or a group.
-TEST(Documentation, namedKeysExist) {
+TEST(Documentation, NamedKeysExist) {
   std::set<std::string> keys, first;
   for (const auto& [key, value] : shippedParameters()) {
     for (std::size_t at = key.find('.'); at != std::string::npos; at = key.find('.', at + 1)) {
@@ -209,7 +209,7 @@ TEST(Documentation, namedKeysExist) {
   }
 }
 
-TEST(Documentation, parameterPagesAreWhatTheScriptMakes) {
+TEST(Documentation, ParameterPagesAreWhatTheScriptMakes) {
   const fs::path folder = fs::path(::testing::TempDir()) / ("parameter_page_" + std::to_string(getpid()));
   fs::create_directories(folder);
   const ToolRun run = runProgram(sourcePath("scripts/generate_parameter_page"), "--check", folder);
@@ -220,7 +220,7 @@ TEST(Documentation, parameterPagesAreWhatTheScriptMakes) {
 
 // ---- troubleshooting ------------------------------------------------------------------------------------------------
 
-TEST(Documentation, troubleshootingHasEveryReason) {
+TEST(Documentation, TroubleshootingHasEveryReason) {
   const std::string page = readText(sourcePath("doc/troubleshooting.md"));
   const std::vector<std::string> reasons =
       matchesIn(linesOf(readText(sourcePath("msg/TimeToFailure.msg"))), "^uint32 REASON_([A-Z_]+) =");
@@ -228,7 +228,7 @@ TEST(Documentation, troubleshootingHasEveryReason) {
   for (const std::string& reason : reasons) EXPECT_NE(page.find("`" + reason + "`"), std::string::npos) << reason;
 }
 
-TEST(Documentation, everyStateIsInTheContract) {
+TEST(Documentation, EveryStateIsInTheContract) {
   const std::string page = readText(sourcePath("doc/planner_contract.md"));
   for (const std::string& state :
        matchesIn(linesOf(readText(sourcePath("msg/TimeToFailure.msg"))), "^uint8 ([A-Z]+) =")) {
@@ -237,7 +237,7 @@ TEST(Documentation, everyStateIsInTheContract) {
 }
 
 /// What the nodelets' diagnostics say: warnings, errors, and the names of values.
-TEST(Documentation, troubleshootingHasEveryDiagnostic) {
+TEST(Documentation, TroubleshootingHasEveryDiagnostic) {
   const std::string page = readText(sourcePath("doc/troubleshooting.md"));
   std::size_t found = 0;
   for (const std::string& file : filesBelow("src/nodelets")) {

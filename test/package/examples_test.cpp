@@ -17,7 +17,7 @@ double numberIn(const std::string& file, const std::string& expression) {
   return std::regex_search(text, match, std::regex(expression)) ? std::stod(match[1]) : std::nan("");
 }
 
-TEST(Examples, plannersHaveThePatienceOfTheContract) {
+TEST(Examples, PlannersHaveThePatienceOfTheContract) {
   const double patience_s = numberIn("msg/TimeToFailure.msg", "No message in ([0-9.]+) s means failed");
   EXPECT_EQ(numberIn("examples/planner.cpp", "kSilence_s = ([0-9.]+);"), patience_s);
   EXPECT_EQ(numberIn("examples/planner.py", "SILENCE_S = ([0-9.]+)"), patience_s);

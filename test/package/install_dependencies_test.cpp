@@ -60,7 +60,7 @@ TEST_F(InstallDependencies, CLI11IsInstalledWhereThereIsAPackage) {
       << found.out;
 }
 
-TEST_F(InstallDependencies, WithoutAPackageOfCLI11TheOthersAreInstalledAndItSaysWhatIsLeftOut) {
+TEST_F(InstallDependencies, MissingCli11IsReported) {
   if (isOnUbuntu()) GTEST_SKIP() << "rosdep's business";
   standIn("dpkg-query", "exit 1");
   listsKnow("(none)");
@@ -89,7 +89,7 @@ TEST_F(InstallDependencies, AFolderWithItsHeadersStandsForCLI11) {
   EXPECT_EQ(found.out, "");
 }
 
-TEST_F(InstallDependencies, AFolderWithoutItsHeadersIsRefusedInOneLine) {
+TEST_F(InstallDependencies, FolderWithoutHeadersIsRefused) {
   for (const std::string script : {"install_dependencies", "build", "test"}) {
     for (const std::string& arguments : {"--cli11 '" + programs_.string() + "'", std::string("--cli11")}) {
       const ToolRun refused = run(script, arguments);

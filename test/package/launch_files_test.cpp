@@ -7,13 +7,13 @@
 #include "../../src/nodelets/fail_aware_monitor_params.hpp"
 #include "../../src/nodelets/fusion_ukf_params.hpp"
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/parameters/parameter_map.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {
 namespace {
 
-TEST(LaunchFiles, parseWithAllTheirShapes) {
+TEST(LaunchFiles, ParseWithAllTheirShapes) {
   const std::filesystem::path folder =
       std::filesystem::path(::testing::TempDir()) / ("launch_files_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
@@ -26,7 +26,7 @@ TEST(LaunchFiles, parseWithAllTheirShapes) {
 }
 
 /// roslaunch --ros-args shows what they say.
-TEST(LaunchFiles, argumentsSayWhatTheyAre) {
+TEST(LaunchFiles, ArgumentsSayWhatTheyAre) {
   static const std::regex argument("<arg name=\"([a-z_]+)\" default=\"[^\"]*\"( doc=\"[^\"]+\")?");
   for (const char* file : {"odometry.launch", "velodyne_hdl64e.launch", "kitti_replay.launch", "demo.launch"}) {
     const std::string text = readText(sourcePath(std::string("launch/") + file));
@@ -39,7 +39,7 @@ TEST(LaunchFiles, argumentsSayWhatTheyAre) {
 }
 
 /// What a launch file hands to a nodelet by its parameter's name has the parameter's default, too.
-TEST(LaunchFiles, argumentsHaveTheNodeletsDefaults) {
+TEST(LaunchFiles, ArgumentsHaveTheNodeletsDefaults) {
   ParameterMap defaults = toMap(FusionUkfNodeletParams());
   for (const auto& [name, value] : toMap(FailAwareMonitorNodeletParams())) defaults[name] = value;
   static const std::regex argument("<arg name=\"([a-z_]+)\" default=\"([^\"]*)\"");

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {
@@ -45,7 +45,7 @@ TEST(ParameterTiers, CountsStayWithinTheirLimits) {
   EXPECT_LE(valuesOf("expert").size(), kMostExpert) << "what nobody varies is a constant of the class that uses it";
 }
 
-TEST(ParameterTiers, TheTwoFilesHoldEveryParameterOnceWithTheValueInCode) {
+TEST(ParameterTiers, EveryKeyOnceWithTheCodesValue) {
   ParameterMap in_files = valuesOf("default");
   for (const auto& [key, value] : valuesOf("expert")) {
     EXPECT_TRUE(in_files.emplace(key, value).second) << key << " is in both";

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/fail_aware/failure_state.hpp"
+#include "core/integrity/failure_state.hpp"
 #include "source_tree.hpp"
 
 namespace fail_aware {
@@ -60,7 +60,7 @@ FailAwareState stateCalled(const std::string& name) {
   return FailAwareState::kUnknown;
 }
 
-TEST(RepeatedFacts, statesOfMessageCoreAndScripts) {
+TEST(RepeatedFacts, StatesOfMessageCoreAndScripts) {
   const std::vector<std::string> names = statesOfTheMessage();
   ASSERT_EQ(names.size(), 5u);
   for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(names[i], toString(static_cast<FailAwareState>(i)));
@@ -71,7 +71,7 @@ TEST(RepeatedFacts, statesOfMessageCoreAndScripts) {
 }
 
 /// Worse is taken at once, better not; but UNKNOWN is left at once.
-TEST(RepeatedFacts, severityOfTheScriptsIsTheHysteresiss) {
+TEST(RepeatedFacts, SeverityOfTheScriptsIsTheHysteresiss) {
   const std::vector<std::string> names = listOfTheScripts("BY_SEVERITY");
   const std::vector<std::string> states = statesOfTheMessage();
   EXPECT_EQ(std::set<std::string>(names.begin(), names.end()), std::set<std::string>(states.begin(), states.end()));
@@ -89,7 +89,7 @@ TEST(RepeatedFacts, severityOfTheScriptsIsTheHysteresiss) {
 
 // ---- KITTI's vertical angle -----------------------------------------------------------------------------------------
 
-TEST(RepeatedFacts, verticalAngleOfKitti) {
+TEST(RepeatedFacts, VerticalAngleOfKitti) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string angle = theOnly("launch/kitti_replay.launch", "name=\"vertical_angle_deg\" default=\"" + number);
   const std::multimap<std::string, std::string> places = {
@@ -98,15 +98,15 @@ TEST(RepeatedFacts, verticalAngleOfKitti) {
       {"doc/recorded_data.md", "\\| `vertical_angle_deg` \\| " + number},
       {"doc/results.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"cfg/sensors/hdl64e.yaml", "KITTI's scans need " + number},
-      {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", number + " deg too low"},
-      {"include/fail_aware_lidar_odometry/core/sweep/vertical_angle_correction.hpp", "KITTI: " + number},
+      {"src/core/preprocessing/vertical_angle_correction.hpp", number + " deg too low"},
+      {"src/core/preprocessing/vertical_angle_correction.hpp", "KITTI: " + number},
       {"scripts/benchmark", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"scripts/benchmark", "beams " + number + " deg too low"},
       {"scripts/replay_benchmark", "\"--vertical-angle\", type=float, default=" + number},
       {"scripts/replay_benchmark", "made-up drives \\(default " + number},
       {"scripts/soak", "\"--vertical-angle\", type=float, default=" + number},
       {"scripts/soak", "made-up drives \\(default " + number},
-      {"test/core/sweep/vertical_angle_correction_test.cpp", "kKittiAngle_deg = " + number},
+      {"test/core/preprocessing/vertical_angle_correction_test.cpp", "kKittiAngle_deg = " + number},
       {"test/package/check_launch_files.py", "vertical_angle/angle_deg\"\\] == " + number},
   };
   for (const auto& [file, pattern] : places) {
@@ -118,12 +118,12 @@ TEST(RepeatedFacts, verticalAngleOfKitti) {
 
 // ---- alert limit ----------------------------------------------------------------------------------------------------
 
-TEST(RepeatedFacts, alertLimit) {
+TEST(RepeatedFacts, AlertLimit) {
   const std::string number = "([0-9]+\\.[0-9]+)";
   const std::string limit = theOnly("cfg/profiles/default.yaml", "alert_limit_m: " + number);
   const std::multimap<std::string, std::string> places = {
-      {"include/fail_aware_lidar_odometry/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
-      {"include/fail_aware_lidar_odometry/core/fail_aware/covariance_predictor.hpp", "alert_limit_m = " + number},
+      {"src/evaluation/time_to_failure.hpp", "alert_limit_m = " + number},
+      {"src/core/integrity/covariance_predictor.hpp", "alert_limit_m = " + number},
       {"scripts/fault_matrix", "ALERT_LIMIT_M = " + number},
       {"scripts/run_report/run.py", "alert_limit_m: float = " + number},
   };
@@ -156,8 +156,8 @@ void expectNoOther(const std::string& pattern, const std::set<std::string>& know
   for (const std::string& file : places) EXPECT_EQ(named_in.count(file), 1u) << file << " names none";
 }
 
-TEST(RepeatedFacts, topicsOfKittisBags) {
-  const std::string writer = "include/fail_aware_lidar_odometry/bridge/kitti_bag_writer.hpp";
+TEST(RepeatedFacts, TopicsOfKittisBags) {
+  const std::string writer = "src/bridge/kitti_bag_writer.hpp";
   const std::string cloud = theOnly(writer, "kCloudTopic = \"([^\"]+)\"");
   const std::string ground_truth = theOnly(writer, "kGroundTruthTopic = \"([^\"]+)\"");
   const std::string transforms = theOnly("launch/kitti_replay.launch", "from=\"/tf\" to=\"([^\"]+)\"");
@@ -167,9 +167,8 @@ TEST(RepeatedFacts, topicsOfKittisBags) {
                 {"doc/recorded_data.md", "src/tools/kitti_to_bag.cpp", "scripts/live_graph/__init__.py"});
 }
 
-TEST(RepeatedFacts, topicOfTheVelodynesDriver) {
-  const std::string cloud =
-      "/" + theOnly("include/fail_aware_lidar_odometry/bridge/velodyne_messages.hpp", "cloud_topic = \"([^\"]+)\"");
+TEST(RepeatedFacts, TopicOfTheVelodynesDriver) {
+  const std::string cloud = "/" + theOnly("src/bridge/velodyne_messages.hpp", "cloud_topic = \"([^\"]+)\"");
   for (const char* file : {"launch/odometry.launch", "launch/velodyne_hdl64e.launch"}) {
     EXPECT_EQ(theOnly(file, "name=\"cloud\" default=\"([^\"]+)\""), cloud) << file;
   }

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
+#include "simulation/drive_simulation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/io/profile_files.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
@@ -83,7 +83,7 @@ double medianGap(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen:
   return gaps[gaps.size() / 2];
 }
 
-TEST(DriveSimulation, sameBitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
+TEST(DriveSimulation, BitsDependOnTheSeedOnly) {
   DriveSimulation::Params params = drive("town:20,tunnel", 1.0);
   const auto one = simulate(params, 1), three = simulate(params, 3);
   ASSERT_EQ(one.size(), 10u);
@@ -96,7 +96,7 @@ TEST(DriveSimulation, sameBitsForAnyNumberOfThreadsAndOthersForAnotherSeed) {
   EXPECT_NE(simulate(params)[0].sweep.points_lidar, one[0].sweep.points_lidar);
 }
 
-TEST(DriveSimulation, timesStampsAndAzimuthsAgree) {
+TEST(DriveSimulation, TimesStampsAndAzimuthsAgree) {
   for (const SimulatedSweep& simulated : simulate(drive("country", 0.5))) {
     const Sweep& sweep = simulated.sweep;
     ASSERT_GT(sweep.size(), 10000u);
@@ -115,7 +115,7 @@ TEST(DriveSimulation, timesStampsAndAzimuthsAgree) {
   }
 }
 
-TEST(DriveSimulation, truthFitsTheClouds) {
+TEST(DriveSimulation, TruthFitsTheClouds) {
   // two sweeps 0.3 s apart, each point placed by the truth: they lie on the same surfaces, and 10 cm off they do not
   for (const char* scene : {"town", "country"}) {
     const DriveSimulation::Params params = perfectDrive(scene, 0.8, 1200);
@@ -130,7 +130,7 @@ TEST(DriveSimulation, truthFitsTheClouds) {
   }
 }
 
-TEST(DriveSimulation, theGroundIsAtBaseLinksHeight) {
+TEST(DriveSimulation, TheGroundIsAtBaseLinksHeight) {
   const DriveSimulation::Params params = perfectDrive("country", 1.0, 400);
   for (const SimulatedSweep& sweep : simulate(params)) {
     std::vector<double> heights_m;
@@ -146,7 +146,7 @@ TEST(DriveSimulation, theGroundIsAtBaseLinksHeight) {
   }
 }
 
-TEST(DriveSimulation, withoutRollingShutterPointsBelongToTheMiddle) {
+TEST(DriveSimulation, WithoutRollingShutterPointsBelongToTheMiddle) {
   DriveSimulation::Params params = perfectDrive("town", 0.8, 1200);
   const Pose T_base_lidar = params.T_base_lidar();
   const auto rolling = simulate(params);
@@ -160,7 +160,7 @@ TEST(DriveSimulation, withoutRollingShutterPointsBelongToTheMiddle) {
   EXPECT_GT(medianGap(first, inWorld(rolling[7], T_base_lidar, false)), 1.5 * good);
 }
 
-TEST(DriveSimulation, denseTrafficIsSeen) {
+TEST(DriveSimulation, DenseTrafficIsSeen) {
   const DriveSimulation::Params params = drive("open", 0.3);
   DriveSimulation calm(params, 1), dense(params, 1);
   SimulatedSweep without, with;
@@ -174,7 +174,7 @@ TEST(DriveSimulation, denseTrafficIsSeen) {
   EXPECT_LT(standing(without.sweep), 500);
 }
 
-TEST(DriveSimulation, theMountAndBaseLinkAreThoseOfTheShippedFiles) {
+TEST(DriveSimulation, TheMountAndBaseLinkAreThoseOfTheShippedFiles) {
   const PipelineParameters shipped = loadPipelineParameters({FAIL_AWARE_SOURCE_CFG, "default", "passat_b6", "hdl64e"});
   const DriveSimulation::Params params;
   EXPECT_EQ(params.lidar_in_base, shipped.sensor.lidar_in_base);
@@ -186,7 +186,7 @@ TEST(DriveSimulation, theMountAndBaseLinkAreThoseOfTheShippedFiles) {
       << "where the simulator has base_link";
 }
 
-TEST(DriveSimulation, refusesBadParameters) {
+TEST(DriveSimulation, RefusesBadParameters) {
   const auto refused = [](auto&& change) {
     DriveSimulation::Params params;
     change(params);

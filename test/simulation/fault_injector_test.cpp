@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/fault_injector.hpp"
+#include "simulation/fault_injector.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ std::vector<int> indices(const std::vector<SimulatedSweep>& sweeps) {
   return indices;
 }
 
-TEST(FaultInjector, withoutFaultsNothingChanges) {
+TEST(FaultInjector, WithoutFaultsNothingChanges) {
   const auto sweeps = run({});
   ASSERT_EQ(sweeps.size(), 30u);
   for (std::size_t i = 0; i < 30; ++i) {
@@ -49,14 +49,14 @@ TEST(FaultInjector, withoutFaultsNothingChanges) {
   }
 }
 
-TEST(FaultInjector, droppedDuplicatedReordered) {
+TEST(FaultInjector, DroppedDuplicatedReordered) {
   EXPECT_EQ(indices(run({"dropped:1:0.3"}, 15)), (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 13, 14}));
   EXPECT_EQ(indices(run({"duplicated:0.2:0.2"}, 6)), (std::vector<int>{0, 1, 2, 2, 3, 3, 4, 5}));
   EXPECT_EQ(indices(run({"reordered:0.2:0.4"}, 8)), (std::vector<int>{0, 1, 3, 2, 5, 4, 6, 7}));
   EXPECT_EQ(indices(run({"reordered:0.5:9"}, 6)), (std::vector<int>{0, 1, 2, 3, 4, 5}));  // the last waits for none
 }
 
-TEST(FaultInjector, truthStaysAndStampsAreWhatTheFaultMakesThem) {
+TEST(FaultInjector, TruthStaysAndStampsAreWhatTheFaultMakesThem) {
   const auto frozen = run({"frozen_cloud:1:0.5"});
   for (std::size_t i : {10u, 14u}) {
     EXPECT_EQ(frozen[i].sweep.points_lidar[0].x(), 10.0f);  // those of sweep 9
@@ -81,7 +81,7 @@ TEST(FaultInjector, truthStaysAndStampsAreWhatTheFaultMakesThem) {
   EXPECT_TRUE(run({"time_sign:1"})[12].time_sign_wrong);
 }
 
-TEST(FaultInjector, faultsOnPointsAndSeveralAtOnce) {
+TEST(FaultInjector, FaultsOnPointsAndSeveralAtOnce) {
   const auto sweeps = run({"blanked_sector:1:1:90", "range_cap:1:1:4", "nan:2:0.2", "empty_cloud:2.5:0.2"});
   EXPECT_EQ(sweeps[5].sweep.size(), 2u);
   EXPECT_EQ(sweeps[12].sweep.size(), 0u);
@@ -90,7 +90,7 @@ TEST(FaultInjector, faultsOnPointsAndSeveralAtOnce) {
   EXPECT_EQ(sweeps[28].sweep.size(), 2u);
 }
 
-TEST(FaultInjector, shareDecidesHowMany) {
+TEST(FaultInjector, ShareDecidesHowMany) {
   const auto dropped = run({"dropped:0:100:0.4"}, 500);
   EXPECT_NEAR(static_cast<double>(dropped.size()), 300.0, 40.0);
   EXPECT_EQ(indices(dropped), indices(run({"dropped:0:100:0.4"}, 500)));

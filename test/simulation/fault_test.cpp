@@ -1,15 +1,15 @@
-#include "fail_aware_lidar_odometry/simulation/fault.hpp"
+#include "simulation/fault.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
 
-TEST(Fault, everyKindParsesWithItsDefaults) {
+TEST(Fault, EveryKindParsesWithItsDefaults) {
   for (const FaultTraits& traits : faultTraits()) {
     const Fault fault = Fault::parse(traits.name);
     EXPECT_EQ(fault.kind, traits.kind);
@@ -20,7 +20,7 @@ TEST(Fault, everyKindParsesWithItsDefaults) {
   }
 }
 
-TEST(Fault, partsOfTheText) {
+TEST(Fault, PartsOfTheText) {
   const Fault fault = Fault::parse("range_cap:3.5:2:25");
   EXPECT_EQ(fault.start_s, 3.5);
   EXPECT_EQ(fault.duration_s, 2.0);
@@ -34,14 +34,14 @@ TEST(Fault, partsOfTheText) {
   EXPECT_TRUE(std::isinf(Fault::parse("stamp_jump:1:0:-3").duration_s));
 }
 
-TEST(Fault, refusesNonsense) {
+TEST(Fault, RefusesNonsense) {
   for (const char* text : {"", "fog", "noise:x", "noise:1:x", "noise:1:2:x", "noise:-1", "noise:1:-2", "noise:1:2:-0.1",
                            "noise:1:2:3:4", "noise:nan", "noise:inf", "lost_rings:1:1:1.5", "range_cap:1:1:nan"}) {
     EXPECT_THROW(Fault::parse(text), ParameterError) << text;
   }
 }
 
-TEST(Fault, vehiclesAroundOnlyInTheirTime) {
+TEST(Fault, VehiclesAroundOnlyInTheirTime) {
   const std::vector<Fault> faults = {Fault::parse("dense_traffic:2:3:8"), Fault::parse("noise:0:9")};
   EXPECT_EQ(vehiclesAround(faults, 1.0), 0);
   EXPECT_EQ(vehiclesAround(faults, 2.0), 8);

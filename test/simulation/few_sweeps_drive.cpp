@@ -1,9 +1,9 @@
 // Whole drives of which only every n-th sweep is left, as on a machine that is too busy: the way is kept all the same.
 #include <gtest/gtest.h>
 
-#include "fail_aware_lidar_odometry/core/odometry_pipeline.hpp"
-#include "fail_aware_lidar_odometry/simulation/drive_simulation.hpp"
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "core/odometry_pipeline.hpp"
+#include "simulation/drive_simulation.hpp"
+#include "simulation/sweep_stamping.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/simulation/lidar_model.hpp"
+#include "simulation/lidar_model.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/geometry/degree.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 namespace {
@@ -32,7 +32,7 @@ std::vector<double> elevationsDeg(const LidarModel& lidar, double azimuth_rad) {
   return elevations;
 }
 
-TEST(LidarModel, turnsClockwiseFromTheRearInOnePeriod) {
+TEST(LidarModel, TurnsClockwiseFromTheRearInOnePeriod) {
   const LidarModel lidar(1, perfect());
   const int columns = lidar.params().columns;
   EXPECT_NEAR(lidar.azimuth(0), M_PI, 0.002);
@@ -44,7 +44,7 @@ TEST(LidarModel, turnsClockwiseFromTheRearInOnePeriod) {
   }
 }
 
-TEST(LidarModel, hasTheBeamsOfAnHdl64e) {
+TEST(LidarModel, HasTheBeamsOfAnHdl64e) {
   const std::vector<double> elevations = elevationsDeg(LidarModel(1, perfect()), 0.3);
   ASSERT_EQ(elevations.size(), 64u);
   EXPECT_NEAR(elevations[0], -24.33, 1e-3);
@@ -54,7 +54,7 @@ TEST(LidarModel, hasTheBeamsOfAnHdl64e) {
   for (std::size_t i = 1; i < 64; ++i) EXPECT_GT(elevations[i], elevations[i - 1]);
 }
 
-TEST(LidarModel, noiseHasItsSize) {
+TEST(LidarModel, NoiseHasItsSize) {
   LidarModel::Params params = perfect();
   params.range_noise_m = 0.03;
   const LidarModel lidar(1, params);
@@ -73,7 +73,7 @@ TEST(LidarModel, noiseHasItsSize) {
   EXPECT_NEAR(std::sqrt(sum2 / count), std::hypot(0.03, 0.003), 0.001);
 }
 
-TEST(LidarModel, beamErrorsAreConstantAndOfTheHead) {
+TEST(LidarModel, BeamErrorsAreConstantAndOfTheHead) {
   LidarModel::Params params = perfect();
   params.range_bias_m = 0.05;
   params.elevation_error_deg = 0.2;
@@ -98,7 +98,7 @@ TEST(LidarModel, beamErrorsAreConstantAndOfTheHead) {
   EXPECT_GT(difference, 0.5);
 }
 
-TEST(LidarModel, weakReturnsAreLost) {
+TEST(LidarModel, WeakReturnsAreLost) {
   const LidarModel lidar(1, perfect());
   const auto seen = [&](const RayHit& hit) {
     int count = 0;

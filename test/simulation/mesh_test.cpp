@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/simulation/mesh.hpp"
+#include "simulation/mesh.hpp"
 
 #include <gtest/gtest.h>
 
 namespace fail_aware {
 namespace {
 
-TEST(Mesh, boxHasItsSizeAndIsClosed) {
+TEST(Mesh, BoxHasItsSizeAndIsClosed) {
   Mesh mesh;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translation() << 10, 20, 30;
@@ -25,7 +25,7 @@ TEST(Mesh, boxHasItsSizeAndIsClosed) {
   EXPECT_NEAR(area, 2 * (2 * 4 + 2 * 6 + 4 * 6), 1e-3);
 }
 
-TEST(Mesh, appendMovesAndRenumbers) {
+TEST(Mesh, AppendMovesAndRenumbers) {
   Mesh part, whole;
   part.addQuad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, Material::kSign);
   whole.addPole({0, 0, 0}, 0.1, 2.0, 6, Material::kMetal);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "simulation/random.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 namespace fail_aware {
 namespace {
 
-TEST(Random, knownValueOnEveryMachine) {
+TEST(Random, KnownValueOnEveryMachine) {
   EXPECT_EQ(mixBits(0), 0xe220a8397b1dcdafULL);  // SplitMix64's first output for seed 0
 }
 
-TEST(Random, momentsOfUniformAndNormal) {
+TEST(Random, MomentsOfUniformAndNormal) {
   RandomStream random(7);
   constexpr int kCount = 100000;
   double uniform = 0.0, normal = 0.0, normal2 = 0.0;
@@ -30,7 +30,7 @@ TEST(Random, momentsOfUniformAndNormal) {
   EXPECT_NEAR(normal2 / kCount, 1.0, 0.02);
 }
 
-TEST(Random, keysMatterInEveryPlace) {
+TEST(Random, KeysMatterInEveryPlace) {
   EXPECT_NE(combineKeys(1, 2, 3), combineKeys(1, 3, 2));
   EXPECT_NE(combineKeys(1, 2), combineKeys(2, 1));
   RandomStream a(5), b(5), c(6);

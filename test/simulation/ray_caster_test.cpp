@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/ray_caster.hpp"
+#include "simulation/ray_caster.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ RayHit castOne(const RayCaster& caster, const Eigen::Vector3d& from, const Eigen
   return hit;
 }
 
-TEST(RayCaster, rangeAndIncidenceOnAWall) {
+TEST(RayCaster, RangeAndIncidenceOnAWall) {
   RayCaster caster;
   caster.add(1, {0, 0, 0}, wallAt(12.0, Material::kSign));
   caster.commit({0, 0, 0});
@@ -42,7 +42,7 @@ TEST(RayCaster, rangeAndIncidenceOnAWall) {
   }
 }
 
-TEST(RayCaster, nearestOfSeveralAndNothingBeyondReach) {
+TEST(RayCaster, NearestOfSeveralAndNothingBeyondReach) {
   RayCaster caster;
   caster.add(1, {0, 0, 0}, wallAt(30.0, Material::kWall));
   caster.add(2, {5, 0, 0}, wallAt(10.0, Material::kMetal));
@@ -56,7 +56,7 @@ TEST(RayCaster, nearestOfSeveralAndNothingBeyondReach) {
   EXPECT_FALSE(castOne(caster, {0, 0, 0}, kAhead, 0.0f, 29.0f).hit());
 }
 
-TEST(RayCaster, exactFarFromTheWorldsOrigin) {
+TEST(RayCaster, ExactFarFromTheWorldsOrigin) {
   RayCaster caster;
   const Eigen::Vector3d far(123456.75, -98765.5, 321.25);
   caster.add(1, far, wallAt(10.0, Material::kWall));
@@ -64,7 +64,7 @@ TEST(RayCaster, exactFarFromTheWorldsOrigin) {
   EXPECT_NEAR(castOne(caster, far + Eigen::Vector3d(0.001, 0, 0), kAhead).range_m, 9.999f, 1e-5f);
 }
 
-TEST(RayCaster, movingThingsAreWhereTheyAreAtTheRaysInstant) {
+TEST(RayCaster, MovingThingsAreWhereTheyAreAtTheRaysInstant) {
   RayCaster caster;
   Mesh box;
   box.addBox(Eigen::Isometry3d::Identity(), {2, 2, 2}, Material::kPaint);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/road.hpp"
+#include "simulation/road.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ Road makeRoad(const std::string& scene, std::uint64_t seed, double length_m) {
   return road;
 }
 
-TEST(Road, isSmoothAndMeasuredByItsLength) {
+TEST(Road, IsSmoothAndMeasuredByItsLength) {
   for (const char* scene : {"town", "country", "highway", "tunnel", "open"}) {
     const Road road = makeRoad(scene, 5, 3000.0);
     for (double s = -150.0; s < 2990.0; s += 0.7) {
@@ -25,7 +25,7 @@ TEST(Road, isSmoothAndMeasuredByItsLength) {
   }
 }
 
-TEST(Road, neverComesNearItself) {
+TEST(Road, NeverComesNearItself) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     const Road road = makeRoad("town", seed, 4000.0);
     for (double a = 0.0; a < 4000.0; a += 10.0) {
@@ -36,7 +36,7 @@ TEST(Road, neverComesNearItself) {
   }
 }
 
-TEST(Road, doesNotDependOnHowItIsAskedFor) {
+TEST(Road, DoesNotDependOnHowItIsAskedFor) {
   Road a(9, ScenePlan::parse("country", 100.0)), b(9, ScenePlan::parse("country", 100.0));
   a.extendTo(2000.0);
   for (double s = 0.0; s <= 2000.0; s += 37.0) {
@@ -48,7 +48,7 @@ TEST(Road, doesNotDependOnHowItIsAskedFor) {
   EXPECT_GT(b.begin(), 1800.0);
 }
 
-TEST(Road, projectionFindsThePlaceBeside) {
+TEST(Road, ProjectionFindsThePlaceBeside) {
   const Road road = makeRoad("country", 2, 1000.0);
   for (double s : {10.0, 333.0, 700.0}) {
     const RoadPoint point = road.at(s);
@@ -57,7 +57,7 @@ TEST(Road, projectionFindsThePlaceBeside) {
   }
 }
 
-TEST(Road, widthChangesGraduallyBetweenParts) {
+TEST(Road, WidthChangesGraduallyBetweenParts) {
   const Road road = makeRoad("town:300,tunnel", 1, 800.0);
   const double town = roadCharacter(SceneKind::kTown).half_width_m;
   const double tunnel = roadCharacter(SceneKind::kTunnel).half_width_m;

@@ -1,21 +1,21 @@
-#include "fail_aware_lidar_odometry/simulation/scene_kind.hpp"
+#include "simulation/scene_kind.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
 
-TEST(ScenePlan, onePartLastsForEver) {
+TEST(ScenePlan, OnePartLastsForEver) {
   const ScenePlan plan = ScenePlan::parse("country", 60.0);
   EXPECT_EQ(plan.kindAt(-100.0), SceneKind::kCountry);
   EXPECT_EQ(plan.kindAt(1e7), SceneKind::kCountry);
 }
 
-TEST(ScenePlan, partsFollowEachOther) {
+TEST(ScenePlan, PartsFollowEachOther) {
   const ScenePlan plan = ScenePlan::parse("town:250,tunnel:100,open", 60.0);
   EXPECT_EQ(plan.kindAt(-50.0), SceneKind::kTown);
   EXPECT_EQ(plan.kindAt(249.0), SceneKind::kTown);
@@ -27,13 +27,13 @@ TEST(ScenePlan, partsFollowEachOther) {
   EXPECT_EQ(plan.grade(), roadCharacter(SceneKind::kTunnel).grade);
 }
 
-TEST(ScenePlan, partsWithoutLengthShareTheTime) {
+TEST(ScenePlan, PartsWithoutLengthShareTheTime) {
   const ScenePlan plan = ScenePlan::parse("town,tunnel", 60.0);
   EXPECT_EQ(plan.kindAt(100.0), SceneKind::kTown);
   EXPECT_EQ(plan.kindAt(400.0), SceneKind::kTunnel);
 }
 
-TEST(ScenePlan, refusesNonsenseByName) {
+TEST(ScenePlan, RefusesNonsenseByName) {
   for (const char* text : {"", "city", "town,", ",town", "town:", "town:x", "town:-5", "town:0", "town:1e400"}) {
     EXPECT_THROW(ScenePlan::parse(text, 60.0), ParameterError) << text;
   }

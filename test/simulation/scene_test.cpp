@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/scene.hpp"
+#include "simulation/scene.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 const char* const kScenes[] = {"town", "country", "highway", "tunnel", "open", "town:150,tunnel:100,country"};
 
-TEST(Scene, memoryDoesNotGrowAndEveryTileGoes) {
+TEST(Scene, MemoryDoesNotGrowAndEveryTileGoes) {
   for (const char* name : kScenes) {
     Scene scene(3, ScenePlan::parse(name, 60.0));
     std::map<std::int64_t, std::size_t> alive;
@@ -49,7 +49,7 @@ std::string onLane(const Scene& scene, const SceneTile& tile, double s) {
   return {};
 }
 
-TEST(Scene, meshesAreSoundAndTheCarsLaneIsFree) {
+TEST(Scene, MeshesAreSoundAndTheCarsLaneIsFree) {
   for (const char* name : kScenes) {
     Scene scene(8, ScenePlan::parse(name, 60.0));
     for (double s = 0.0; s < 800.0; s += 20.0) {
@@ -64,7 +64,7 @@ TEST(Scene, meshesAreSoundAndTheCarsLaneIsFree) {
   }
 }
 
-TEST(Scene, sameSeedSameTiles) {
+TEST(Scene, SameSeedSameTiles) {
   const auto first = [](std::uint64_t seed) {
     Scene scene(seed, ScenePlan::parse("town", 60.0));
     return scene.update({0, 0}, 0.0).added;

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/simulation/sweep_faults.hpp"
+#include "simulation/sweep_faults.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace {
@@ -39,7 +39,7 @@ void expectConsistent(const Sweep& sweep) {
   EXPECT_EQ(sweep.stamp_s, 3.0);
 }
 
-TEST(SweepFaults, blankedSectorIsAhead) {
+TEST(SweepFaults, BlankedSectorIsAhead) {
   Sweep sweep = cylinder();
   blankSector(sweep, 90.0);
   expectConsistent(sweep);
@@ -47,7 +47,7 @@ TEST(SweepFaults, blankedSectorIsAhead) {
   for (const Eigen::Vector3f& p : sweep.points_lidar) EXPECT_GT(std::abs(std::atan2(p.y(), p.x())), 0.78f);
 }
 
-TEST(SweepFaults, lostRingsAreLostForGood) {
+TEST(SweepFaults, LostRingsAreLostForGood) {
   Sweep first = cylinder(), second = cylinder(), all = cylinder();
   loseRings(first, 0.5, 4);
   loseRings(second, 0.5, 4);
@@ -60,7 +60,7 @@ TEST(SweepFaults, lostRingsAreLostForGood) {
   EXPECT_TRUE(all.empty());
 }
 
-TEST(SweepFaults, rangeCapAndHalfSweep) {
+TEST(SweepFaults, RangeCapAndHalfSweep) {
   Sweep sweep = cylinder();
   capRange(sweep, 10.2);
   expectConsistent(sweep);
@@ -73,7 +73,7 @@ TEST(SweepFaults, rangeCapAndHalfSweep) {
   EXPECT_LT(sweep.times_s.back(), 0.05f);
 }
 
-TEST(SweepFaults, noiseAndGhosts) {
+TEST(SweepFaults, NoiseAndGhosts) {
   const Sweep clean = cylinder();
   Sweep sweep = clean;
   addNoise(sweep, 0.2, 5);
@@ -89,7 +89,7 @@ TEST(SweepFaults, noiseAndGhosts) {
   for (std::size_t i = clean.size(); i < sweep.size(); ++i) EXPECT_LT(sweep.points_lidar[i].norm(), 10.5f);
 }
 
-TEST(SweepFaults, tiltForwardRaisesWhatIsAhead) {
+TEST(SweepFaults, TiltForwardRaisesWhatIsAhead) {
   Sweep sweep;
   sweep.points_lidar = {{10, 0, 0}, {0, 10, 0}};
   tiltMount(sweep, 2.0);
@@ -98,7 +98,7 @@ TEST(SweepFaults, tiltForwardRaisesWhatIsAhead) {
   EXPECT_NEAR(sweep.points_lidar[0].norm(), 10.0f, 1e-5f);
 }
 
-TEST(SweepFaults, emptyAndNan) {
+TEST(SweepFaults, EmptyAndNan) {
   Sweep sweep = cylinder();
   makeNan(sweep, 0.3, 6);
   int bad = 0;
@@ -109,7 +109,7 @@ TEST(SweepFaults, emptyAndNan) {
   EXPECT_TRUE(sweep.empty());
 }
 
-TEST(SweepFaults, sweepsWithoutSideArraysAndEmptyOnes) {
+TEST(SweepFaults, SweepsWithoutSideArraysAndEmptyOnes) {
   Sweep sweep;
   sweep.points_lidar = {{1, 2, 3}, {-4, 5, 6}};
   blankSector(sweep, 10.0);

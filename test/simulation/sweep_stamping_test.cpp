@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/sweep_stamping.hpp"
+#include "simulation/sweep_stamping.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,13 +15,13 @@ SimulatedSweep simulated() {
   return sweep;
 }
 
-TEST(SweepStamping, kittiHasTheMiddleAndTimesFromTheStart) {
+TEST(SweepStamping, KittiHasTheMiddleAndTimesFromTheStart) {
   const Sweep sweep = kittiSweep(simulated());
   EXPECT_EQ(sweep.stamp_s, 4.05);
   EXPECT_EQ(sweep.times_s, (std::vector<float>{0.02f, 0.09f}));
 }
 
-TEST(SweepStamping, driverHasTheEndAndTimesBeforeIt) {
+TEST(SweepStamping, DriverHasTheEndAndTimesBeforeIt) {
   const Sweep sweep = driverSweep(simulated());
   EXPECT_DOUBLE_EQ(sweep.stamp_s, 4.1);
   EXPECT_NEAR(sweep.times_s[0], -0.08f, 1e-6f);
@@ -29,7 +29,7 @@ TEST(SweepStamping, driverHasTheEndAndTimesBeforeIt) {
   EXPECT_FLOAT_EQ(sweep.intensities[1], 255.0f);
 }
 
-TEST(SweepStamping, wrongSignTurnsEveryTime) {
+TEST(SweepStamping, WrongSignTurnsEveryTime) {
   SimulatedSweep wrong = simulated();
   wrong.time_sign_wrong = true;
   EXPECT_EQ(kittiSweep(wrong).times_s[1], -0.09f);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/terrain.hpp"
+#include "simulation/terrain.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(Terrain, gradientIsTheHeightsDerivative) {
+TEST(Terrain, GradientIsTheHeightsDerivative) {
   const Terrain terrain(3, 0.03);
   const double h = 1e-4;
   for (const Eigen::Vector2d& p : {Eigen::Vector2d(0, 0), Eigen::Vector2d(123, -45), Eigen::Vector2d(-900, 777)}) {
@@ -19,7 +19,7 @@ TEST(Terrain, gradientIsTheHeightsDerivative) {
   }
 }
 
-TEST(Terrain, slopeAndBumpsAreAsAskedFor) {
+TEST(Terrain, SlopeAndBumpsAreAsAskedFor) {
   const double grade = 0.03;
   double slope2 = 0.0, bumps2 = 0.0, roughness2 = 0.0;
   int count = 0;

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/traffic.hpp"
+#include "simulation/traffic.hpp"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ struct World {
   Terrain terrain;
 };
 
-TEST(Traffic, nobodyTouchesTheCarAndMotionIsSteady) {
+TEST(Traffic, NobodyTouchesTheCarAndMotionIsSteady) {
   for (const char* scene : {"town", "highway", "tunnel", "country"}) {
     for (int around : {0, 14}) {
       World world(scene);
@@ -42,7 +42,7 @@ TEST(Traffic, nobodyTouchesTheCarAndMotionIsSteady) {
   }
 }
 
-TEST(Traffic, theRingStaysWithTheCar) {
+TEST(Traffic, TheRingStaysWithTheCar) {
   World world("tunnel");
   world.road.extendTo(1500.0);
   Traffic traffic(2);

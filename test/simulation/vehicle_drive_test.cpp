@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/simulation/vehicle_drive.hpp"
+#include "simulation/vehicle_drive.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ double bodyRoll(const VehicleDrive::State& state, const Terrain& terrain) {
          terrain.gradient(state.position).dot(Eigen::Vector2d(-std::sin(state.yaw_rad), std::cos(state.yaw_rad)));
 }
 
-TEST(VehicleDrive, staysPhysicalOnItsLane) {
+TEST(VehicleDrive, StaysPhysicalOnItsLane) {
   for (const char* scene : {"town", "country", "highway", "tunnel", "open"}) {
     double off_lane = 0.0, lateral = 0.0, forward = 0.0, pitch = 0.0, roll = 0.0, height = 0.0, s_m = 0.0;
     const auto keep = [](double& most, double value) { most = std::max(most, std::abs(value)); };
@@ -67,7 +67,7 @@ TEST(VehicleDrive, staysPhysicalOnItsLane) {
   }
 }
 
-TEST(VehicleDrive, poseIsContinuous) {
+TEST(VehicleDrive, PoseIsContinuous) {
   Pose last = Pose::Identity();
   bool has_last = false;
   drive("town", 3, 40.0, {}, [&](const VehicleDrive& vehicle, const Road&, const Terrain&) {
@@ -82,7 +82,7 @@ TEST(VehicleDrive, poseIsContinuous) {
   });
 }
 
-TEST(VehicleDrive, stopsInTownAndGoesOn) {
+TEST(VehicleDrive, StopsInTownAndGoesOn) {
   int stops = 0;
   double after_stop_mps = 0.0;
   bool standing = false;
@@ -98,7 +98,7 @@ TEST(VehicleDrive, stopsInTownAndGoesOn) {
   EXPECT_GT(after_stop_mps, 5.0);
 }
 
-TEST(VehicleDrive, brakesDiveAndBendsLeanAsTheSpringsAllow) {
+TEST(VehicleDrive, BrakesDiveAndBendsLeanAsTheSpringsAllow) {
   const VehicleParameters car;
   const double pitch_stiffness = 2.0 * (car.spring_front_n_per_m * std::pow(car.cog_to_front_axle_m, 2) +
                                         car.spring_rear_n_per_m * std::pow(car.cog_to_rear_axle_m, 2));
@@ -118,7 +118,7 @@ TEST(VehicleDrive, brakesDiveAndBendsLeanAsTheSpringsAllow) {
   EXPECT_NEAR(roll / lateral, roll_per_mps2, 0.35 * roll_per_mps2);
 }
 
-TEST(VehicleDrive, wheelsCarryTheCar) {
+TEST(VehicleDrive, WheelsCarryTheCar) {
   double load_n = 0.0;
   int steps = 0;
   drive("highway", 4, 30.0, {}, [&](const VehicleDrive& vehicle, const Road&, const Terrain&) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus_links.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 

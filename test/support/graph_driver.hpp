@@ -11,7 +11,7 @@
 #include <map>
 #include <string>
 
-#include "fail_aware_lidar_odometry/bridge/graph_message_conversion.hpp"
+#include "bridge/graph_message_conversion.hpp"
 #include "graph_recorder.hpp"
 #include "synthetic_street.hpp"
 

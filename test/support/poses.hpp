@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/pose.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

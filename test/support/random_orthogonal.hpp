@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "core/geometry/pose.hpp"
 
 namespace fail_aware {
 

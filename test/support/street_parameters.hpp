@@ -1,7 +1,7 @@
 // Parameters for drives through the synthetic street: the default profile with that street's lidar and vehicle.
 #pragma once
 
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 
 namespace fail_aware {
 namespace synthetic {

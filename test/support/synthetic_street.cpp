@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace synthetic {

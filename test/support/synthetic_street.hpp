@@ -9,8 +9,8 @@
 #include <functional>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
-#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 
 namespace fail_aware {
 namespace synthetic {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 
 namespace fail_aware {
 namespace synthetic {

@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "fail_aware_lidar_odometry/core/types/sweep.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 #include "synthetic_street.hpp"
 
 namespace fail_aware {
@@ -14,7 +14,7 @@ namespace synthetic {
 
 struct Tunnel {
   double half_width_m = 5.0, height_m = 6.0;
-  double profile_m = 0.0;       ///< amplitude of the road's unevenness, waves of 1 to 4 m
+  double profile_m = 0.0;      ///< amplitude of the road's unevenness, waves of 1 to 4 m
   double lead_car_m = 18.0;    ///< distance to the car ahead; 0: none
   double beam_error_m = 0.02;  ///< of the ranges of one beam, the same all the time
   Lidar lidar = [] {

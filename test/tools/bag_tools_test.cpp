@@ -8,7 +8,7 @@
 
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/trajectory_io.hpp"
 
 namespace fail_aware {
 namespace {
@@ -94,7 +94,7 @@ class BagTools : public ::testing::Test {
 
 // Byte for byte: the points are the same floats, the stamps differ by a constant, the lidar sits where the sensor file
 // says.
-TEST_F(BagTools, theBagGivesTheFoldersTrajectory) {
+TEST_F(BagTools, TheBagGivesTheFoldersTrajectory) {
   const std::string drive = makeDrive(false);
   const ToolRun made = toBag("'" + drive + "' '" + bag() + "'");
   ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -111,7 +111,7 @@ TEST_F(BagTools, theBagGivesTheFoldersTrajectory) {
   EXPECT_LT((lidar.back().translation() - truth.back().translation()).norm(), 0.1);
 }
 
-TEST_F(BagTools, pointTimesPassThroughTheBag) {
+TEST_F(BagTools, PointTimesPassThroughTheBag) {
   const std::string drive = makeDrive(true);
   ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "' --point-times").exit_code, 0);
   ASSERT_EQ(offline("--kitti '" + drive + "' --set sensor.timing.source=field", "folder").exit_code, 0);
@@ -120,7 +120,7 @@ TEST_F(BagTools, pointTimesPassThroughTheBag) {
   EXPECT_TRUE(trajectory("bag") == trajectory("folder"));
 }
 
-TEST_F(BagTools, badScansAndPartsOfTheDriveAreTheFolders) {
+TEST_F(BagTools, BadScansAndPartsOfTheDriveAreTheFolders) {
   const std::string drive = makeDrive(false);
   fs::resize_file(fs::path(drive) / "velodyne" / "000004.bin", 0);
   const ToolRun made = toBag("'" + drive + "' '" + bag() + "'");
@@ -135,7 +135,7 @@ TEST_F(BagTools, badScansAndPartsOfTheDriveAreTheFolders) {
   EXPECT_TRUE(trajectory("bag") == trajectory("folder"));
 }
 
-TEST_F(BagTools, whereTheLidarSitsIsTakenFromTheBagOrSaid) {
+TEST_F(BagTools, WhereTheLidarSitsIsTakenFromTheBagOrSaid) {
   const std::string drive = makeDrive(false);
   ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "' --count 2").exit_code, 0);
   ASSERT_EQ(offline("--bag '" + bag() + "'", "tf").exit_code, 0);
@@ -156,7 +156,7 @@ TEST_F(BagTools, whereTheLidarSitsIsTakenFromTheBagOrSaid) {
 }
 
 /// Two bags of a drive, in whichever order, give the trajectory of the whole.
-TEST_F(BagTools, partsOfADriveAreOne) {
+TEST_F(BagTools, PartsOfADriveAreOne) {
   const std::string drive = makeDrive(false), later = (folder_ / "a_later.bag").string();
   ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "'").exit_code, 0);
   ASSERT_EQ(offline("--bag '" + bag() + "'", "whole").exit_code, 0);
@@ -169,7 +169,7 @@ TEST_F(BagTools, partsOfADriveAreOne) {
   EXPECT_TRUE(trajectory("parts") == trajectory("whole"));
 }
 
-TEST_F(BagTools, kittiToBagRefusesInOneLine) {
+TEST_F(BagTools, KittiToBagRefusesInOneLine) {
   const std::string drive = makeDrive(false), both = "'" + drive + "' '" + bag() + "' ";
   expectRefused(toBag("'" + drive + "'"), "kitti_to_bag", "bag is required");
   expectRefused(toBag("/no/such/drive '" + bag() + "'"), "kitti_to_bag", "/no/such/drive: no such directory");
@@ -186,7 +186,7 @@ TEST_F(BagTools, kittiToBagRefusesInOneLine) {
   EXPECT_FALSE(fs::exists(bag()));
 }
 
-TEST_F(BagTools, offlineRefusesABagInOneLine) {
+TEST_F(BagTools, OfflineRefusesABagInOneLine) {
   const std::string drive = makeDrive(false);
   ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "' --count 4 --with-tf").exit_code, 0);
   const std::string option = "--bag '" + bag() + "' ";

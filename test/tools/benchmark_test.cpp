@@ -14,7 +14,7 @@
 
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/trajectory_io.hpp"
 
 namespace fail_aware {
 namespace {
@@ -78,7 +78,7 @@ class Benchmark : public ::testing::Test {
   static void TearDownTestSuite() { fs::remove_all(root()); }
 };
 
-TEST_F(Benchmark, kittiScoresEverySequenceBesideTheArticle) {
+TEST_F(Benchmark, KittiScoresEverySequenceBesideTheArticle) {
   const fs::path output = root() / "out";
   const ToolRun outcome = run(kScript, "kitti " + root().string() +
                                            " --profile default --variants all,2measurements --set "
@@ -97,7 +97,7 @@ TEST_F(Benchmark, kittiScoresEverySequenceBesideTheArticle) {
   }
 }
 
-TEST_F(Benchmark, kittiGoesOnOverASequenceThatFails) {
+TEST_F(Benchmark, KittiGoesOnOverASequenceThatFails) {
   const ToolRun outcome =
       run(kScript, "kitti " + root().string() + " --profile default --variants all --set no.such.key=1 --output " +
                        (root() / "failed").string());
@@ -106,7 +106,7 @@ TEST_F(Benchmark, kittiGoesOnOverASequenceThatFails) {
   EXPECT_NE(outcome.out.find("failed"), std::string::npos) << outcome.out;
 }
 
-TEST_F(Benchmark, badInputIsRefusedInOneLine) {
+TEST_F(Benchmark, BadInputIsRefusedInOneLine) {
   const std::string tree = root().string();
   const std::string output = " --output " + (root() / "refused").string();
   for (const std::string& arguments :
@@ -118,7 +118,7 @@ TEST_F(Benchmark, badInputIsRefusedInOneLine) {
 }
 
 #ifdef BENCHMARK_ODOMETRY
-TEST_F(Benchmark, benchmarkOdometryPrintsBothAndTheirRatio) {
+TEST_F(Benchmark, BenchmarkOdometryPrintsBothAndTheirRatio) {
   const fs::path json = root() / "times.json";
   const ToolRun outcome =
       run(BENCHMARK_ODOMETRY, "--kitti " + (root() / "sequences/04").string() + " --count 6 --json " + json.string());
@@ -131,7 +131,7 @@ TEST_F(Benchmark, benchmarkOdometryPrintsBothAndTheirRatio) {
                    times["odometry"]["mean_ms"].get<double>() / times["pcl_icp"]["mean_ms"].get<double>());
 }
 
-TEST_F(Benchmark, benchmarkOdometryRefusesBadInputInOneLine) {
+TEST_F(Benchmark, BenchmarkOdometryRefusesBadInputInOneLine) {
   const ToolRun outcome = run(BENCHMARK_ODOMETRY, "--kitti /does/not/exist");
   expectRefused(outcome, "benchmark_odometry");
 }

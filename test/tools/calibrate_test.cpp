@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
+#include "core/geometry/degree.hpp"
 #include "made_up_runs_test.hpp"
 
 namespace fail_aware {

@@ -5,7 +5,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(CloudAnswers, measuresFromCloudToOdometryOfTheSameStamp) {
+TEST(CloudAnswers, MeasuresFromCloudToOdometryOfTheSameStamp) {
   CloudAnswers answers;
   answers.cloud(1, 10.0);
   answers.cloud(2, 10.1);
@@ -17,7 +17,7 @@ TEST(CloudAnswers, measuresFromCloudToOdometryOfTheSameStamp) {
   EXPECT_EQ(answers.unanswered(), 0u);
 }
 
-TEST(CloudAnswers, countsCloudsWithoutAnswer) {
+TEST(CloudAnswers, CountsCloudsWithoutAnswer) {
   CloudAnswers answers(5.0);
   answers.cloud(1, 0.0);
   answers.cloud(2, 1.0);
@@ -33,7 +33,7 @@ TEST(CloudAnswers, countsCloudsWithoutAnswer) {
   EXPECT_EQ(answers.odometries(), 2u);
 }
 
-TEST(CloudAnswers, anAnswerAheadOfItsCloudIsOne) {
+TEST(CloudAnswers, AnAnswerAheadOfItsCloudIsOne) {
   CloudAnswers answers;
   answers.odometry(7, 1.0);
   answers.cloud(7, 1.001);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "../support/graph_recorder.hpp"
+#include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 
 namespace fail_aware {
@@ -27,7 +28,7 @@ struct Arrivals {
   ros::Subscriber subscriber;
 };
 
-TEST(DriveSimulator, publishesItsDrive) {
+TEST(DriveSimulator, PublishesItsDrive) {
   ros::NodeHandle node;
   Arrivals<tf2_msgs::TFMessage> places(node, "/tf_static");
   Arrivals<nav_msgs::Odometry> truths(node, "/ground_truth/odometry");

@@ -90,7 +90,7 @@ TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
   EXPECT_NEAR(json["modest"]["consistency"]["increment_horizontal"]["mean_per_dof"].get<double>(), 0.25, 0.02);
 }
 
-TEST_F(EvaluateFailAware, EachMeasurementsCovarianceIsHeldAgainstTheTruth) {
+TEST_F(EvaluateFailAware, MeasurementCovariancesAreJudged) {
   MadeUpRun run_;
   run_.sweeps = 3000;
   run_.sigma_m = run_.sigma_up_m = run_.said_sigma_m;
@@ -192,7 +192,7 @@ TEST_F(EvaluateFailAware, ALaterPartOfADriveHasItsOwnTruth) {
   expectRefused(options("run"), "summary.json: cannot be read as JSON");
 }
 
-TEST_F(EvaluateFailAware, FilesOfTwoRunsOrOfAnUnfinishedOneAreRefused) {
+TEST_F(EvaluateFailAware, MixedOrUnfinishedRunsAreRefused) {
   MadeUpRun made_up, other;
   made_up.sweeps = other.sweeps = 60;
   other.speed_mps = 11.0;

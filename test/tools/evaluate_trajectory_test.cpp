@@ -109,7 +109,7 @@ TEST_F(EvaluateTrajectory, ReportsTheMetricOfAOnePercentScaleError) {
   EXPECT_NEAR(json["episodes"]["median_time_to_failure_s"].get<double>(), 6.05, 0.06);
 }
 
-TEST_F(EvaluateTrajectory, ShortRunsAreMeasuredOverShortLengthsUnlessToldOtherwise) {
+TEST_F(EvaluateTrajectory, ShortRunsUseShortLengths) {
   const std::string files = "--ground-truth " + straight("truth", 51, 1.0) + " --estimate " + straight("est", 51, 1.0);
   run(files);
   ASSERT_EQ(result_.exit_code, 0) << result_.err;

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "../../src/tools/run_folder.hpp"
-#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
-#include "fail_aware_lidar_odometry/simulation/random.hpp"
+#include "core/io/measurement_log.hpp"
+#include "core/io/monitor_log.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
+#include "simulation/random.hpp"
 
 namespace fail_aware {
 

@@ -24,7 +24,7 @@ class LiveTools : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(LiveTools, measureLatencySaysWhatItNeeds) {
+TEST_F(LiveTools, MeasureLatencySaysWhatItNeeds) {
   setenv("ROS_MASTER_URI", "http://localhost:1", 1);
   EXPECT_EQ(runProgram(MEASURE_LATENCY, "--help", folder_).exit_code, 0);
   expectRefused(MEASURE_LATENCY, "", "no ROS master at http://localhost:1");
@@ -32,7 +32,7 @@ TEST_F(LiveTools, measureLatencySaysWhatItNeeds) {
   expectRefused(MEASURE_LATENCY, "--nonsense", "--nonsense");
 }
 
-TEST_F(LiveTools, replayBenchmarkSaysWhatItNeeds) {
+TEST_F(LiveTools, ReplayBenchmarkSaysWhatItNeeds) {
   EXPECT_EQ(runProgram(SCRIPTS "/replay_benchmark", "--help", folder_).exit_code, 0);
   expectRefused(SCRIPTS "/replay_benchmark", "/no/such/drive", "/no/such/drive: no such file or folder");
   expectRefused(SCRIPTS "/replay_benchmark", "'" + folder_.string() + "' --rate 0", "--rate");

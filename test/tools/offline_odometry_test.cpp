@@ -18,12 +18,12 @@
 #include "../../src/tools/run_folder.hpp"
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/fail_aware/monitor_replay.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
-#include "fail_aware_lidar_odometry/core/pipeline_parameters.hpp"
+#include "core/integrity/monitor_replay.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/monitor_log.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "core/parameters/yaml_parameters.hpp"
+#include "core/pipeline_parameters.hpp"
 
 namespace fail_aware {
 namespace {
@@ -202,7 +202,7 @@ TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
   EXPECT_NE(parameters.find("stamp_reference: \"mid\""), std::string::npos);
 }
 
-TEST_F(OfflineOdometry, ParameterFilesOverrideTheProfileOneAfterAnother) {
+TEST_F(OfflineOdometry, ParameterFilesOverrideInOrder) {
   const auto file = [&](const char* name, const std::string& text) {
     std::ofstream(folder_ / name) << text;
     return " --parameters '" + (folder_ / name).string() + "'";
@@ -306,7 +306,7 @@ TEST_F(OfflineOdometry, GivesTheSameBytesForAnyNumberOfThreads) {
   EXPECT_EQ(contentOf(out("trajectory_tum.txt")), tum);
 }
 
-TEST_F(OfflineOdometry, TheMonitorsLogReplaysToTheSameOutputForAnyStart) {
+TEST_F(OfflineOdometry, MonitorLogReplaysExactly) {
   run(base() / "drive");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   const std::vector<MonitorInput> log = readMonitorLog(out("monitor_log.csv").string());
@@ -362,7 +362,7 @@ TEST_F(OfflineOdometry, RefusedSweepsAreToldAndHaveNoPose) {
   EXPECT_EQ(warningsOf(result_.err).size(), 1u) << result_.err;
 }
 
-TEST_F(OfflineOdometry, ARunThatIsCutOffLeavesTheResultsBeforeItAndSaysSo) {
+TEST_F(OfflineOdometry, InterruptedRunKeepsOlderResults) {
   run(base() / "drive", "--count 3");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   std::map<std::string, std::string> before;
@@ -531,7 +531,7 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
   EXPECT_FALSE(fs::exists(output)) << "nothing is made before everything is known to be good";
 }
 
-TEST_F(OfflineOdometry, AnOutputThatCannotBeWrittenIsRefusedBeforeTheWork) {
+TEST_F(OfflineOdometry, UnwritableOutputIsRefusedFirst) {
   const std::string drive = "--kitti '" + (base() / "drive").string() + "' ";
   const fs::path file = folder_ / "file";
   std::ofstream(file).close();

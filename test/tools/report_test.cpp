@@ -49,9 +49,11 @@ class Report : public ::testing::Test {
     std::ostringstream csv;
     csv << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_"
            "rate,"
-           "sigma_yaw,sigma_x,sigma_y,weight_icp_point_to_point,weight_icp_point_to_plane,weight_corner_svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_corner_svd,nis_"
+           "sigma_yaw,sigma_x,sigma_y,weight_icp_point_to_point,weight_icp_point_to_plane,weight_corner_svd,nis_icp_"
+           "point_to_point,nis_icp_point_to_plane,nis_corner_svd,nis_"
            "fused,"
-           "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference,icp_point_to_point_status,icp_point_to_plane_status,"
+           "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference,"
+           "icp_point_to_point_status,icp_point_to_plane_status,"
            "corner_svd_status,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw\n";
     for (int i = 0; i < kSweeps; ++i) {
       const double since_t1_s = std::max(0.0, 0.1 * i - 1.0), left_s = i < 10 ? -1.0 : std::max(0.0, 3.0 - since_t1_s);

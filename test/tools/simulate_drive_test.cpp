@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "../support/tool_run.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
-#include "fail_aware_lidar_odometry/simulation/fault.hpp"
+#include "core/io/kitti_directory.hpp"
+#include "core/io/trajectory_io.hpp"
+#include "simulation/fault.hpp"
 
 namespace fail_aware {
 namespace {
@@ -53,7 +53,7 @@ std::vector<std::string> filesBelow(const fs::path& folder) {
   return files;
 }
 
-TEST_F(SimulateDrive, sameArgumentsSameBytes) {
+TEST_F(SimulateDrive, SameArgumentsSameBytes) {
   const std::string arguments = "--scene town:15,tunnel --duration 0.6 --seed 4 --start-speed 12 --fault noise:0.2:0.2";
   ASSERT_EQ(simulate("a", arguments).exit_code, 0);
   ASSERT_EQ(simulate("b", arguments + " --threads 2").exit_code, 0);
@@ -70,7 +70,7 @@ TEST_F(SimulateDrive, sameArgumentsSameBytes) {
   EXPECT_EQ(lines("a/faults.csv"), (std::vector<std::string>{"kind,start_s,duration_s,severity", "noise,0.2,0.2,0.2"}));
 }
 
-TEST_F(SimulateDrive, theOdometryFollowsIt) {
+TEST_F(SimulateDrive, TheOdometryFollowsIt) {
   ASSERT_EQ(simulate("drive", "--scene town --duration 3 --seed 2").exit_code, 0);
   ASSERT_EQ(odometry("drive").exit_code, 0);
   const auto truth = readKittiTrajectory(path("drive/poses.txt"));
@@ -92,7 +92,7 @@ const std::map<std::string, std::string> kTold = {{"blanked_sector", "SWEEP_INCO
                                                   {"empty_cloud", "SWEEP_EMPTY"},
                                                   {"nan", "SWEEP_EMPTY"}};
 
-TEST_F(SimulateDrive, everyFaultLeavesARowForEachScanAndNoNan) {
+TEST_F(SimulateDrive, EveryFaultLeavesARowForEachScanAndNoNan) {
   std::map<std::string, std::string> drives;
   for (const FaultTraits& traits : faultTraits()) {
     drives[traits.name] = std::string("--fault ") + traits.name + ":0.5:0.3";
@@ -122,7 +122,7 @@ TEST_F(SimulateDrive, everyFaultLeavesARowForEachScanAndNoNan) {
   }
 }
 
-TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
+TEST_F(SimulateDrive, BenchmarkHasARowForEachDriveAndTheirMean) {
   setenv("PATH", (fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH")).c_str(), 1);
   const auto benchmark = [this](const std::string& arguments) {
     return runProgram(SCRIPTS "/benchmark", "simulation --duration 3 --output '" + path("benchmark") + "' " + arguments,
@@ -138,7 +138,7 @@ TEST_F(SimulateDrive, benchmarkHasARowForEachDriveAndTheirMean) {
   EXPECT_EQ(benchmark("--seeds x").exit_code, 2);
 }
 
-TEST_F(SimulateDrive, faultMatrixsTableIsInTheReliabilityPageAndHasEveryFault) {
+TEST_F(SimulateDrive, FaultMatrixTableIsDocumented) {
   const ToolRun run = runProgram(SCRIPTS "/fault_matrix", "--table", folder_);
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const std::string page =
@@ -149,7 +149,7 @@ TEST_F(SimulateDrive, faultMatrixsTableIsInTheReliabilityPageAndHasEveryFault) {
   }
 }
 
-TEST_F(SimulateDrive, faultMatrixJudgesEverySeverityAndFailsWhatIsWrong) {
+TEST_F(SimulateDrive, FaultMatrixFailsWhatIsWrong) {
   // The tools as the matrix finds them: what they make is kept, and the next time taken from there.
   const fs::path bin = folder_ / "bin", kept = folder_ / "kept";
   fs::create_directories(bin);
@@ -195,12 +195,12 @@ esac
   EXPECT_EQ(matrix("--faults fog").exit_code, 2);
 }
 
-TEST_F(SimulateDrive, withoutRollingShutterThereAreNoPointTimes) {
+TEST_F(SimulateDrive, WithoutRollingShutterThereAreNoPointTimes) {
   ASSERT_EQ(simulate("drive", "--duration 0.2 --no-rolling-shutter").exit_code, 0);
   EXPECT_FALSE(KittiDirectory::open(path("drive")).hasPointTimes());
 }
 
-TEST_F(SimulateDrive, badUseIsOneLineAndExitCode2) {
+TEST_F(SimulateDrive, BadUseIsOneLineAndExitCode2) {
   for (const char* arguments :
        {"--scene moon", "--duration 0", "--duration nan", "--seed -1", "--fault fog", "--fault noise:1:1 --duration 1",
         "--threads 0", "--fault dropped:0:inf --duration 0.3", "--start-speed 100", "--speed -1", "--no-such"}) {

@@ -1,9 +1,9 @@
 // A source of poses: one answer to each sweep. This one only repeats the prediction, with a covariance so large that it
 // hardly counts; put your own measurement in its place.
-#include <fail_aware_lidar_odometry/PoseMeasurement.h>
-#include <fail_aware_lidar_odometry/SweepPrediction.h>
+#include "fail_aware_lidar_odometry/PoseMeasurement.h"
+#include "fail_aware_lidar_odometry/SweepPrediction.h"
 #include <nodelet/nodelet.h>
-#include <pluginlib/class_list_macros.h>
+#include <pluginlib/class_list_macros.hpp>
 #include <ros/ros.h>
 
 namespace add_a_source {

@@ -1,7 +1,7 @@
-// A bag that is being written: rosbag::Bag with this package's errors.
+// Writes a bag: rosbag::Bag with this package's errors.
 //
-// Failure: the constructor throws InputError if the file cannot be opened, write() and close() std::runtime_error if it
-// cannot be written; after that the object takes nothing more. Memory: the bag's index.
+// Failure: the constructor throws InputError if the file cannot be opened; write() and close() throw std::runtime_error
+// if it cannot be written, and after that the object writes nothing more. Memory: the bag's index.
 #pragma once
 
 #include <ros/message_traits.h>
@@ -32,7 +32,7 @@ class BagFile {
     }
   }
 
-  /// As from a publisher that latches (`/tf_static`).
+  /// Writes like a publisher that latches (`/tf_static`).
   template <class Message>
   void writeLatched(const std::string& topic, const ros::Time& stamp, const Message& message,
                     const std::string& caller) {
@@ -48,7 +48,7 @@ class BagFile {
   void close();
 
  private:
-  /// A bag that cannot be closed must not be destroyed: its destructor would end the program.
+  /// Throws, and leaks the bag: the destructor of a bag that cannot be closed would end the program.
   [[noreturn]] void fail(const std::string& what, const std::string& reason);
 
   std::string path_;

@@ -1,4 +1,4 @@
-// tf2 knows no leading slash.
+// Removes a leading slash: tf2's frame names have none.
 #pragma once
 
 #include <string>

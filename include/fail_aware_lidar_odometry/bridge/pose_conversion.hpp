@@ -1,4 +1,4 @@
-// Poses and 6x6 covariances <-> geometry_msgs. Covariances are row-major in messages; their convention stays as it is.
+// Poses and 6x6 covariances <-> geometry_msgs. Covariances are row-major in messages and keep their convention.
 #pragma once
 
 #include <geometry_msgs/Pose.h>
@@ -7,13 +7,13 @@
 #include <boost/array.hpp>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
 
 namespace fail_aware {
 
 using CovarianceMessage = boost::array<double, 36>;
 
-/// w >= 0, so that equal rotations are equal messages.
+/// w >= 0, so that equal rotations give equal messages.
 geometry_msgs::Pose toPoseMessage(const Pose& T);
 geometry_msgs::Transform toTransformMessage(const Pose& T);
 

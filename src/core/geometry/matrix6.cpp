@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
+#include "core/geometry/matrix6.hpp"
 
 #include <Eigen/Dense>
 

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "core/geometry/pose.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/rigid_alignment.hpp"
+#include "core/geometry/rigid_alignment.hpp"
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -9,7 +9,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kRelativeRankTolerance = 1e-6;  // of singular values, against the largest possible one
+constexpr double kRelativeRankTolerance = 1e-6;  // of singular values, relative to the largest possible one
 
 }  // namespace
 

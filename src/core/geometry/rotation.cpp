@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

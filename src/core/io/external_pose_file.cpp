@@ -1,10 +1,11 @@
-#include "fail_aware_lidar_odometry/core/io/external_pose_file.hpp"
+#include "core/io/external_pose_file.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/io/number_table.hpp"
+#include "core/geometry/pose.hpp"
+#include "core/io/number_table.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "core/io/kitti_directory.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,10 @@
 #include <optional>
 #include <sstream>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/text_lines.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/stamp_difference.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/text_lines.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kPointBytes = 4 * sizeof(float);
-constexpr std::size_t kMaxDigits = 18;  // of a file's number: fits 64 bits
+constexpr std::size_t kMaxDigits = 18;  // of a file's number: fits into 64 bits
 
 bool isNumber(const std::string& name) {
   return !name.empty() && name.size() <= kMaxDigits &&
@@ -40,7 +40,8 @@ std::vector<fs::path> scansIn(const fs::path& folder) {
   return scans;
 }
 
-/// The scans' numbers, in ascending order like `scans` afterwards; empty, and names sorted, when a name is no number.
+/// Returns the scans' numbers in ascending order and sorts `scans` likewise. If a name is not a number: returns an
+/// empty list and sorts by name.
 std::vector<std::uint64_t> sortScans(std::vector<fs::path>& scans) {
   std::sort(scans.begin(), scans.end());
   std::vector<std::pair<std::uint64_t, fs::path>> numbered;
@@ -61,7 +62,7 @@ std::vector<std::uint64_t> sortScans(std::vector<fs::path>& scans) {
   return numbers;
 }
 
-/// Without blanks at their ends, and without empty ones at the end.
+/// Lines without blanks at both ends, and without empty lines at the end of the file.
 std::vector<std::string> readLines(const fs::path& path) {
   std::ifstream file(path);
   if (!file) throw InputError(path.string() + ": cannot be read");
@@ -112,8 +113,7 @@ std::optional<double> secondsOf(const std::string& line) {
   return static_cast<double>(minute_s) + second;
 }
 
-/// Of KITTI raw: a date and time for each number of a scan, whether there is a file of that number or not.
-/// Since the first scan.
+/// KITTI raw: a date and time for each scan number, also for missing files. Returns seconds since the first scan.
 std::vector<double> readTimestamps(const fs::path& path, const std::vector<std::uint64_t>& numbers) {
   const std::vector<std::string> lines = readLines(path);
   if (numbers.back() >= lines.size()) {
@@ -144,7 +144,7 @@ bool readBytes(const std::string& path, std::vector<char>& bytes) {
   return bytes.empty() || static_cast<bool>(file.read(bytes.data(), size));
 }
 
-/// One T per point of the scan; otherwise `values` is empty and the message says why.
+/// Reads one T per point of the scan; otherwise `values` is empty and the message says why.
 template <class T>
 std::string readSideFile(const std::string& path, std::size_t point_count, std::vector<T>& values) {
   values.clear();
@@ -159,7 +159,7 @@ std::string readSideFile(const std::string& path, std::size_t point_count, std::
   return {};
 }
 
-/// Moves the usable returns to the front and drops the rest, in all arrays alike.
+/// Moves the valid returns to the front and drops the others, in all arrays.
 void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
   const std::size_t count = bytes.size() / kPointBytes;
   sweep.points_lidar.reserve(count);

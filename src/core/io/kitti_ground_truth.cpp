@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_ground_truth.hpp"
+#include "core/io/kitti_ground_truth.hpp"
 
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/trajectory_io.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
+#include "core/io/kitti_writer.hpp"
 
 #include <cstdio>
 #include <filesystem>
@@ -6,7 +6,7 @@
 #include <locale>
 #include <stdexcept>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 
@@ -29,7 +29,7 @@ void writeText(const fs::path& path, const std::string& text) {
   if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
 }
 
-// From the first sweep on that has a value for each of its points.
+// Writes files beginning with the first sweep that has a value for each of its points.
 template <class Value>
 void writeSideFile(const fs::path& folder, const std::string& name, const std::vector<Value>& values,
                    std::size_t points) {

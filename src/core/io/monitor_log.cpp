@@ -1,6 +1,6 @@
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "core/io/monitor_log.hpp"
 
-#include "fail_aware_lidar_odometry/core/io/number_table.hpp"
+#include "core/io/number_table.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/number_table.hpp"
+#include "core/io/number_table.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "core/io/profile_files.hpp"
 
 #include <dlfcn.h>
 
@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
 
@@ -21,11 +21,11 @@ bool isPath(const std::string& name) {
 }
 
 constexpr const char* kDefault = "default";
-constexpr const char* kExpert = "expert";  // in the profiles' folder, but a layer below each of them and none itself
+constexpr const char* kExpert = "expert";  // in the profiles' folder, but a layer below each profile and not a profile
 
 std::string resolve(const fs::path& folder, const std::string& name, const std::string& what) {
   const fs::path file = isPath(name) ? fs::path(name) : folder / (name + ".yaml");
-  std::error_code error;  // a name that cannot be a file's is no file
+  std::error_code error;  // an invalid file name counts as a missing file
   if (fs::is_regular_file(file, error)) return file.string();
   std::vector<std::string> known;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -46,7 +46,7 @@ bool isCfg(const fs::path& folder) {
 }  // namespace
 
 std::string findCfg() {
-  // Installed: PREFIX/lib/libNAME.so (or a program with the code in it, PREFIX/lib/PACKAGE/NAME) with
+  // Installed: PREFIX/lib/libNAME.so (or a program that contains the code, PREFIX/lib/PACKAGE/NAME) with
   // PREFIX/share/PACKAGE/cfg.
   Dl_info here{};
   dladdr(reinterpret_cast<const void*>(&findCfg), &here);

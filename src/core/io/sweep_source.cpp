@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/sweep_source.hpp"
+#include "core/io/sweep_source.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/trajectory_io.hpp"
 
 #include <cerrno>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/text_lines.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/text_lines.hpp"
 
 namespace fail_aware {
 

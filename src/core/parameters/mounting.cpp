@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
+#include "core/parameters/mounting.hpp"
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr double kFarthest_m = 100.0, kMaxAngle_rad = 6.3;  // once around
+constexpr double kFarthest_m = 100.0, kMaxAngle_rad = 6.3;  // one turn
 
 }  // namespace
 

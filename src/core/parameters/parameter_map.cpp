@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/parameters/parameter_map.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
@@ -20,12 +20,12 @@ bool isOneOf(const std::string& text, std::initializer_list<const char*> words) 
   return std::find(words.begin(), words.end(), text) != words.end();
 }
 
-/// The type that YAML 1.1, and so rosparam, gives to an unquoted scalar.
+/// The type that YAML 1.1, and therefore rosparam, gives to an unquoted scalar.
 ParameterValue plainScalar(const std::string& text) {
   static const std::regex kInt("[-+]?(0|[1-9][0-9]*)");
   static const std::regex kFloat(R"(([-+]?[0-9]+\.[0-9]*|\.[0-9]+)([eE][-+][0-9]+)?)");
   static const std::regex kInf(R"([-+]?\.(inf|Inf|INF))");
-  // What one of the two readers takes for a number, or a person might, and the other does not.
+  // Text that one of the two readers, or a person, takes for a number and the other reader does not.
   static const std::regex kDoubtful(R"([-+]?[0-9.][0-9_.:]*([eE][-+]?[0-9]+)?|[-+]?0[xXbBoO][0-9a-fA-F_]+)");
 
   if (isOneOf(text, {"true", "True", "TRUE", "yes", "Yes", "YES", "on", "On", "ON"})) return true;
@@ -110,7 +110,7 @@ class IgnoredEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// YAML::LoadAll never ends on a stray comma, which to it is one empty document after the other.
+/// YAML::LoadAll never ends on a stray comma: it reads one empty document after the other.
 bool isOneDocument(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);

@@ -1,9 +1,9 @@
-#include "fail_aware_lidar_odometry/core/registration/beam_range_bias.hpp"
+#include "core/registration/beam_range_bias.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {
@@ -42,7 +42,7 @@ BeamRangeBias::BeamRangeBias(const Params& params, const IcpPointToPlane::Params
 }
 
 void BeamRangeBias::observe(const std::vector<Eigen::Vector3f>& points_cog, const std::vector<std::uint16_t>& rings,
-                         const Eigen::Vector3d& lidar_in_cog, const VoxelMap& map, const Pose& T_odom_cog) {
+                            const Eigen::Vector3d& lidar_in_cog, const VoxelMap& map, const Pose& T_odom_cog) {
   if (!params_.enabled || map.empty() || rings.size() != points_cog.size()) return;
   std::vector<Sums> sums;
   const Eigen::Matrix3d R = T_odom_cog.linear();

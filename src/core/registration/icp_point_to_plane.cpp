@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
+#include "core/registration/icp_point_to_plane.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {
@@ -32,7 +32,7 @@ void IcpPointToPlane::Params::validate() const {
 IcpPointToPlane::IcpPointToPlane(const Params& params) : params_(params) { params_.validate(); }
 
 Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                     const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
+                                   const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
   if (map.empty()) return result;

@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "core/registration/icp_point_to_point.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parallel.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -26,7 +26,7 @@ bool sameBasin(const Pose& a, const Pose& b, const IcpPointToPoint::Params& para
          logSo3(a.linear().transpose() * b.linear()).norm() < params.merge_rotation_deg * kDegree;
 }
 
-/// Descents that have met go on as one.
+/// Merges descents that have converged to the same pose.
 void mergeBasins(const IcpPointToPoint::Params& params, std::vector<IcpPointToPoint::Descent>& descents) {
   for (std::size_t i = 1; i < descents.size();) {
     const auto end = descents.begin() + static_cast<std::ptrdiff_t>(i);
@@ -109,7 +109,7 @@ Solution IcpPointToPoint::solve(NormalEquations& equations, const Weak& weak) co
 }
 
 void IcpPointToPoint::descendTogether(const PointPairs& pairs, const Weak& weak, std::size_t stride,
-                                   std::vector<Descent>& descents) const {
+                                      std::vector<Descent>& descents) const {
   double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
   for (int iteration = 0; iteration < params_.max_joint_iterations; ++iteration) {
     inParallelFor(descents.size(), [&](std::size_t i) {
@@ -146,7 +146,7 @@ void IcpPointToPoint::keepBest(const PointPairs& pairs, std::size_t stride, std:
 }
 
 IcpPointToPoint::Refined IcpPointToPoint::refine(const PointPairs& pairs, const Weak& weak,
-                                           PointPairs::Neighborhoods& neighborhoods, Descent& descent) const {
+                                                 PointPairs::Neighborhoods& neighborhoods, Descent& descent) const {
   Refined refined;
   for (; refined.iterations < params_.max_iterations && !refined.converged; ++refined.iterations) {
     refined.equations = pairs.linearize(1, descent.T, params_.kernel_m, neighborhoods);
@@ -180,15 +180,15 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2_m2 / 3.0;
   const Vector6d& step = best.step.dx;
   const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(step, result.covariance);  // wanders where little is observed
+                      isWithinSigma(step, result.covariance);  // the step may stay large where little is observed
   if (!best.converged) result.covariance += step * step.transpose();
   result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   return result;
 }
 
 Measurement IcpPointToPoint::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                                const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
-                                std::vector<SeedTrack>* tracks) const {
+                                   const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance,
+                                   std::vector<SeedTrack>* tracks) const {
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
   if (tracks != nullptr) tracks->clear();
@@ -197,7 +197,7 @@ Measurement IcpPointToPoint::align(const std::vector<Eigen::Vector3f>& points_co
   const PointPairs pairs(points_cog, map, {params_.max_distance_m, params_.surface_information, params_.support});
   const std::size_t stride =
       std::max<std::size_t>(1, points_cog.size() / static_cast<std::size_t>(params_.thinned_points));
-  PointPairs::Neighborhoods around_prediction;  // of the few points that the seeds descend on together
+  PointPairs::Neighborhoods around_prediction;  // of the thinned points of the joint descent
   const Weak weak = pairs.weakHorizontal(stride, T_odom_cog_predicted, params_.initial_kernel_m, around_prediction);
   std::vector<Descent> descents;
   for (const Pose& seed : seeds(T_odom_cog_predicted, predicted_covariance)) {
@@ -210,7 +210,7 @@ Measurement IcpPointToPoint::align(const std::vector<Eigen::Vector3f>& points_co
     keepBest(pairs, stride, descents);
   }
 
-  // each survivor on all points; the best mean squared error wins
+  // refine each remaining seed on all points; the smallest mean squared error wins
   std::optional<Refined> best;
   std::vector<std::size_t> winners;  // seeds
   std::vector<Pose> solutions;

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
+#include "core/registration/information_support.hpp"
 
 #include <algorithm>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -28,7 +28,7 @@ double InformationSupport::countedRatio() const {
   }
   if (!(total > 0.0)) return 0.0;
   std::sort(sums.begin(), sums.end(), std::greater<double>());
-  // with the k largest at the limit c and the rest whole: counted = k c + rest, c = max_place_ratio * counted
+  // if the k largest are at the limit c and the rest counts fully: counted = k c + rest, c = max_place_ratio * counted
   double rest = total;
   for (std::size_t k = 0; k < sums.size(); ++k) {
     const double free = 1.0 - static_cast<double>(k) * params_.max_place_ratio;

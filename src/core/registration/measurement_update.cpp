@@ -1,6 +1,6 @@
-#include "fail_aware_lidar_odometry/core/registration/measurement_update.hpp"
+#include "core/registration/measurement_update.hpp"
 
-#include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+#include "core/registration/normal_equations.hpp"
 
 namespace fail_aware {
 

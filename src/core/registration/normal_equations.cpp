@@ -1,14 +1,14 @@
-#include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+#include "core/registration/normal_equations.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

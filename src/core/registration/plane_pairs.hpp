@@ -1,5 +1,5 @@
-// A sweep's points and the plane patches that they are measured against: which pairs count for the point-to-plane
-// registrations (icp_point_to_plane.hpp), and how much.
+// The pairs of a sweep's points and the map's plane patches for the point-to-plane registrations
+// (icp_point_to_plane.hpp; paper, section "Multiplex General ICP"): which pairs count, and with which weight.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,14 +8,14 @@
 #include <cstddef>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/registration/icp_point_to_plane.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 
-// Which plane patches may take part, given the predicted heading.
+// Selects the plane patches that may be paired, given the predicted heading.
 class NormalFilter {
  public:
   NormalFilter(const IcpPointToPlane::Params& params, double heading_rad, double sigma_yaw_rad)
@@ -49,12 +49,12 @@ class NormalFilter {
 
 /// Residual n . (R q + t - mean), m.
 struct PlanePair {
-  Eigen::Vector3d position;  ///< of the point, odom
+  Eigen::Vector3d position;  ///< of the point, in odom
   Eigen::Vector3d normal;
   Vector6d J;  ///< of the residual, dx as in normal_equations.hpp
   double residual_m = 0.0;
   double kernel_weight = 0.0;
-  double weight = 0.0;  ///< over the variance
+  double weight = 0.0;  ///< kernel weight over the variance
 
   void addTo(NormalEquations& equations) const {
     equations.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
@@ -66,14 +66,14 @@ struct PlanePair {
   }
 };
 
-/// positionOf for points that are taken as they were corrected.
+/// positionOf for points that keep their deskew.
 inline constexpr auto kAsCorrected = [](const Eigen::Vector3d& arm, std::size_t) { return arm; };
 
-/// Of one cloud and one map, which stay as they are as long as this is used.
+/// For one cloud and one map, which must not change while this object is used.
 class PlanePairs {
  public:
-  PlanePairs(const IcpPointToPlane::Params& params, const std::vector<Eigen::Vector3f>& points_cog,
-             const VoxelMap& map, const Pose& T_odom_cog_predicted, double sigma_yaw_rad, std::size_t stride = 1)
+  PlanePairs(const IcpPointToPlane::Params& params, const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+             const Pose& T_odom_cog_predicted, double sigma_yaw_rad, std::size_t stride = 1)
       : params_(params),
         points_cog_(points_cog),
         map_(map),
@@ -81,8 +81,8 @@ class PlanePairs {
         filter_(params, rpyFromRotation(T_odom_cog_predicted.linear()).z(), sigma_yaw_rad),
         neighborhoods_((points_cog.size() + stride - 1) / stride) {}
 
-  /// take(pair, i) for each point i that has one, of every stride-th. positionOf(R q, i): where the point is, relative
-  /// to the vehicle's position, in odom's axes.
+  /// Calls take(pair, i) for each of every stride-th points i that has a pair. positionOf(R q, i): the point's position
+  /// relative to the vehicle's position, in odom's axes.
   template <class PositionOf, class Take>
   void forEach(const Pose& T_odom_cog, double kernel_m, const PositionOf& positionOf, const Take& take) {
     const double point_variance = params_.point_sigma_m * params_.point_sigma_m;
@@ -119,7 +119,7 @@ class PlanePairs {
   const VoxelMap& map_;
   std::size_t stride_;
   NormalFilter filter_;
-  std::vector<VoxelMap::Neighborhood> neighborhoods_;  // of the points that are used
+  std::vector<VoxelMap::Neighborhood> neighborhoods_;  // of the points used
 };
 
 inline bool stepWithin(const Vector6d& step, const IcpPointToPlane::Params& params, double factor) {

@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/point_pairs.hpp"
+#include "core/registration/point_pairs.hpp"
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parallel.hpp"
-#include "fail_aware_lidar_odometry/core/robust_kernel.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parallel.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 
@@ -21,9 +21,9 @@ bool forEachInformedDirection(const PlanePatch& surface, Inform inform) {
   return true;
 }
 
-constexpr std::size_t kBlock = 1000;  // points at most that are summed in one go; blocks may run beside each other
+constexpr std::size_t kBlock = 1000;  // most points per block; blocks may run in parallel
 
-// Sums over pairs: those of `equations` and what the rest is made of.
+// Sums over pairs: those of `equations`, and the inputs of the remaining ones.
 struct PairSums {
   NormalEquations equations;
   double w = 0.0;
@@ -53,7 +53,7 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
   const Eigen::Matrix3d R = T_odom_cog.linear();
   const Eigen::Vector3d t = T_odom_cog.translation();
   const double kernel2 = kernel_m * kernel_m;
-  // residual e = p - (R q + t); moved by -dt - dr x arm, so J = [I, -[arm]x] acts on -e
+  // residual e = p - (R q + t); a step changes it by -dt - dr x arm, so J = [I, -[arm]x] acts on -e
   const auto add = [&](std::size_t k, PairSums& sums) {
     VoxelMap::PointMatch match;
     const Eigen::Vector3d arm = R * points_cog_[k * stride].cast<double>();
@@ -78,7 +78,7 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
     };
     if (forEachInformedDirection(map_.surface(match.voxel), inform)) equations.information_weight += w;
   };
-  // the blocks do not depend on the number of threads, nor does the order in which they are added up
+  // neither the blocks nor the order of their sums depends on the number of threads
   neighborhoods.resize((points_cog_.size() + stride - 1) / stride);
   const auto sums = sumByHalves<PairSums>(0, neighborhoods.size(), kBlock, [&](std::size_t begin, std::size_t end) {
     PairSums of_block;
@@ -92,7 +92,7 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
   NormalEquations equations = sums.equations;
   equations.has_information = equations.slides = params_.surface_information;
   equations.information = equations.information.selfadjointView<Eigen::Lower>();
-  if (equations.information_weight > 0.0) {  // pairs whose surface is not known inform as the others do
+  if (equations.information_weight > 0.0) {  // pairs with unknown surface inform as the others do
     const double all = sums.w / equations.information_weight;
     equations.information *= all;
     equations.information_b *= all;

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/registration_scan.hpp"
+#include "core/registration/registration_scan.hpp"
 
 #include <optional>
 
@@ -6,10 +6,10 @@ namespace fail_aware {
 
 namespace {
 
-// The turn that is left in them is looked for by the azimuth; without that search nobody asks for times.
-std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& params,
+// Azimuth timing of compensated sweeps serves the deskew refinement only; without it no times are needed.
+std::optional<SweepTimingParams> compensatedHead(const RegistrationScanBuilder::Params& params,
                                                  const SweepTimingParams& timing) {
-  if (timing.source != "none" || !params.deskew_refinement.enabled) return std::nullopt;
+  if (timing.source != "none" || !params.times_compensated_sweeps) return std::nullopt;
   return timing;
 }
 
@@ -20,8 +20,9 @@ void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s)
   twist_cog = other_twist_cog;
 }
 
-RegistrationScanBuilder::RegistrationScanBuilder(const RegistrationParameters& params, const SweepTimingParams& timing)
-    : builder_(params.cloud, compensatedHead(params, timing)), beam_range_bias_(params.beam_range_bias, params.icp_point_to_plane) {}
+RegistrationScanBuilder::RegistrationScanBuilder(const Params& params, const SweepTimingParams& timing)
+    : builder_(params.cloud, compensatedHead(params, timing)),
+      beam_range_bias_(params.beam_range_bias, params.icp_point_to_plane) {}
 
 void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                     const Pose& T_cog_lidar, RegistrationScan& scan) {
@@ -36,7 +37,7 @@ void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPred
 
 void RegistrationScanBuilder::observeBeams(const RegistrationScan& scan, const VoxelMap& map, const Pose& T_odom_cog) {
   beam_range_bias_.observe(scan.cloud.plane_points_cog, scan.cloud.plane_rings, scan.T_cog_lidar.translation(), map,
-                       T_odom_cog);
+                           T_odom_cog);
 }
 
 }  // namespace fail_aware

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/fail_aware_state.hpp"
+#include "fail_aware_lidar_odometry/monitor.hpp"
 
 #include <iterator>
 
@@ -6,7 +6,7 @@ namespace fail_aware {
 
 namespace {
 
-// By bit number.
+// Indexed by bit number.
 constexpr const char* kReasonNames[] = {
     "STALE",           "NO_MEASUREMENT",   "PREDICTION_ONLY",  "PREDICTION_OVERRULED", "MEASUREMENTS_DISAGREE",
     "WEAK_DIRECTION",  "SWEEP_INCOMPLETE", "SWEEP_EMPTY",      "MISSING_ICP_POINT",    "MISSING_ICP_PLANE",

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "core/types/measurement.hpp"
 
 namespace fail_aware {
 

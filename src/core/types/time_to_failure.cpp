@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/time_to_failure.hpp"
+#include "fail_aware_lidar_odometry/monitor.hpp"
 
 #include <cmath>
 

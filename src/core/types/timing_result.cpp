@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/timing_result.hpp"
+#include "core/types/timing_result.hpp"
 
 namespace fail_aware {
 

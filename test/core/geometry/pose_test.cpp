@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/pose.hpp"
+#include "core/geometry/pose.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "../../support/poses.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 namespace {
@@ -58,14 +58,14 @@ Eigen::Matrix4d exponentialSeries(const Vector6d& twist) {
   return sum;
 }
 
-TEST(Pose, expIsTheMatrixExponential) {
+TEST(Pose, ExpIsTheMatrixExponential) {
   for (const double angle : {0.0, 1e-9, 0.99e-4, 1.01e-4, 0.01, 1.0, 3.0, 5.0}) {
     const Vector6d twist = twistOf({1.0, -20.0, 3.0}, angle * Eigen::Vector3d(0.6, 0.0, -0.8));
     EXPECT_LT((expSe3(twist).matrix() - exponentialSeries(twist)).norm(), 1e-11) << angle;
   }
 }
 
-TEST(Pose, expOfDrivingACircle) {
+TEST(Pose, ExpOfDrivingACircle) {
   const double v = 10.0, w = 0.4, t = 2.0;
   const Pose T = expSe3(t * vector6(v, 0.0, 0.0, 0.0, 0.0, w));
   EXPECT_NEAR(T.translation().x(), v / w * std::sin(w * t), 1e-12);
@@ -73,7 +73,7 @@ TEST(Pose, expOfDrivingACircle) {
   EXPECT_NEAR(rpyFromRotation(T.linear()).z(), w * t, 1e-12);
 }
 
-TEST(Pose, logInvertsExp) {
+TEST(Pose, LogInvertsExp) {
   const std::vector<Eigen::Vector3d> axes = {Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ(),
                                              Eigen::Vector3d(1.0, -2.0, 0.5).normalized()};
   for (const Eigen::Vector3d& axis : axes) {
@@ -85,12 +85,12 @@ TEST(Pose, logInvertsExp) {
   EXPECT_TRUE(logSe3(Pose::Identity()).isZero(0.0));
 }
 
-TEST(Pose, expInvertsLogAtPi) {
+TEST(Pose, ExpInvertsLogAtPi) {
   const Pose T = expSe3(twistOf({2.0, 1.0, -5.0}, M_PI * Eigen::Vector3d(0.0, 0.6, 0.8)));
   EXPECT_LT(distance(expSe3(logSe3(T)), T), 1e-9);
 }
 
-TEST(Pose, stateVectorRoundTrip) {
+TEST(Pose, StateVectorRoundTrip) {
   const Vector6d state = vector6(1e4, -2e4, 30.0, 0.1, -0.2, 3.0);
   EXPECT_LT((vectorFromPose(poseFromVector(state)) - state).norm(), 1e-11);
   const Pose T = poseFromVector(state);
@@ -100,13 +100,13 @@ TEST(Pose, stateVectorRoundTrip) {
             1e-10);
 }
 
-TEST(Pose, stateDifferenceWrapsOnlyAngles) {
+TEST(Pose, StateDifferenceWrapsOnlyAngles) {
   const Vector6d a = vector6(10.0, 0.0, 0.0, 3.1, -3.1, 3.0), b = vector6(0.0, 8.0, -9.0, -3.1, 3.1, 1.0);
   const Vector6d expected = vector6(10.0, -8.0, 9.0, 6.2 - 2.0 * M_PI, 2.0 * M_PI - 6.2, 2.0);
   EXPECT_LT((stateDifference(a, b) - expected).norm(), 1e-14);
 }
 
-TEST(Pose, stateJacobianMatchesFiniteDifferences) {
+TEST(Pose, StateJacobianMatchesFiniteDifferences) {
   constexpr double kStep = 1e-6;
   const Vector6d state = vector6(5.0, 6.0, 7.0, 0.3, -0.8, 2.0);
   Matrix6d expected;
@@ -118,7 +118,7 @@ TEST(Pose, stateJacobianMatchesFiniteDifferences) {
   EXPECT_LT((poseFromStateJacobian(state.tail<3>()) - expected).norm(), 1e-8);
 }
 
-TEST(Pose, covarianceAfterOffsetMatchesFiniteDifferences) {
+TEST(Pose, CovarianceAfterOffsetMatchesFiniteDifferences) {
   constexpr double kStep = 1e-6;
   const Pose T_a_b = somePose(), T_b_c = someOffset();
   Matrix6d J;
@@ -132,7 +132,7 @@ TEST(Pose, covarianceAfterOffsetMatchesFiniteDifferences) {
   EXPECT_LT((covarianceAfterOffset(C, T_a_b, T_b_c) - expected).norm(), 1e-6 * expected.norm());
 }
 
-TEST(Pose, yawErrorMovesAFarPointSideways) {
+TEST(Pose, YawErrorMovesAFarPointSideways) {
   Matrix6d C = Matrix6d::Zero();
   C(5, 5) = 0.01 * 0.01;
   Pose T_b_c = Pose::Identity();
@@ -143,7 +143,7 @@ TEST(Pose, yawErrorMovesAFarPointSideways) {
   EXPECT_NEAR(moved(1, 5), 1.0 * 0.01, 1e-12);
 }
 
-TEST(Pose, rotatedCovarianceFollowsItsAxes) {
+TEST(Pose, RotatedCovarianceFollowsItsAxes) {
   Matrix6d C = Matrix6d::Zero();
   C.diagonal() << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0;
   const Matrix6d turned = rotateCovariance(C, rotationFromRpy(0.0, 0.0, M_PI / 2.0));
@@ -152,7 +152,7 @@ TEST(Pose, rotatedCovarianceFollowsItsAxes) {
   EXPECT_LT((rotateCovariance(rotateCovariance(someCovariance(), R), R.transpose()) - someCovariance()).norm(), 1e-13);
 }
 
-TEST(Pose, orthonormalizedStaysRigidOverThousandsOfProducts) {
+TEST(Pose, OrthonormalizedStaysRigidOverThousandsOfProducts) {
   const Pose step = expSe3(vector6(1.0, 0.01, 0.0, 0.001, -0.002, 0.03));
   Pose T = Pose::Identity();
   for (int i = 0; i < 20000; ++i) T = orthonormalized(T * step);
@@ -161,7 +161,7 @@ TEST(Pose, orthonormalizedStaysRigidOverThousandsOfProducts) {
   EXPECT_TRUE(isFinite(T));
 }
 
-TEST(Pose, orthonormalizedChangesNoMoreThanTheError) {
+TEST(Pose, OrthonormalizedChangesNoMoreThanTheError) {
   const Pose T = somePose();
   EXPECT_LT(distance(orthonormalized(T), T), 1e-14);
   Pose bent = T;
@@ -172,7 +172,7 @@ TEST(Pose, orthonormalizedChangesNoMoreThanTheError) {
   EXPECT_LT(distance(mended, T), 2e-6);
 }
 
-TEST(Pose, finitenessLooksAtEveryNumber) {
+TEST(Pose, FinitenessLooksAtEveryNumber) {
   EXPECT_TRUE(isFinite(somePose()));
   Pose T = somePose();
   T.translation().z() = std::numeric_limits<double>::quiet_NaN();
@@ -182,7 +182,7 @@ TEST(Pose, finitenessLooksAtEveryNumber) {
   EXPECT_FALSE(isFinite(T));
 }
 
-TEST(Pose, asExchangedIsThePoseOnceRounded) {
+TEST(Pose, AsExchangedIsThePoseOnceRounded) {
   for (int i = 0; i < 200; ++i) {
     Vector6d v;
     for (int k = 0; k < 6; ++k) v[k] = std::sin(1.7 * i + 2.3 * k) * (k < 3 ? 100.0 : 3.1);

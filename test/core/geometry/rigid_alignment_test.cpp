@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/rigid_alignment.hpp"
+#include "core/geometry/rigid_alignment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 namespace {
@@ -29,7 +29,7 @@ Points moved(const Pose& T, const Points& points) {
 const Points kSolid{{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {0, 0, 1}, {1, 1, 1}};
 const Points kPlanar{{0, 0, 0}, {3, 0, 0}, {0, 2, 0}, {5, 5, 0}};
 
-TEST(RigidAlignment, recoversAKnownMotionFromSolidAndFromPlanarPoints) {
+TEST(RigidAlignment, RecoversAKnownMotion) {
   for (const Points* points : {&kSolid, &kPlanar}) {
     const RigidAlignment result = alignRigid(*points, moved(knownMotion(), *points));
     ASSERT_TRUE(result.ok());
@@ -39,7 +39,7 @@ TEST(RigidAlignment, recoversAKnownMotionFromSolidAndFromPlanarPoints) {
   }
 }
 
-TEST(RigidAlignment, halfATurnIsNotMistakenForAReflection) {
+TEST(RigidAlignment, HalfATurnIsNotMistakenForAReflection) {
   Pose T = Pose::Identity();
   T.linear() = rotationFromRpy(0.0, 0.0, 3.14159265358979);
   const RigidAlignment result = alignRigid(kPlanar, moved(T, kPlanar));
@@ -47,7 +47,7 @@ TEST(RigidAlignment, halfATurnIsNotMistakenForAReflection) {
   EXPECT_TRUE(result.T_target_source.isApprox(T, 1e-9));
 }
 
-TEST(RigidAlignment, mirroredPointsStillGiveAProperRotation) {
+TEST(RigidAlignment, MirroredPointsStillGiveAProperRotation) {
   Points mirrored = kSolid;
   for (Eigen::Vector3d& p : mirrored) p.z() = -p.z();
   const RigidAlignment result = alignRigid(kSolid, mirrored);
@@ -56,7 +56,7 @@ TEST(RigidAlignment, mirroredPointsStillGiveAProperRotation) {
   EXPECT_GT(result.rms_m, 0.1);
 }
 
-TEST(RigidAlignment, collinearPointsLeaveTheTurnAboutTheirLineOpen) {
+TEST(RigidAlignment, CollinearPointsLeaveTheTurnAboutTheirLineOpen) {
   const Points line{{0, 0, 0}, {1, 1, 2}, {2, 2, 4}, {-3, -3, -6}};
   const RigidAlignment result = alignRigid(line, moved(knownMotion(), line));
   EXPECT_FALSE(result.ok());
@@ -64,14 +64,14 @@ TEST(RigidAlignment, collinearPointsLeaveTheTurnAboutTheirLineOpen) {
   EXPECT_TRUE(result.T_target_source.isApprox(Pose::Identity()));
 }
 
-TEST(RigidAlignment, tooFewPointsAreNoAlignment) {
+TEST(RigidAlignment, TooFewPointsAreNoAlignment) {
   EXPECT_FALSE(alignRigid({}, {}).ok());
   EXPECT_EQ(alignRigid({{1, 2, 3}}, {{4, 5, 6}}).rank, 0);
   EXPECT_EQ(alignRigid({{1, 2, 3}, {2, 2, 3}}, {{4, 5, 6}, {4, 6, 6}}).rank, 1);
   EXPECT_FALSE(alignRigid({{1, 2, 3}, {2, 2, 3}}, {{4, 5, 6}, {4, 6, 6}}).ok());
 }
 
-TEST(RigidAlignment, aPairWithoutWeightOrNotFiniteHasNoSay) {
+TEST(RigidAlignment, APairWithoutWeightOrNotFiniteHasNoSay) {
   Points source = kSolid, target = moved(knownMotion(), kSolid);
   source.emplace_back(9, 9, 9);
   target.emplace_back(-50, 0, 0);
@@ -82,7 +82,7 @@ TEST(RigidAlignment, aPairWithoutWeightOrNotFiniteHasNoSay) {
   EXPECT_TRUE(result.T_target_source.isApprox(knownMotion(), 1e-12));
 }
 
-TEST(RigidAlignment, weightsDecideBetweenContradictingPairs) {
+TEST(RigidAlignment, WeightsDecideBetweenContradictingPairs) {
   const Points source{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
   Points target = source;
   target[0].x() = 0.4;

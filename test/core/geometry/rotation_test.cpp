@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
+#include "core/geometry/rotation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ const std::vector<Vector3>& axes() {
   return kAxes;
 }
 
-TEST(Rotation, wrapsAnglesIntoTheHalfOpenInterval) {
+TEST(Rotation, WrapsAnglesIntoTheHalfOpenInterval) {
   EXPECT_EQ(wrapAngle(0.0), 0.0);
   EXPECT_EQ(wrapAngle(-M_PI), -M_PI);
   EXPECT_EQ(wrapAngle(M_PI), -M_PI);
@@ -40,19 +40,19 @@ TEST(Rotation, wrapsAnglesIntoTheHalfOpenInterval) {
   }
 }
 
-TEST(Rotation, wrapAngleReturnsWhatIsNotFinite) {
+TEST(Rotation, WrapAngleReturnsWhatIsNotFinite) {
   EXPECT_TRUE(std::isnan(wrapAngle(std::numeric_limits<double>::quiet_NaN())));
   EXPECT_TRUE(std::isinf(wrapAngle(std::numeric_limits<double>::infinity())));
 }
 
-TEST(Rotation, rpyTurnsAboutTheRightAxes) {
+TEST(Rotation, RpyTurnsAboutTheRightAxes) {
   const double quarter = M_PI / 2.0;
   EXPECT_LT((rotationFromRpy(0.0, 0.0, quarter) * Vector3::UnitX() - Vector3::UnitY()).norm(), 1e-15);
   EXPECT_LT((rotationFromRpy(0.0, quarter, 0.0) * Vector3::UnitX() + Vector3::UnitZ()).norm(), 1e-15);  // nose down
   EXPECT_LT((rotationFromRpy(quarter, 0.0, 0.0) * Vector3::UnitY() - Vector3::UnitZ()).norm(), 1e-15);
 }
 
-TEST(Rotation, rpyIsYawAfterPitchAfterRoll) {
+TEST(Rotation, RpyIsYawAfterPitchAfterRoll) {
   const double roll = 0.3, pitch = -0.7, yaw = 2.5;
   const Matrix3 expected = (Eigen::AngleAxisd(yaw, Vector3::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3::UnitY()) *
                             Eigen::AngleAxisd(roll, Vector3::UnitX()))
@@ -60,7 +60,7 @@ TEST(Rotation, rpyIsYawAfterPitchAfterRoll) {
   EXPECT_LT((rotationFromRpy(roll, pitch, yaw) - expected).norm(), 1e-15);
 }
 
-TEST(Rotation, rpyRoundTrip) {
+TEST(Rotation, RpyRoundTrip) {
   for (const double roll : {-3.14159, -1.0, -1e-9, 0.0, 0.4, 3.14159}) {
     for (const double pitch : {-1.5, -0.5, 0.0, 1e-9, 1.0, 1.57}) {
       for (const double yaw : {-3.14159, -2.0, 0.0, 1e-9, 1.0, 3.14159}) {
@@ -71,7 +71,7 @@ TEST(Rotation, rpyRoundTrip) {
   }
 }
 
-TEST(Rotation, gimbalLockPutsAllIntoYaw) {
+TEST(Rotation, GimbalLockPutsAllIntoYaw) {
   for (const double pitch : {M_PI / 2.0, -M_PI / 2.0}) {
     for (const double roll : {-1.0, 0.0, 0.5}) {
       for (const double yaw : {-3.0, 0.0, 0.8}) {
@@ -85,7 +85,7 @@ TEST(Rotation, gimbalLockPutsAllIntoYaw) {
   }
 }
 
-TEST(Rotation, rpyNearGimbalLockStillGivesTheSameRotation) {
+TEST(Rotation, RpyNearGimbalLockStillGivesTheSameRotation) {
   for (const double distance : {1e-3, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12}) {
     for (const double sign : {1.0, -1.0}) {
       const Matrix3 R = rotationFromRpy(0.4, sign * (M_PI / 2.0 - distance), -1.2);
@@ -95,13 +95,13 @@ TEST(Rotation, rpyNearGimbalLockStillGivesTheSameRotation) {
   }
 }
 
-TEST(Rotation, skewIsTheCrossProduct) {
+TEST(Rotation, SkewIsTheCrossProduct) {
   const Vector3 a(0.3, -2.0, 5.0), b(-1.0, 0.7, 2.0);
   EXPECT_LT((skew(a) * b - a.cross(b)).norm(), 1e-15);
   EXPECT_TRUE((skew(a) + skew(a).transpose()).isZero(0.0));
 }
 
-TEST(Rotation, expIsTheRotationAboutTheVector) {
+TEST(Rotation, ExpIsTheRotationAboutTheVector) {
   for (const Vector3& axis : axes()) {
     for (const double angle : {1e-9, 5e-5, 0.99e-4, 1.01e-4, 0.02, 1.0, 3.0, M_PI, 4.0, 7.0}) {
       const Matrix3 R = expSo3(angle * axis);
@@ -112,7 +112,7 @@ TEST(Rotation, expIsTheRotationAboutTheVector) {
   EXPECT_TRUE(expSo3(Vector3::Zero()).isIdentity(0.0));
 }
 
-TEST(Rotation, logInvertsExpFromZeroToPi) {
+TEST(Rotation, LogInvertsExpFromZeroToPi) {
   for (const Vector3& axis : axes()) {
     for (const double angle : {0.0, 1e-14, 1e-11, 1e-9, 1e-6, 0.99e-4, 1.01e-4, 1e-2, 1.0, 2.0, 3.0, M_PI - 1e-3,
                                M_PI - 1e-6, M_PI - 1e-9}) {
@@ -124,7 +124,7 @@ TEST(Rotation, logInvertsExpFromZeroToPi) {
   }
 }
 
-TEST(Rotation, logAtPiMayTakeEitherSign) {
+TEST(Rotation, LogAtPiMayTakeEitherSign) {
   for (const Vector3& axis : axes()) {
     const Matrix3 R = expSo3(M_PI * axis);
     const Vector3 w = logSo3(R);
@@ -133,14 +133,14 @@ TEST(Rotation, logAtPiMayTakeEitherSign) {
   }
 }
 
-TEST(Rotation, logBeyondPiTakesTheShortWay) {
+TEST(Rotation, LogBeyondPiTakesTheShortWay) {
   for (const Vector3& axis : axes()) {
     EXPECT_LT((logSo3(expSo3(4.0 * axis)) - (4.0 - 2.0 * M_PI) * axis).norm(), 1e-13);
     EXPECT_LT(logSo3(expSo3(2.0 * M_PI * axis)).norm(), 1e-12);
   }
 }
 
-TEST(Rotation, fixedAxisRatesMatchFiniteDifferences) {
+TEST(Rotation, FixedAxisRatesMatchFiniteDifferences) {
   constexpr double kStep = 1e-6;
   for (const double roll : {-0.6, 0.0, 0.3}) {
     for (const double pitch : {-1.2, 0.0, 0.5}) {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/external_pose_file.hpp"
+#include "core/io/external_pose_file.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

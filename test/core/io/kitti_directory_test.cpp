@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "core/io/kitti_directory.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <limits>
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/sweep_clock.hpp"
-#include "fail_aware_lidar_odometry/core/sweep/timing.hpp"
+#include "core/estimation/sweep_clock.hpp"
+#include "core/io/input_error.hpp"
+#include "core/preprocessing/timing.hpp"
 
 namespace fail_aware {
 namespace {
@@ -89,7 +89,7 @@ TEST_F(KittiDirectoryTest, StampsFollowTheNumbersWithoutTimesFile) {
   EXPECT_DOUBLE_EQ(kitti.stamps()[3], 2.0);
 }
 
-TEST_F(KittiDirectoryTest, RowsOfTimesBelongToFilesWhereNumbersAreMissing) {
+TEST_F(KittiDirectoryTest, TimesRowsFollowTheFiles) {
   write<float>("velodyne/000000.bin", {1, 2, 3, 0});
   write<float>("velodyne/000005.bin", {1, 2, 3, 0});
   writeText("times.txt", "10.0\n10.5\n");
@@ -115,7 +115,7 @@ TEST_F(KittiDirectoryTest, FindsRawLayoutAndBareFolder) {
   EXPECT_DOUBLE_EQ(bare.stamps()[1], 0.1);
 }
 
-TEST_F(KittiDirectoryTest, RawTimestampsBelongToNumbersAndCountFromTheFirstScan) {
+TEST_F(KittiDirectoryTest, RawTimestampsFollowTheNumbers) {
   for (const char* number : {"0000000001", "0000000003"}) {
     write<float>("velodyne_points/data/" + std::string(number) + ".bin", {1, 2, 3, 0.5f});
   }
@@ -209,7 +209,7 @@ TEST_F(KittiDirectoryTest, ReportsEachKindOfBadScanAndNamesTheFile) {
   EXPECT_EQ(kitti.read(5, sweep).status, ReadStatus::kUnreadable);
 }
 
-TEST_F(KittiDirectoryTest, SideFilesOfAnotherCountAreReportedAndLeftOut) {
+TEST_F(KittiDirectoryTest, SideFilesOfAnotherCountAreLeftOut) {
   writeScans(3);
   write<float>("stamps/000000.f32", {0.01f, 0.02f});
   write<float>("stamps/000001.f32", {0.01f});
@@ -229,7 +229,7 @@ TEST_F(KittiDirectoryTest, SideFilesOfAnotherCountAreReportedAndLeftOut) {
   EXPECT_TRUE(sweep.rings.empty() && sweep.times_s.size() == 1);
 }
 
-TEST_F(KittiDirectoryTest, PointTimesFromSweepStartBecomeRelativeToTheMidSweepStamp) {
+TEST_F(KittiDirectoryTest, PointTimesCountFromMidSweep) {
   std::string times;
   for (int i = 0; i < 6; ++i) {
     const std::string name = "00000" + std::to_string(i);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_ground_truth.hpp"
+#include "core/io/kitti_ground_truth.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
@@ -33,19 +33,19 @@ class KittiGroundTruthTest : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(KittiGroundTruthTest, isEmptyWhereThereIsNone) {
+TEST_F(KittiGroundTruthTest, IsEmptyWhereThereIsNone) {
   EXPECT_TRUE(read().source.empty());
   EXPECT_TRUE(read().poses.empty());
 }
 
-TEST_F(KittiGroundTruthTest, posesWithCalibrationAreTheCameras) {
+TEST_F(KittiGroundTruthTest, PosesWithCalibrationAreTheCameras) {
   write("poses.txt", std::string(kIdentity) + kForward);
   EXPECT_TRUE(read().poses[1].translation().isApprox(Eigen::Vector3d(2, 0, 0))) << "alone: the lidar's";
   write("calib.txt", kCalib);
   EXPECT_TRUE(read().poses[1].translation().isApprox(Eigen::Vector3d(0, -2, 0))) << "the camera's x is to the right";
 }
 
-TEST_F(KittiGroundTruthTest, theLidarsOwnFileComesFirst) {
+TEST_F(KittiGroundTruthTest, TheLidarsOwnFileComesFirst) {
   write("poses.txt", std::string(kIdentity) + kIdentity);
   write("calib.txt", kCalib);
   write("poses_velodyne.txt", std::string(kIdentity) + kForward);
@@ -53,7 +53,7 @@ TEST_F(KittiGroundTruthTest, theLidarsOwnFileComesFirst) {
   EXPECT_TRUE(read().poses[1].translation().isApprox(Eigen::Vector3d(2, 0, 0)));
 }
 
-TEST_F(KittiGroundTruthTest, refusesAnotherCountOfRows) {
+TEST_F(KittiGroundTruthTest, RefusesAnotherCountOfRows) {
   write("poses.txt", kIdentity);
   try {
     read(2);

@@ -1,12 +1,12 @@
-#include "fail_aware_lidar_odometry/core/io/kitti_writer.hpp"
+#include "core/io/kitti_writer.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/io/kitti_directory.hpp"
+#include "core/io/input_error.hpp"
+#include "core/io/kitti_directory.hpp"
 
 namespace fail_aware {
 namespace {
@@ -33,7 +33,7 @@ Sweep sweepAt(double stamp_s) {
   return sweep;
 }
 
-TEST_F(KittiWriterTest, whatIsWrittenIsReadBack) {
+TEST_F(KittiWriterTest, WhatIsWrittenIsReadBack) {
   KittiWriter writer(folder_.string());
   std::vector<Pose> truth;
   for (int i = 0; i < 3; ++i) {
@@ -61,7 +61,7 @@ TEST_F(KittiWriterTest, whatIsWrittenIsReadBack) {
   EXPECT_TRUE(readLidarToCamera((folder_ / "calib.txt").string()).isApprox(Pose::Identity()));
 }
 
-TEST_F(KittiWriterTest, emptySweepsAndSweepsWithoutTimes) {
+TEST_F(KittiWriterTest, EmptySweepsAndSweepsWithoutTimes) {
   KittiWriter writer(folder_.string());
   Sweep sweep = sweepAt(0.0);
   sweep.times_s.clear();
@@ -76,7 +76,7 @@ TEST_F(KittiWriterTest, emptySweepsAndSweepsWithoutTimes) {
   EXPECT_EQ(directory.read(1, sweep).status, ReadStatus::kEmpty);
 }
 
-TEST_F(KittiWriterTest, sweepsWithoutRings) {
+TEST_F(KittiWriterTest, SweepsWithoutRings) {
   KittiWriter writer(folder_.string());
   Sweep sweep = sweepAt(0.0);
   sweep.rings.clear();
@@ -87,7 +87,7 @@ TEST_F(KittiWriterTest, sweepsWithoutRings) {
   EXPECT_TRUE(sweep.rings.empty());
 }
 
-TEST_F(KittiWriterTest, refusesAFolderWithScans) {
+TEST_F(KittiWriterTest, RefusesAFolderWithScans) {
   KittiWriter first(folder_.string());
   first.add(sweepAt(0.0), Pose::Identity(), Pose::Identity(), 0.0);
   EXPECT_THROW(KittiWriter(folder_.string()), InputError);

@@ -1,11 +1,11 @@
-#include "fail_aware_lidar_odometry/core/io/measurement_log.hpp"
+#include "core/io/measurement_log.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <fstream>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/monitor_log.hpp"
+#include "core/io/monitor_log.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <functional>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
@@ -90,7 +90,8 @@ TEST_F(MonitorLog, EveryNumberReadsBackAsItself) {
   EXPECT_EQ(read.state.fusion.weights, input.state.fusion.weights);
   EXPECT_EQ(read.state.fusion.nis, input.state.fusion.nis);
   EXPECT_EQ(read.state.map_update, MapUpdate::kRestart);
-  EXPECT_TRUE(read.state.measurement_applied && read.state.fusion.prediction_overruled && read.state.fusion.has_measurement);
+  EXPECT_TRUE(read.state.measurement_applied && read.state.fusion.prediction_overruled &&
+              read.state.fusion.has_measurement);
   EXPECT_FALSE(read.state.fusion.all_gated_out || read.state.fusion.prediction_invalid);
   EXPECT_TRUE(read.state.fusion.confirmed);
   EXPECT_EQ(read.state.fusion.valid_inputs, 2);

@@ -1,5 +1,5 @@
 // FAIL_AWARE_SOURCE_CFG is the package's cfg folder (compile definition).
-#include "fail_aware_lidar_odometry/core/io/profile_files.hpp"
+#include "core/io/profile_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/io/input_error.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
 namespace {
@@ -103,11 +103,12 @@ TEST_F(ProfileFilesTest, ThePaperProfileIsTheArticle) {
   EXPECT_EQ(paper.registration.icp_point_to_point.seeds, 8);
   EXPECT_TRUE(paper.registration.icp_point_to_plane.filter_normals);
   EXPECT_TRUE(paper.sweep_correction.enabled);
-  EXPECT_TRUE(paper.registration.use_icp_point_to_point && paper.registration.use_icp_point_to_plane && paper.registration.use_corner_svd);
+  EXPECT_TRUE(paper.registration.use_icp_point_to_point && paper.registration.use_icp_point_to_plane &&
+              paper.registration.use_corner_svd);
   EXPECT_EQ(paper.monitor.indicator.threshold, 0.001);
 }
 
-TEST_F(ProfileFilesTest, ThePaperProfileLeavesOutWhatIsNotInTheArticle) {
+TEST_F(ProfileFilesTest, PaperProfileOmitsOwnParts) {
   const ProfileParameters paper = paperProfile();
   const std::vector<std::string> on = {"sweep_correction.enabled",                     // the article's
                                        "registration.relocalization.search.enabled"};  // of a part that is off

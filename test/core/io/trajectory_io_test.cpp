@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/io/trajectory_io.hpp"
+#include "core/io/trajectory_io.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/io/input_error.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/io/input_error.hpp"
 
 namespace fail_aware {
 namespace {
@@ -75,7 +75,7 @@ TEST_F(TrajectoryIo, TumSurvivesWritingAndReading) {
   }
 }
 
-TEST_F(TrajectoryIo, TumOrderIsStampPositionQuaternionWithRealPartLast) {
+TEST_F(TrajectoryIo, TumOrderEndsWithTheRealPart) {
   const double half = std::sqrt(0.5);
   std::ostringstream row;
   row.precision(17);

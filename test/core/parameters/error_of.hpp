@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parameters/mounting.hpp"
+#include "core/parameters/mounting.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parameters/parameter_map.hpp"
+#include "core/parameters/parameter_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ struct Params {
   }
 };
 
-TEST(ParameterMap, listsNestedFieldsInTheirOrder) {
+TEST(ParameterMap, ListsNestedFieldsInTheirOrder) {
   const ParameterList list = toList(Params());
   std::vector<std::string> keys;
   for (const auto& [key, value] : list) keys.push_back(key);
@@ -49,7 +49,7 @@ TEST(ParameterMap, listsNestedFieldsInTheirOrder) {
   EXPECT_EQ(std::get<std::string>(list[3].second), "auto");
 }
 
-TEST(ParameterMap, mapGoesThereAndBack) {
+TEST(ParameterMap, MapGoesThereAndBack) {
   Params changed;
   changed.ukf.alpha = 0.25;
   changed.ukf.order = -7;
@@ -63,7 +63,7 @@ TEST(ParameterMap, mapGoesThereAndBack) {
   EXPECT_NE(toMap(read), toMap(Params()));
 }
 
-TEST(ParameterMap, intStandsForDoubleButNotTheOtherWayRound) {
+TEST(ParameterMap, IntStandsForDoubleButNotTheOtherWayRound) {
   Params params;
   fromMap(params, {{"range_m", 80}}, MissingKeys::kKeep);
   EXPECT_EQ(params.range_m, 80.0);
@@ -73,7 +73,7 @@ TEST(ParameterMap, intStandsForDoubleButNotTheOtherWayRound) {
             "ukf.order: must be an int, not a number");
 }
 
-TEST(ParameterMap, refusesOtherTypes) {
+TEST(ParameterMap, RefusesOtherTypes) {
   Params params;
   const auto error = [&](const char* key, ParameterValue value) {
     return errorOf([&] { fromMap(params, {{key, std::move(value)}}, MissingKeys::kKeep); });
@@ -89,7 +89,7 @@ TEST(ParameterMap, refusesOtherTypes) {
             "offsets_m: must be a list of numbers, not one with NaN");
 }
 
-TEST(ParameterMap, missingKeysAreRefusedOrKept) {
+TEST(ParameterMap, MissingKeysAreRefusedOrKept) {
   Params params;
   ParameterMap values = toMap(params);
   values["range_m"] = 7.0;
@@ -101,13 +101,13 @@ TEST(ParameterMap, missingKeysAreRefusedOrKept) {
   EXPECT_EQ(params.ukf.alpha, 0.5);
 }
 
-TEST(ParameterMap, structIsUntouchedByAMapThatFails) {
+TEST(ParameterMap, StructIsUntouchedByAMapThatFails) {
   Params params;
   EXPECT_THROW(fromMap(params, {{"enabled", false}, {"zzz", 1}}, MissingKeys::kKeep), ParameterError);
   EXPECT_TRUE(params.enabled);
 }
 
-TEST(ParameterMap, unknownKeySuggestsTheNearest) {
+TEST(ParameterMap, UnknownKeySuggestsTheNearest) {
   Params params;
   const auto error = [&](const char* key) {
     return errorOf([&] { fromMap(params, {{key, 1.0}}, MissingKeys::kKeep); });
@@ -119,7 +119,7 @@ TEST(ParameterMap, unknownKeySuggestsTheNearest) {
   EXPECT_EQ(error("ukf"), "ukf: is a group of parameters, such as ukf.alpha");
 }
 
-TEST(ParameterMap, keyErrorsCarryTheKey) {
+TEST(ParameterMap, KeyErrorsCarryTheKey) {
   Params params;
   try {
     fromMap(params, {{"ukf.order", false}}, MissingKeys::kKeep);
@@ -129,7 +129,7 @@ TEST(ParameterMap, keyErrorsCarryTheKey) {
   }
 }
 
-TEST(SetParameter, readsTextByTheFieldsType) {
+TEST(SetParameter, ReadsTextByTheFieldsType) {
   Params params;
   setParameter(params, "enabled=false");
   setParameter(params, "ukf.order = -3");
@@ -149,7 +149,7 @@ TEST(SetParameter, readsTextByTheFieldsType) {
   EXPECT_TRUE(params.source.empty());
 }
 
-TEST(SetParameter, refusesWhatItCannotReadWhole) {
+TEST(SetParameter, RefusesWhatItCannotReadWhole) {
   Params params;
   for (const char* assignment : {"enabled=1",
                                  "enabled=",
@@ -180,7 +180,7 @@ TEST(SetParameter, refusesWhatItCannotReadWhole) {
   EXPECT_EQ(errorOf([&] { setParameter(params, "range_m"); }), "\"range_m\": must be key=value");
 }
 
-TEST(FormatDouble, isShortAndReadsBack) {
+TEST(FormatDouble, IsShortAndReadsBack) {
   EXPECT_EQ(formatDouble(0.0), "0.0");
   EXPECT_EQ(formatDouble(1.0), "1.0");
   EXPECT_EQ(formatDouble(0.1), "0.1");

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/parameters/yaml_parameters.hpp"
+#include "core/parameters/yaml_parameters.hpp"
 
 #include <gtest/gtest.h>
 
@@ -66,7 +66,7 @@ class YamlFile : public testing::Test {
   std::filesystem::path path_;
 };
 
-TEST(ParseYaml, nestedMapsBecomeDottedKeysWithLines) {
+TEST(ParseYaml, NestedMapsBecomeDottedKeysWithLines) {
   const YamlParameters yaml =
       parseYaml("# a comment\nenabled: false\nfilter:\n  noise: {sigma_m: 0.25}\n  steps: 4\n", "");
   EXPECT_EQ(yaml.values, (ParameterMap{{"enabled", false}, {"filter.noise.sigma_m", 0.25}, {"filter.steps", 4}}));
@@ -76,7 +76,7 @@ TEST(ParseYaml, nestedMapsBecomeDottedKeysWithLines) {
   EXPECT_TRUE(parseYaml("# nothing\n", "").values.empty());
 }
 
-TEST(ParseYaml, scalarsHaveRosparamsTypes) {
+TEST(ParseYaml, ScalarsHaveRosparamsTypes) {
   EXPECT_EQ(parsed("true"), ParameterValue(true));
   EXPECT_EQ(parsed("off"), ParameterValue(false));
   EXPECT_EQ(parsed("-12"), ParameterValue(-12));
@@ -91,14 +91,14 @@ TEST(ParseYaml, scalarsHaveRosparamsTypes) {
   EXPECT_EQ(parsed("[]"), ParameterValue(std::vector<double>{}));
 }
 
-TEST(ParseYaml, refusesNumbersThatRosparamReadsDifferently) {
+TEST(ParseYaml, RefusesNumbersThatRosparamReadsDifferently) {
   for (const char* scalar :
        {"1e-3", "1.0e3", "1E5", "-.5", "010", "0x1F", "1_000", "1:30", "1.2.3", ".nan", "1.0e+999", "3000000000"}) {
     EXPECT_THROW(parsed(scalar), ParameterError) << scalar;
   }
 }
 
-TEST(ParseYaml, errorsNameFileLineAndKey) {
+TEST(ParseYaml, ErrorsNameFileLineAndKey) {
   EXPECT_EQ(
       parseError("a: 1\ng:\n  b: 1e-3\n"),
       "a.yaml:3: g.b: 1e-3 is not read as a number everywhere: write 12, 0.5 or 1.0e-3, or quote it if it is text");
@@ -115,7 +115,7 @@ TEST(ParseYaml, errorsNameFileLineAndKey) {
   EXPECT_EQ(parseError("a: 1\n, b: 2\n").substr(0, 7), "a.yaml:");
 }
 
-TEST_F(YamlFile, loadsASubsetOnlyWhenTold) {
+TEST_F(YamlFile, LoadsASubsetOnlyWhenTold) {
   write("filter:\n  steps: 9\n");
   Params params;
   EXPECT_EQ(errorOf([&] { loadYaml(path(), params); }), path() + ": enabled: missing");
@@ -125,7 +125,7 @@ TEST_F(YamlFile, loadsASubsetOnlyWhenTold) {
   EXPECT_EQ(params.source, "auto");
 }
 
-TEST_F(YamlFile, textOfWindowsIsRead) {
+TEST_F(YamlFile, TextOfWindowsIsRead) {
   const YamlParameters yaml = parseYaml(
       "\xEF\xBB\xBF"
       "filter:\r\n  steps: 7 # of them\r\nsource: \"none\"\r\nenabled: no\r\n",
@@ -135,7 +135,7 @@ TEST_F(YamlFile, textOfWindowsIsRead) {
   EXPECT_EQ(std::get<bool>(yaml.values.at("enabled")), false);
 }
 
-TEST_F(YamlFile, unknownKeysAndWrongTypesNameTheLine) {
+TEST_F(YamlFile, UnknownKeysAndWrongTypesNameTheLine) {
   Params params;
   write("enabled: true\nfilter:\n  noise:\n    sigma: 0.1\n");
   EXPECT_EQ(errorOf([&] { loadYaml(path(), params, MissingKeys::kKeep); }),
@@ -148,14 +148,14 @@ TEST_F(YamlFile, unknownKeysAndWrongTypesNameTheLine) {
             path() + ":2: filter: is a group of parameters, such as filter.noise.sigma_m");
 }
 
-TEST_F(YamlFile, fileThatCannotBeReadOrWritten) {
+TEST_F(YamlFile, FileThatCannotBeReadOrWritten) {
   Params params;
   EXPECT_EQ(errorOf([&] { loadYaml("/nowhere/a.yaml", params); }), "/nowhere/a.yaml: cannot be read");
   EXPECT_EQ(errorOf([&] { loadYaml("/", params); }), "/: cannot be read");
   EXPECT_EQ(errorOf([&] { saveYaml("/nowhere/a.yaml", params); }), "/nowhere/a.yaml: cannot be written");
 }
 
-TEST_F(YamlFile, savesWhatItLoads) {
+TEST_F(YamlFile, SavesWhatItLoads) {
   Params params;
   params.enabled = false;
   params.filter.noise.sigma_m = 1.0 / 3.0;
@@ -168,7 +168,7 @@ TEST_F(YamlFile, savesWhatItLoads) {
   EXPECT_EQ(toMap(read), toMap(params));
 }
 
-TEST(FormatYaml, keepsOrderAndNesting) {
+TEST(FormatYaml, KeepsOrderAndNesting) {
   EXPECT_EQ(formatYaml(toList(Params())),
             "enabled: true\n"
             "filter:\n"

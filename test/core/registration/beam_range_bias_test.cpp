@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/beam_range_bias.hpp"
+#include "core/registration/beam_range_bias.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <limits>
 #include <vector>
 
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "fail_aware_lidar_odometry/core/registration/registration_cloud.hpp"
-#include "synthetic_drive.hpp"
+#include "../../support/synthetic_drive.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/preprocessing/registration_cloud.hpp"
 
 namespace fail_aware {
 namespace {
@@ -51,7 +51,7 @@ RegistrationCloudBuilder::Params cloudParams() {
 }
 
 BeamRangeBias driven(int sweeps, const std::vector<double>& too_far_m, const Pose& error = Pose::Identity(),
-                  const BeamRangeBias::Params& params = {}) {
+                     const BeamRangeBias::Params& params = {}) {
   const VoxelMap map = roomMap();
   BeamRangeBias beams(params, IcpPointToPlane::Params());
   RegistrationCloudBuilder builder(cloudParams());
@@ -70,7 +70,7 @@ void expectFound(const BeamRangeBias& beams, double tolerance_m) {
   }
 }
 
-TEST(BeamRangeBias, findsWhatEachBeamIsOffBy) {
+TEST(BeamRangeBias, FindsWhatEachBeamIsOffBy) {
   EXPECT_TRUE(driven(0, kTooFar_m).offsets_m().empty());
   BeamRangeBias::Params sure;
   sure.forget = 0.0;
@@ -78,16 +78,16 @@ TEST(BeamRangeBias, findsWhatEachBeamIsOffBy) {
   expectFound(driven(20, kTooFar_m), 0.006);
 }
 
-TEST(BeamRangeBias, aPoseThatIsSomeCentimetresOffDoesNotMatter) {
+TEST(BeamRangeBias, APoseThatIsSomeCentimetresOffDoesNotMatter) {
   expectFound(driven(20, kTooFar_m, poseOf(0.02, -0.02, 0.0, 0.0, 0.0, 0.1)), 0.008);
 }
 
-TEST(BeamRangeBias, whatAllBeamsHaveInCommonIsNotSought) {
+TEST(BeamRangeBias, WhatAllBeamsHaveInCommonIsNotSought) {
   const BeamRangeBias beams = driven(10, std::vector<double>(kBeams, 0.04));
   for (const float offset_m : beams.offsets_m()) EXPECT_NEAR(static_cast<double>(offset_m), 0.0, 0.004);
 }
 
-TEST(BeamRangeBias, theCorrectionBringsThePointsToTheirWalls) {
+TEST(BeamRangeBias, TheCorrectionBringsThePointsToTheirWalls) {
   const CorrectedSweep crooked = sweepOf(50, kTooFar_m), right = sweepOf(50, std::vector<double>(kBeams, 0.0));
   const BeamRangeBias beams = driven(20, kTooFar_m);
   RegistrationCloudBuilder builder(cloudParams());
@@ -106,7 +106,7 @@ TEST(BeamRangeBias, theCorrectionBringsThePointsToTheirWalls) {
   EXPECT_LT(after_m, 0.25 * before_m);
 }
 
-TEST(BeamRangeBias, withoutRingsOrAMapNothingIsKnown) {
+TEST(BeamRangeBias, WithoutRingsOrAMapNothingIsKnown) {
   BeamRangeBias beams{BeamRangeBias::Params(), IcpPointToPlane::Params()};
   const std::vector<Eigen::Vector3f> points = {{5.0f, 0.0f, 0.0f}, {0.0f, 5.0f, 0.0f}};
   beams.observe(points, {}, Eigen::Vector3d::Zero(), roomMap(), lidarPose());
@@ -121,7 +121,7 @@ TEST(BeamRangeBias, withoutRingsOrAMapNothingIsKnown) {
   EXPECT_TRUE(beams.offsets_m().empty());
 }
 
-TEST(BeamRangeBias, numbersThatAreNoBeamsAreLeftOut) {
+TEST(BeamRangeBias, NumbersThatAreNoBeamsAreLeftOut) {
   BeamRangeBias beams{BeamRangeBias::Params(), IcpPointToPlane::Params()};
   CorrectedSweep sweep = sweepOf(3, kTooFar_m);
   for (std::uint16_t& ring : sweep.rings) ring = static_cast<std::uint16_t>(ring == 3 ? 60000 : ring);
@@ -132,7 +132,7 @@ TEST(BeamRangeBias, numbersThatAreNoBeamsAreLeftOut) {
   EXPECT_EQ(beams.offsets_m()[3], 0.0f) << "nobody saw it";
 }
 
-TEST(BeamRangeBias, aBeamThatNothingWasSeenWithForLongIsNoLessCertainThanANewOne) {
+TEST(BeamRangeBias, UnseenBeamIsAsUncertainAsNew) {
   const CorrectedSweep all = sweepOf(3, kTooFar_m);
   const auto seen = [&](std::uint16_t left_out) {
     CorrectedSweep sweep;
@@ -161,20 +161,20 @@ TEST(BeamRangeBias, aBeamThatNothingWasSeenWithForLongIsNoLessCertainThanANewOne
   EXPECT_NEAR(afterOneLook(400), new_m, 0.1 * new_m);
 }
 
-TEST(BeamRangeBias, isForgottenWithReset) {
+TEST(BeamRangeBias, IsForgottenWithReset) {
   BeamRangeBias beams = driven(3, kTooFar_m);
   EXPECT_FALSE(beams.offsets_m().empty());
   beams.reset();
   EXPECT_TRUE(beams.offsets_m().empty());
 }
 
-TEST(BeamRangeBias, switchedOffLearnsNothing) {
+TEST(BeamRangeBias, SwitchedOffLearnsNothing) {
   BeamRangeBias::Params params;
   params.enabled = false;
   EXPECT_TRUE(driven(3, kTooFar_m, Pose::Identity(), params).offsets_m().empty());
 }
 
-TEST(BeamRangeBias, parametersAreChecked) {
+TEST(BeamRangeBias, ParametersAreChecked) {
   const auto refused = [](auto change) {
     BeamRangeBias::Params params;
     change(params);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_plane.hpp"
+#include "core/registration/icp_point_to_plane.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 #include <random>
 #include <vector>
 
-#include "expect_usable.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "synthetic_scene.hpp"
+#include "../../support/expect_usable.hpp"
+#include "../../support/synthetic_scene.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
@@ -56,7 +56,7 @@ Points sweepOf(const Scene& scene, const Pose& T_odom_cog, unsigned seed, double
   return seenFrom(sampleScene(scene, 4.0, kNoise_m, seed), T_odom_cog, max_range_m);
 }
 
-TEST(IcpPointToPlane, recoversKnownMotionsBothWays) {
+TEST(IcpPointToPlane, RecoversKnownMotionsBothWays) {
   const IcpPointToPlane icp(testParams());
   for (const Scene& scene : {room(), street()}) {
     for (const Pose& T_a_b : {poseOf(0.5, 0.1, 0.02, 0.2, -0.3, 2.0), poseOf(0.3, -0.4, -0.1, -0.5, 0.5, -3.0)}) {
@@ -82,7 +82,7 @@ TEST(IcpPointToPlane, recoversKnownMotionsBothWays) {
   }
 }
 
-TEST(IcpPointToPlane, worksFarFromTheOrigin) {
+TEST(IcpPointToPlane, WorksFarFromTheOrigin) {
   const Pose T_far = poseOf(5000.0, -4000.0, 80.0, 1.0, -2.0, 130.0), T_step = poseOf(0.4, 0.1, 0.0, 0.0, 0.0, 1.5);
   const Points first = seenFrom(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Measurement m =
@@ -93,7 +93,7 @@ TEST(IcpPointToPlane, worksFarFromTheOrigin) {
 }
 
 // One Gauss-Newton step against numerically differentiated residuals of the correspondences at the start.
-TEST(IcpPointToPlane, aStepIsThatOfFiniteDifferences) {
+TEST(IcpPointToPlane, AStepIsThatOfFiniteDifferences) {
   IcpPointToPlane::Params params = testParams();
   params.filter_normals = false;
   params.support.below_ratio = 0.0;
@@ -139,7 +139,7 @@ TEST(IcpPointToPlane, aStepIsThatOfFiniteDifferences) {
   EXPECT_LT((m.covariance - dx * dx.transpose() - information).norm(), 1e-6 * information.norm());
 }
 
-TEST(IcpPointToPlane, whatIsFarCountsMore) {
+TEST(IcpPointToPlane, WhatIsFarCountsMore) {
   // two walls across, 5 m and 20 m ahead, that want the vehicle 0.2 m apart; plus the rest of a room to hold it
   IcpPointToPlane::Params params = testParams();
   params.kernel_m = params.initial_kernel_m = 100.0;  // all alike
@@ -159,7 +159,7 @@ TEST(IcpPointToPlane, whatIsFarCountsMore) {
   EXPECT_NEAR(forwardError(5.0), -0.16, 0.02);   // only the proportion counts
 }
 
-TEST(IcpPointToPlane, groundCountsLess) {
+TEST(IcpPointToPlane, GroundCountsLess) {
   IcpPointToPlane::Params params = testParams();
   params.kernel_m = params.initial_kernel_m = 100.0;  // all alike
   const VoxelMap floor = mapOf(room(), 1);
@@ -176,7 +176,7 @@ TEST(IcpPointToPlane, groundCountsLess) {
   EXPECT_GT(pitch_ground, 2.0 * pitch_walls);
 }
 
-TEST(IcpPointToPlane, aMovedCarDoesNotMatter) {
+TEST(IcpPointToPlane, AMovedCarDoesNotMatter) {
   Scene with_car = room(), car_moved = room();
   addPost(with_car, 6.0, -2.0, 2.0, 2.0);
   addPost(car_moved, 6.4, -2.0, 2.0, 2.0);
@@ -204,7 +204,7 @@ Eigen::Vector3d horizontal(double azimuth_deg) {
   return {std::cos(azimuth_deg * kDegree), std::sin(azimuth_deg * kDegree), 0.0};
 }
 
-TEST(IcpPointToPlane, keepsNormalsAlongAndAcrossTheHeading) {
+TEST(IcpPointToPlane, KeepsNormalsAlongAndAcrossTheHeading) {
   IcpPointToPlane::Params params = testParams();
   params.heading_tolerance_deg = 10.0;
   for (const double heading : {0.0, 25.0, -160.0}) {
@@ -222,7 +222,7 @@ TEST(IcpPointToPlane, keepsNormalsAlongAndAcrossTheHeading) {
   }
 }
 
-TEST(IcpPointToPlane, anUncertainHeadingWidensTheFilter) {
+TEST(IcpPointToPlane, AnUncertainHeadingWidensTheFilter) {
   IcpPointToPlane::Params params = testParams();
   params.heading_tolerance_deg = 10.0;
   EXPECT_EQ(inliersOnPatch(horizontal(20.0), 0.0, 15.0 * kDegree, params), 0u);
@@ -235,7 +235,7 @@ TEST(IcpPointToPlane, anUncertainHeadingWidensTheFilter) {
   }
 }
 
-TEST(IcpPointToPlane, tellsGroundFromWallsAndSlopes) {
+TEST(IcpPointToPlane, TellsGroundFromWallsAndSlopes) {
   IcpPointToPlane::Params params = testParams();
   const auto tilted = [](double from_vertical_deg) {
     return Eigen::Vector3d(std::sin(from_vertical_deg * kDegree), 0.0, std::cos(from_vertical_deg * kDegree));
@@ -254,7 +254,7 @@ TEST(IcpPointToPlane, tellsGroundFromWallsAndSlopes) {
   EXPECT_GT(inliersOnPatch(horizontal(30.0), 0.0, 0.0, params), 1000u);
 }
 
-TEST(IcpPointToPlane, onlyTheGroundTellsTheHeight) {
+TEST(IcpPointToPlane, OnlyTheGroundTellsTheHeight) {
   const VoxelMap map = mapOf(room(), 1);
   const Pose truth = poseOf(0.2, 0.1, 0.0, 0.0, 0.0, 0.5), start = poseOf(0.0, 0.0, 0.15, 0.0, 0.0, 0.0);
   const Points points = sweepOf(room(), truth, 2);
@@ -276,7 +276,7 @@ TEST(IcpPointToPlane, onlyTheGroundTellsTheHeight) {
   EXPECT_LT(std::sqrt(walls_only.covariance(0, 0)), 0.1 * params.observability.weak_sigma_m);
 }
 
-TEST(IcpPointToPlane, alongACorridorItStaysAtThePrediction) {
+TEST(IcpPointToPlane, AlongACorridorItStaysAtThePrediction) {
   const IcpPointToPlane icp(testParams());
   for (const double heading_deg : {0.0, 35.0}) {
     const Pose T_odom_corridor = poseOf(0.0, 0.0, 0.0, 0.0, 0.0, heading_deg);
@@ -301,13 +301,13 @@ TEST(IcpPointToPlane, alongACorridorItStaysAtThePrediction) {
   }
 }
 
-TEST(IcpPointToPlane, aRoomHasInformationInEveryDirection) {
+TEST(IcpPointToPlane, ARoomHasInformationInEveryDirection) {
   const Measurement m = IcpPointToPlane(testParams())
                             .align(sweepOf(room(), Pose::Identity(), 2), mapOf(room(), 1), Pose::Identity(), 0.0);
   EXPECT_GT(m.min_information_ratio, 0.15);
 }
 
-TEST(IcpPointToPlane, itsErrorsAreNotBeyondItsCovariance) {
+TEST(IcpPointToPlane, ItsErrorsAreNotBeyondItsCovariance) {
   const IcpPointToPlane icp(testParams());
   const VoxelMap map = mapOf(room(), 1);
   for (unsigned seed = 10; seed < 20; ++seed) {
@@ -320,14 +320,14 @@ TEST(IcpPointToPlane, itsErrorsAreNotBeyondItsCovariance) {
   }
 }
 
-TEST(IcpPointToPlane, withoutAReferenceItSaysSo) {
+TEST(IcpPointToPlane, WithoutAReferenceItSaysSo) {
   const Pose start = poseOf(1.0, 2.0, 3.0, 0.0, 0.0, 40.0);
   const Measurement m = IcpPointToPlane(testParams()).align(sweepOf(room(), start, 1), VoxelMap(), start, 0.0);
   EXPECT_EQ(m.status, MeasurementStatus::kNoReference);
   EXPECT_EQ(m.T_odom_cog.matrix(), start.matrix());
 }
 
-TEST(IcpPointToPlane, tooFewPointsKeepThePrediction) {
+TEST(IcpPointToPlane, TooFewPointsKeepThePrediction) {
   const IcpPointToPlane icp(testParams());
   const VoxelMap map = mapOf(room(), 1);
   const Pose start = poseOf(0.1, 0.0, 0.0, 0.0, 0.0, 3.0), far = poseOf(500.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -343,7 +343,7 @@ TEST(IcpPointToPlane, tooFewPointsKeepThePrediction) {
   }
 }
 
-TEST(IcpPointToPlane, pointsThatAreNotFiniteAreLeftOut) {
+TEST(IcpPointToPlane, PointsThatAreNotFiniteAreLeftOut) {
   const IcpPointToPlane icp(testParams());
   const VoxelMap map = mapOf(room(), 1);
   const Pose truth = poseOf(0.2, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -357,7 +357,7 @@ TEST(IcpPointToPlane, pointsThatAreNotFiniteAreLeftOut) {
   EXPECT_EQ(m.inliers, clean.inliers);
 }
 
-TEST(IcpPointToPlane, theIterationLimitIsReportedOrPaidForInCovariance) {
+TEST(IcpPointToPlane, IterationLimitCostsCovariance) {
   IcpPointToPlane::Params params = testParams();
   const VoxelMap map = mapOf(room(), 1);
   const Points points = sweepOf(room(), poseOf(0.4, 0.2, 0.0, 0.0, 0.0, 1.0), 2);
@@ -376,7 +376,7 @@ TEST(IcpPointToPlane, theIterationLimitIsReportedOrPaidForInCovariance) {
   EXPECT_GT(std::sqrt(accepted.covariance(0, 0)), 0.2);
 }
 
-TEST(IcpPointToPlane, isDeterministic) {
+TEST(IcpPointToPlane, IsDeterministic) {
   const IcpPointToPlane icp(testParams());
   const VoxelMap map = mapOf(street(), 1);
   const Points points = sweepOf(street(), poseOf(0.4, 0.2, 0.0, 0.0, 0.0, 1.0), 2);
@@ -386,7 +386,7 @@ TEST(IcpPointToPlane, isDeterministic) {
   EXPECT_EQ(a.covariance, b.covariance);
 }
 
-TEST(IcpPointToPlane, validatesItsParameters) {
+TEST(IcpPointToPlane, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     IcpPointToPlane::Params params = testParams();
     change(params);

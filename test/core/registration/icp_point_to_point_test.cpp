@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/icp_point_to_point.hpp"
+#include "core/registration/icp_point_to_point.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <limits>
 #include <vector>
 
-#include "expect_usable.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
-#include "synthetic_scene.hpp"
+#include "../../support/expect_usable.hpp"
+#include "../../support/synthetic_scene.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
@@ -59,7 +59,7 @@ Matrix6d covarianceOf(double sigma_x, double sigma_y, double sigma_z, double sig
   return sigmas.cwiseAbs2().asDiagonal();
 }
 
-TEST(IcpPointToPoint, eightSeedsLieOneSigmaOffAlongEachBodyAxisAndYaw) {
+TEST(IcpPointToPoint, SeedsLieOneSigmaOff) {
   const IcpPointToPoint icp(testParams());
   const Pose T = poseOf(10.0, 20.0, 1.0, 0.0, 0.0, 90.0);
   const std::vector<Pose> seeds = icp.seeds(T, covarianceOf(0.2, 0.6, 0.1, 1.5));
@@ -83,7 +83,7 @@ TEST(IcpPointToPoint, eightSeedsLieOneSigmaOffAlongEachBodyAxisAndYaw) {
   }
 }
 
-TEST(IcpPointToPoint, theSeedsScatterAsThePredictionDoes) {
+TEST(IcpPointToPoint, TheSeedsScatterAsThePredictionDoes) {
   // the mean is the prediction, and the scatter over x and y that of the covariance, whatever the heading
   const IcpPointToPoint icp(testParams());
   const Pose T = poseOf(0.0, 0.0, 0.0, 0.0, 0.0, 30.0);
@@ -99,7 +99,7 @@ TEST(IcpPointToPoint, theSeedsScatterAsThePredictionDoes) {
   EXPECT_LT((scatter - P.topLeftCorner<3, 3>()).norm(), 1e-9);
 }
 
-TEST(IcpPointToPoint, theSpreadScalesAndHasLimits) {
+TEST(IcpPointToPoint, TheSpreadScalesAndHasLimits) {
   IcpPointToPoint::Params params = testParams();
   params.spread = 2.0;
   const auto farthest = [&](const Matrix6d& P, bool rotation) {
@@ -117,7 +117,7 @@ TEST(IcpPointToPoint, theSpreadScalesAndHasLimits) {
   EXPECT_NEAR(farthest(covarianceOf(10.0, 10.0, 10.0, 30.0), true), 3.0, 1e-6);
 }
 
-TEST(IcpPointToPoint, fewerSeedsTakeTheLikelierErrors) {
+TEST(IcpPointToPoint, FewerSeedsTakeTheLikelierErrors) {
   IcpPointToPoint::Params params = testParams();
   params.seeds = 1;
   const Pose T = poseOf(1.0, 2.0, 3.0, 0.0, 0.0, 10.0);
@@ -133,7 +133,7 @@ TEST(IcpPointToPoint, fewerSeedsTakeTheLikelierErrors) {
   EXPECT_EQ(IcpPointToPoint(params).seeds(T, covarianceOf(0.3, 0.3, 0.3, 1.0)).size(), 5u);
 }
 
-TEST(IcpPointToPoint, recoversKnownMotionsBothWays) {
+TEST(IcpPointToPoint, RecoversKnownMotionsBothWays) {
   IcpPointToPoint::Params params = testParams();
   params.step_translation_m =
       5e-4;  // point to point creeps along a street: one seed stops 0.1 m short of it: one seed stops 0.1 m short
@@ -168,7 +168,7 @@ TEST(IcpPointToPoint, recoversKnownMotionsBothWays) {
   }
 }
 
-TEST(IcpPointToPoint, tracksTellWhereEachSeedBeganAndEnded) {
+TEST(IcpPointToPoint, TracksTellWhereEachSeedBeganAndEnded) {
   const IcpPointToPoint icp(testParams());
   const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Points points = seenFrom(sampleScene(room(), 2.0, kNoise_m, 2), Pose::Identity());
@@ -199,7 +199,7 @@ TEST(IcpPointToPoint, tracksTellWhereEachSeedBeganAndEnded) {
 }
 
 // One Gauss-Newton step against numerically differentiated offsets to the nearest points at the start.
-TEST(IcpPointToPoint, aStepIsThatOfFiniteDifferences) {
+TEST(IcpPointToPoint, AStepIsThatOfFiniteDifferences) {
   IcpPointToPoint::Params params = testParams();
   params.seeds = 1;
   params.max_iterations = 1;
@@ -255,7 +255,7 @@ Scene postsAndAnEnd() {
   return scene;
 }
 
-TEST(IcpPointToPoint, eightSeedsFindThePostsThatOneMistakesForTheirNeighbours) {
+TEST(IcpPointToPoint, EightSeedsFindTheRightPosts) {
   const std::vector<Eigen::Vector3d> reference = sampleScene(postsAndAnEnd(), 60.0, kNoise_m, 1);
   const VoxelMap map = mapOf(reference, Pose::Identity());
   for (const double direction : {1.0, -1.0}) {
@@ -275,7 +275,7 @@ TEST(IcpPointToPoint, eightSeedsFindThePostsThatOneMistakesForTheirNeighbours) {
   }
 }
 
-TEST(IcpPointToPoint, seedsThatDisagreeWidenTheCovariance) {
+TEST(IcpPointToPoint, SeedsThatDisagreeWidenTheCovariance) {
   // without the end wall each post fits its neighbour almost as well
   Scene posts = postsAndAnEnd();
   posts.erase(posts.begin(), posts.begin() + 2);
@@ -288,12 +288,13 @@ TEST(IcpPointToPoint, seedsThatDisagreeWidenTheCovariance) {
   EXPECT_GT(std::sqrt(ambiguous.covariance(0, 0)), 0.3 / std::sqrt(3.0));
   expectUsable(ambiguous);
   params.seeds = 1;
-  const Measurement one = IcpPointToPoint(params).align(points, map, Pose::Identity(), covarianceOf(0.5, 0.1, 0.05, 0.5));
+  const Measurement one =
+      IcpPointToPoint(params).align(points, map, Pose::Identity(), covarianceOf(0.5, 0.1, 0.05, 0.5));
   EXPECT_EQ(one.seed_spread_m, 0.0);
   EXPECT_LT(one.covariance(0, 0), ambiguous.covariance(0, 0));
 }
 
-TEST(IcpPointToPoint, seedsThatMeetAreMergedAndCostAsOne) {
+TEST(IcpPointToPoint, SeedsThatMeetAreMergedAndCostAsOne) {
   const VoxelMap map = mapOf(sampleScene(room(), 40.0, kNoise_m, 1), Pose::Identity());
   const Pose truth = poseOf(0.1, 0.05, 0.0, 0.0, 0.0, 0.3);
   const Points points = seenFrom(sampleScene(room(), 4.0, kNoise_m, 2), truth);
@@ -318,7 +319,7 @@ TEST(IcpPointToPoint, seedsThatMeetAreMergedAndCostAsOne) {
   EXPECT_LT(all.seed_spread_m, 0.02);
 }
 
-TEST(IcpPointToPoint, onlyTheBestSeedsAreRefined) {
+TEST(IcpPointToPoint, OnlyTheBestSeedsAreRefined) {
   const VoxelMap map = mapOf(sampleScene(postsAndAnEnd(), 60.0, kNoise_m, 1), Pose::Identity());
   const Pose truth = poseOf(0.7, 0.05, 0.0, 0.0, 0.0, 0.3);
   const Points points = seenFrom(sampleScene(postsAndAnEnd(), 25.0, kNoise_m, 2), truth);
@@ -331,7 +332,7 @@ TEST(IcpPointToPoint, onlyTheBestSeedsAreRefined) {
   EXPECT_LT(translationError(m.T_odom_cog, truth), 0.05);
 }
 
-TEST(IcpPointToPoint, withoutAReferenceItSaysSo) {
+TEST(IcpPointToPoint, WithoutAReferenceItSaysSo) {
   const Pose start = poseOf(1.0, 2.0, 3.0, 0.0, 0.0, 40.0);
   const Measurement m =
       IcpPointToPoint(testParams())
@@ -340,7 +341,7 @@ TEST(IcpPointToPoint, withoutAReferenceItSaysSo) {
   EXPECT_EQ(m.T_odom_cog.matrix(), start.matrix());
 }
 
-TEST(IcpPointToPoint, tooFewPointsKeepThePrediction) {
+TEST(IcpPointToPoint, TooFewPointsKeepThePrediction) {
   const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Pose start = poseOf(0.1, 0.0, 0.0, 0.0, 0.0, 3.0), far = poseOf(500.0, 0.0, 0.0, 0.0, 0.0, 0.0);
   const Points points = seenFrom(sampleScene(room(), 2.0, kNoise_m, 2), start);
@@ -362,7 +363,7 @@ TEST(IcpPointToPoint, tooFewPointsKeepThePrediction) {
   }
 }
 
-TEST(IcpPointToPoint, alongACorridorNothingIsObserved) {
+TEST(IcpPointToPoint, AlongACorridorNothingIsObserved) {
   IcpPointToPoint::Params params = testParams();
   const VoxelMap map = mapOf(sampleScene(corridor(), 100.0, kNoise_m, 1), Pose::Identity());
   const Pose T_true = poseOf(0.3, 0.05, 0.0, 0.0, 0.0, 0.3), T_predicted = poseOf(0.1, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -384,7 +385,7 @@ TEST(IcpPointToPoint, alongACorridorNothingIsObserved) {
   EXPECT_LT(std::sqrt(literal.covariance(0, 0)), 0.05);
 }
 
-TEST(IcpPointToPoint, aVehicleAheadIsNoProofOfAPlaceAlongACorridor) {
+TEST(IcpPointToPoint, AVehicleAheadIsNoProofOfAPlaceAlongACorridor) {
   Scene scene = corridor();
   addPost(scene, 15.0, 0.0, 1.8, 1.5);
   const VoxelMap map = mapOf(sampleScene(scene, 100.0, kNoise_m, 1), Pose::Identity());
@@ -398,7 +399,7 @@ TEST(IcpPointToPoint, aVehicleAheadIsNoProofOfAPlaceAlongACorridor) {
   EXPECT_EQ(IcpPointToPoint(params).align(points, map, Pose::Identity(), P).degenerate_directions, 0);
 }
 
-TEST(IcpPointToPoint, theIterationLimitIsReportedOrPaidForInCovariance) {
+TEST(IcpPointToPoint, IterationLimitCostsCovariance) {
   const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Points points = seenFrom(sampleScene(room(), 4.0, kNoise_m, 2), poseOf(0.3, 0.0, 0.0, 0.0, 0.0, 0.0));
   IcpPointToPoint::Params params = testParams();
@@ -419,7 +420,7 @@ TEST(IcpPointToPoint, theIterationLimitIsReportedOrPaidForInCovariance) {
   EXPECT_GT(std::sqrt(accepted.covariance(0, 0)), step_m);
 }
 
-TEST(IcpPointToPoint, isDeterministic) {
+TEST(IcpPointToPoint, IsDeterministic) {
   const IcpPointToPoint icp(testParams());
   const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Points points = seenFrom(sampleScene(room(), 2.0, kNoise_m, 2), poseOf(0.3, 0.0, 0.0, 0.0, 0.0, 0.0));
@@ -429,7 +430,7 @@ TEST(IcpPointToPoint, isDeterministic) {
   EXPECT_EQ(a.covariance, b.covariance);
 }
 
-TEST(IcpPointToPoint, validatesItsParameters) {
+TEST(IcpPointToPoint, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     IcpPointToPoint::Params params = testParams();
     change(params);

@@ -1,10 +1,10 @@
-#include "fail_aware_lidar_odometry/core/registration/information_support.hpp"
+#include "core/registration/information_support.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {

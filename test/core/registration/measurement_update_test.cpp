@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/registration/measurement_update.hpp"
+#include "core/registration/measurement_update.hpp"
 
 #include <gtest/gtest.h>
 

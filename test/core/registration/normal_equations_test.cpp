@@ -1,15 +1,15 @@
-#include "fail_aware_lidar_odometry/core/registration/normal_equations.hpp"
+#include "core/registration/normal_equations.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "../../support/poses.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/degree.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/matrix6.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/rotation.hpp"
-#include "fail_aware_lidar_odometry/core/geometry/symmetric_eigen.hpp"
-#include "fail_aware_lidar_odometry/core/parameters/check.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 namespace {
@@ -42,20 +42,20 @@ NormalEquations wellConditioned() {
   return equations;
 }
 
-TEST(NormalEquations, wellConditionedIsSolvedExactly) {
+TEST(NormalEquations, WellConditionedIsSolvedExactly) {
   const NormalEquations equations = wellConditioned();
   const Solution solution = solveObserved(equations, testParams());
   EXPECT_EQ(solution.degenerate_directions, 0);
   EXPECT_LT((equations.H * solution.dx - equations.b).norm(), 1e-9);
 }
 
-TEST(NormalEquations, wellConditionedCovarianceIsTheInverse) {
+TEST(NormalEquations, WellConditionedCovarianceIsTheInverse) {
   const NormalEquations equations = wellConditioned();
   const Matrix6d expected = 20.0 * inverseOf(equations.H);
   EXPECT_LT((covarianceObserved(equations, 20.0, testParams()) - expected).norm(), 1e-9 * expected.norm());
 }
 
-TEST(NormalEquations, unobservedAxisStaysAndIsUncertain) {
+TEST(NormalEquations, UnobservedAxisStaysAndIsUncertain) {
   NormalEquations equations = diagonalEquations(vector6(0.005, 0.6, 0.4, 0.3, 0.3, 0.3), 1e4);
   equations.b.setConstant(50.0);
   const Solution solution = solveObserved(equations, testParams());
@@ -68,7 +68,7 @@ TEST(NormalEquations, unobservedAxisStaysAndIsUncertain) {
   EXPECT_NEAR(C(1, 1), 1.0 / 6000.0, 1e-12);
 }
 
-TEST(NormalEquations, unobservedRotationGetsTheWeakAngle) {
+TEST(NormalEquations, UnobservedRotationGetsTheWeakAngle) {
   NormalEquations equations = diagonalEquations(vector6(0.3, 0.3, 0.4, 0.0, 0.005, 0.3), 1e4);
   equations.b.setConstant(50.0);
   const Solution solution = solveObserved(equations, testParams());
@@ -80,7 +80,7 @@ TEST(NormalEquations, unobservedRotationGetsTheWeakAngle) {
   EXPECT_NEAR(std::sqrt(C(4, 4)), 5.0 * kDegree, 1e-9);
 }
 
-TEST(NormalEquations, unobservedDirectionNeedNotBeAnAxis) {
+TEST(NormalEquations, UnobservedDirectionNeedNotBeAnAxis) {
   NormalEquations equations = diagonalEquations(vector6(0.0, 0.6, 0.4, 0.3, 0.3, 0.3), 1e4);
   const Eigen::Matrix3d R = rotationFromRpy(0.0, 0.0, 30.0 * kDegree);
   equations.H = rotateCovariance(equations.H, R).eval();
@@ -95,7 +95,7 @@ TEST(NormalEquations, unobservedDirectionNeedNotBeAnAxis) {
   EXPECT_NEAR(across.dot(C * across), 1.0 / 6000.0, 1e-9);
 }
 
-TEST(NormalEquations, theThresholdIsARatioOfTheWeight) {
+TEST(NormalEquations, TheThresholdIsARatioOfTheWeight) {
   for (const double weight : {1.0, 1e6}) {
     NormalEquations equations = diagonalEquations(vector6(0.0101, 0.5, 0.5, 0.0099, 0.3, 0.3), weight);
     EXPECT_EQ(solveObserved(equations, testParams()).degenerate_directions, 1) << weight;
@@ -104,7 +104,7 @@ TEST(NormalEquations, theThresholdIsARatioOfTheWeight) {
   }
 }
 
-TEST(NormalEquations, informationTellsWhatHDoesNotObserve) {
+TEST(NormalEquations, InformationTellsWhatHDoesNotObserve) {
   // H pulls along x, where no pair informs
   NormalEquations equations = diagonalEquations(vector6(1.0, 1.0, 1.0, 0.5, 0.5, 0.5), 1e4);
   equations.b.setConstant(50.0);
@@ -122,7 +122,7 @@ TEST(NormalEquations, informationTellsWhatHDoesNotObserve) {
   EXPECT_NEAR(C(1, 1), 1.0 / 5000.0, 1e-12);
 }
 
-TEST(NormalEquations, whereLittleIsObservedTheInformationAloneGivesTheStep) {
+TEST(NormalEquations, PoorInformationAloneGivesTheStep) {
   NormalEquations equations = diagonalEquations(vector6(1.0, 1.0, 1.0, 0.5, 0.5, 0.5), 1e4);
   equations.b.setConstant(50.0);
   equations.has_information = equations.slides = true;
@@ -135,7 +135,7 @@ TEST(NormalEquations, whereLittleIsObservedTheInformationAloneGivesTheStep) {
   EXPECT_NEAR(solution.dx[1], 20.0 / 5000.0, 1e-12);
 }
 
-TEST(NormalEquations, aDiscountedDirectionCountsForLess) {
+TEST(NormalEquations, ADiscountedDirectionCountsForLess) {
   NormalEquations equations = diagonalEquations(vector6(0.02, 0.5, 0.3, 0.3, 0.3, 0.3), 1e4);
   equations.b.setConstant(50.0);
   NormalEquations half = equations, none = equations;
@@ -148,14 +148,14 @@ TEST(NormalEquations, aDiscountedDirectionCountsForLess) {
   EXPECT_EQ(solveObserved(none, testParams()).dx[0], 0.0);
 }
 
-TEST(NormalEquations, aStepIsComparedWithItsStandardDeviation) {
+TEST(NormalEquations, AStepIsComparedWithItsStandardDeviation) {
   Matrix6d C = Matrix6d::Identity();
   C(0, 0) = 9.0;
   EXPECT_TRUE(isWithinSigma(2.9 * Vector6d::Unit(0), C));
   EXPECT_FALSE(isWithinSigma(1.1 * Vector6d::Unit(1), C));
 }
 
-TEST(NormalEquations, nothingAtAllIsAllWeak) {
+TEST(NormalEquations, NothingAtAllIsAllWeak) {
   const NormalEquations nothing;
   const Solution solution = solveObserved(nothing, testParams());
   EXPECT_EQ(solution.degenerate_directions, 6);
@@ -167,14 +167,14 @@ TEST(NormalEquations, nothingAtAllIsAllWeak) {
   EXPECT_NEAR(std::sqrt(C(5, 5)), 5.0 * kDegree, 1e-9);
 }
 
-TEST(NormalEquations, noObservedDirectionIsWorseThanAnUnobservedOne) {
+TEST(NormalEquations, ObservedDirectionsAreBetter) {
   NormalEquations equations = diagonalEquations(vector6(0.02, 0.5, 0.48, 0.3, 0.3, 0.3), 10.0);
   const Matrix6d C = covarianceObserved(equations, 1e3, testParams());
   EXPECT_NEAR(std::sqrt(C(0, 0)), 3.0, 1e-9);
   EXPECT_LE(C(5, 5), std::pow(5.0 * kDegree, 2) + 1e-12);
 }
 
-TEST(NormalEquations, covarianceIsSymmetricPositiveDefinite) {
+TEST(NormalEquations, CovarianceIsSymmetricPositiveDefinite) {
   for (const NormalEquations& equations :
        {wellConditioned(), NormalEquations(), diagonalEquations(vector6(0.0, 0.5, 0.5, 0.3, 0.0, 0.3), 1e5)}) {
     const Matrix6d C = covarianceObserved(equations, 20.0, testParams());
@@ -183,7 +183,7 @@ TEST(NormalEquations, covarianceIsSymmetricPositiveDefinite) {
   }
 }
 
-TEST(NormalEquations, horizontalRatioIsTheWeakerOfTheTwo) {
+TEST(NormalEquations, HorizontalRatioIsTheWeakerOfTheTwo) {
   EXPECT_NEAR(
       solveObserved(diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0), testParams()).min_horizontal_ratio,
       0.1, 1e-12);
@@ -192,7 +192,7 @@ TEST(NormalEquations, horizontalRatioIsTheWeakerOfTheTwo) {
   EXPECT_NEAR(solveObserved(turned, testParams()).min_horizontal_ratio, 0.1, 1e-12);
 }
 
-TEST(NormalEquations, aStepTurnsAboutTheVehicleAndMovesAlongOdom) {
+TEST(NormalEquations, AStepTurnsAboutTheVehicleAndMovesAlongOdom) {
   const Pose T = poseFromVector(vector6(100.0, -50.0, 2.0, 0.1, -0.2, 2.0));
   const Vector6d dx = 1e-5 * vector6(3.0, -2.0, 1.0, 0.3, 0.5, -0.7);
   const Pose moved = applyStep(T, dx);
@@ -204,7 +204,7 @@ TEST(NormalEquations, aStepTurnsAboutTheVehicleAndMovesAlongOdom) {
   EXPECT_LT((moved.linear() * moved.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
 }
 
-TEST(NormalEquations, validatesItsParameters) {
+TEST(NormalEquations, ValidatesItsParameters) {
   EXPECT_NO_THROW(ObservabilityParams().validate());
   ObservabilityParams params = testParams();
   params.lever_m = 0.0;

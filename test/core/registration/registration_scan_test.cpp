@@ -1,8 +1,8 @@
-#include "fail_aware_lidar_odometry/core/registration/registration_scan.hpp"
+#include "core/registration/registration_scan.hpp"
 
 #include <gtest/gtest.h>
 
-#include "synthetic_drive.hpp"
+#include "../../support/synthetic_drive.hpp"
 
 namespace fail_aware {
 namespace {
@@ -16,7 +16,7 @@ SweepPrediction predictedAhead(double distance_m, double dt_s) {
 
 TEST(RegistrationScan, KnowsTheMotionThatItIsDeskewedFor) {
   const SyntheticDrive drive;
-  RegistrationScanBuilder builder{RegistrationParameters(), SweepTimingParams()};
+  RegistrationScanBuilder builder{RegistrationScanBuilder::Params(), SweepTimingParams()};
   RegistrationScan scan;
   builder.build(drive.sweep(0.0, 1), predictedAhead(0.0, 0.0), drive.T_cog_lidar, scan);
   EXPECT_TRUE(scan.usable);
@@ -27,7 +27,7 @@ TEST(RegistrationScan, KnowsTheMotionThatItIsDeskewedFor) {
 
 TEST(RegistrationScan, TooFewPointsAreNotUsable) {
   const SyntheticDrive drive;
-  RegistrationScanBuilder builder{RegistrationParameters(), SweepTimingParams()};
+  RegistrationScanBuilder builder{RegistrationScanBuilder::Params(), SweepTimingParams()};
   RegistrationScan scan;
   CorrectedSweep sweep = drive.sweep(0.0, 1);
   sweep.points_lidar.resize(300);

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/fail_aware_state.hpp"
+#include "fail_aware_lidar_odometry/monitor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(FailAwareState, everyStateHasItsOwnName) {
+TEST(FailAwareState, EveryStateHasItsOwnName) {
   std::set<std::string> names;
   for (const FailAwareState state : {FailAwareState::kUnknown, FailAwareState::kOk, FailAwareState::kDegraded,
                                      FailAwareState::kFailing, FailAwareState::kFailed}) {

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/measurement.hpp"
+#include "core/types/measurement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(Measurement, everyStatusHasItsOwnName) {
+TEST(Measurement, EveryStatusHasItsOwnName) {
   std::set<std::string> names;
   for (const MeasurementStatus status :
        {MeasurementStatus::kOk, MeasurementStatus::kNoReference, MeasurementStatus::kTooFewPoints,
@@ -20,7 +20,7 @@ TEST(Measurement, everyStatusHasItsOwnName) {
   EXPECT_STREQ(toString(static_cast<MeasurementStatus>(99)), "unknown");
 }
 
-TEST(Measurement, isNotUsableUntilSomethingSaysSo) {
+TEST(Measurement, IsNotUsableUntilSomethingSaysSo) {
   Measurement measurement;
   EXPECT_FALSE(measurement.ok());
   EXPECT_TRUE(isFinite(measurement.T_odom_cog));

@@ -1,4 +1,4 @@
-#include "fail_aware_lidar_odometry/core/types/timing_result.hpp"
+#include "core/types/timing_result.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace fail_aware {
 namespace {
 
-TEST(TimingResult, everyValueHasItsOwnName) {
+TEST(TimingResult, EveryValueHasItsOwnName) {
   std::set<std::string> names;
   const auto add = [&](const auto value) { names.insert(toString(value)); };
   for (const TimingSource source :
@@ -30,7 +30,7 @@ TEST(TimingResult, everyValueHasItsOwnName) {
   EXPECT_EQ(names.count("unknown"), 0u);
 }
 
-TEST(TimingResult, isAGuessWhereTheFieldIsRefusedAndNothingWasHeld) {
+TEST(TimingResult, IsAGuessWhereTheFieldIsRefusedAndNothingWasHeld) {
   TimingResult timing;
   EXPECT_FALSE(timing.guessed());
   timing.refusal = "time in no unit";

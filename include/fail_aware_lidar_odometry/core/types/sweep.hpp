@@ -1,4 +1,0 @@
-// Part of the public header.
-#pragma once
-
-#include "fail_aware_lidar_odometry/sweep.hpp"  // IWYU pragma: export

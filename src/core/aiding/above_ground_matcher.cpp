@@ -1,0 +1,162 @@
+#include "core/aiding/above_ground_matcher.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parameters/check.hpp"
+#include "core/robust_kernel.hpp"
+#include "core/registration/plane_pairs.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr std::size_t kMatched = 1000;  // points, about
+constexpr double kWideKernel = 2.0;     // of the search, in kernels
+constexpr int kIterations = 8;
+constexpr double kLeastWindow_m = 0.4;   // however little was driven
+constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' share
+
+Pose movedAlong(const Pose& T_odom_cog, double distance_m) {
+  Pose moved = T_odom_cog;
+  moved.translation() += distance_m * T_odom_cog.linear().col(0);
+  return moved;
+}
+
+// dx: x, y, yaw, as in fitted().
+Pose stepped(const Pose& T_odom_cog, const Eigen::Vector3d& dx) {
+  Vector6d step = Vector6d::Zero();
+  step.head<2>() = dx.head<2>();
+  step[5] = dx[2];
+  return applyStep(T_odom_cog, step);
+}
+
+struct Fit {
+  double votes = 0.0;
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+};
+
+// Gauss-Newton's equations for x, y and yaw about the vehicle; a place weighs 1 at most.
+Fit fitted(const AboveGroundPoints& standing, const std::vector<bool>& has_vote, const VoxelMap& kept,
+           const Pose& T_odom_cog, double kernel_m) {
+  Fit fit;
+  VoxelMap::PointMatch match;
+  for (const StandingPoint& point : standing.points) {
+    if (!has_vote[point.place]) continue;
+    const Eigen::Vector3d arm = T_odom_cog.linear() * point.position;
+    if (!kept.findNearest(arm + T_odom_cog.translation(), kFarthestInKernels * kernel_m, match)) continue;
+    const double weight = gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m) / standing.counts[point.place];
+    Eigen::Matrix<double, 2, 3> J;
+    J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    fit.votes += weight;
+    fit.H += weight * J.transpose() * J;
+    fit.b += weight * J.transpose() * match.offset_m.head<2>().cast<double>();
+  }
+  return fit;
+}
+
+// The best place along the way; who has a vote.
+std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const AboveGroundPoints& standing,
+                                const AboveGroundReference& reference, const Pose& T_odom_cog_predicted,
+                                std::vector<bool>& has_vote) {
+  const double distance_m = (T_odom_cog_predicted.translation() - reference.T_odom_cog().translation()).norm();
+  const double window_m = std::clamp(0.5 * distance_m, std::min(kLeastWindow_m, params.window_m), params.window_m);
+  const int steps = static_cast<int>(window_m / params.step_m + 1e-9);
+  const int beyond = steps + static_cast<int>(std::ceil(params.contrast_m / params.step_m));
+  const auto tried = [&](int i) { return movedAlong(T_odom_cog_predicted, i * params.step_m); };
+  std::vector<std::vector<double>> profile;
+  for (int i = -beyond; i <= beyond; ++i) {
+    profile.push_back(votesOfPlaces(standing, reference.map(), tried(i), kWideKernel * params.kernel_m));
+  }
+  has_vote.assign(standing.places, false);
+  for (std::size_t place = 0; place < standing.places; ++place) {
+    const auto less = [&](const std::vector<double>& a, const std::vector<double>& b) { return a[place] < b[place]; };
+    const auto [least, most] = std::minmax_element(profile.begin(), profile.end(), less);
+    has_vote[place] = (*most)[place] - (*least)[place] >= params.min_contrast;
+  }
+  int best = 0;
+  double best_votes = 0.0;
+  for (int i = -steps; i <= steps; ++i) {
+    double sum = 0.0;
+    const std::vector<double>& all = profile[static_cast<std::size_t>(i + beyond)];
+    for (std::size_t place = 0; place < standing.places; ++place) sum += has_vote[place] ? all[place] : 0.0;
+    if (sum > best_votes) {
+      best_votes = sum;
+      best = i;
+    }
+  }
+  if (best_votes < params.min_places) return std::nullopt;
+  return tried(best);
+}
+
+}  // namespace
+
+void AboveGroundMatcher::Params::validate() const {
+  requireWithin("max_information_ratio", max_information_ratio, 0.0, 0.5);
+  requireWithin("max_above_ground_ratio", max_above_ground_ratio, 0.0, 1.0);
+  requirePositive("surface_sigma_m", surface_sigma_m);
+  requirePositive("surface_sigma_deg", surface_sigma_deg);
+  requireWithin("cell_m", cell_m, 0.05, 1000.0);
+  requireWithin("column_m", column_m, 0.05, 100.0);
+  requireNotNegative("min_height_m", min_height_m);
+  requireWithin("step_m", step_m, 0.01, 10.0);
+  requireWithin("window_m", window_m, step_m, 100.0);
+  requireWithin("kernel_m", kernel_m, 0.01, 100.0);
+  requireWithin("contrast_m", contrast_m, step_m, 100.0);
+  requireWithin("min_contrast", min_contrast, 0.0, 1.0);
+  requirePositive("sigma_m", sigma_m);
+  requirePositive("min_places", min_places);
+  requireWithin("max_distance_m", max_distance_m, 0.01, 1000.0);
+  requireParameter(max_range_m > max_distance_m + window_m + contrast_m, "max_range_m", max_range_m,
+                   "> max_distance_m + window_m + contrast_m");
+  requireWithin("max_range_m", max_range_m, 0.1, 2000.0);
+  requirePositive("max_age_s", max_age_s);
+}
+
+AboveGroundMatcher::AboveGroundMatcher(const Params& params, const IcpPointToPlane::Params& planes)
+    : params_(params), planes_(planes) {
+  params_.validate();
+  planes_.validate();
+}
+
+double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
+                                         const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
+  const std::size_t stride = 1 + points_cog.size() / kLookedAt;
+  PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad, stride);
+  NormalEquations equations;
+  pairs.forEach(T_odom_cog_predicted, planes_.initial_kernel_m, kAsCorrected,
+                [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
+  equations.H = equations.H.selfadjointView<Eigen::Lower>();
+  return solveObserved(equations, planes_.observability).min_horizontal_ratio;
+}
+
+// The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.
+AboveGroundPoints AboveGroundMatcher::select(const std::vector<Eigen::Vector3f>& points_cog) const {
+  const double range_m = params_.max_range_m - params_.max_distance_m - params_.window_m - params_.contrast_m;
+  return findStandingPoints(pointsWithin(points_cog, range_m), params_.points(), kMatched);
+}
+
+std::optional<StandingPose> AboveGroundMatcher::find(const AboveGroundPoints& above_ground_cog,
+                                                     const AboveGroundReference& reference,
+                                                     const Pose& T_odom_cog_predicted) const {
+  if (reference.map().empty()) return std::nullopt;
+  std::vector<bool> has_vote;
+  std::optional<Pose> T = searchAlong(params_, above_ground_cog, reference, T_odom_cog_predicted, has_vote);
+  if (!T) return std::nullopt;
+  double kernel_m = kWideKernel * params_.kernel_m;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Fit at = fitted(above_ground_cog, has_vote, reference.map(), *T, kernel_m);
+    if (at.votes < params_.min_places) return std::nullopt;
+    T = stepped(*T, at.H.ldlt().solve(at.b));
+    kernel_m = std::max(0.5 * kernel_m, params_.kernel_m);
+  }
+  const Fit at = fitted(above_ground_cog, has_vote, reference.map(), *T, params_.kernel_m);
+  if (at.votes < params_.min_places || !isFinite(*T)) return std::nullopt;
+  const Eigen::Matrix3d covariance = params_.sigma_m * params_.sigma_m * at.H.inverse();
+  if (!covariance.allFinite()) return std::nullopt;
+  return StandingPose{*T, covariance};
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,62 @@
+#include "core/aiding/road_speed_aid.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/geometry/rotation.hpp"
+#include "core/registration/measurement_update.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m per sweep
+
+/// Bit k: eighth k of the azimuth holds points.
+std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
+  constexpr std::size_t kFewest = 20;
+  std::array<std::size_t, 8> points{};
+  for (const Eigen::Vector3f& p : points_cog) {
+    const bool steep = std::abs(p.y()) > std::abs(p.x());
+    ++points[(p.x() > 0.0f ? 1u : 0u) | (p.y() > 0.0f ? 2u : 0u) | (steep ? 4u : 0u)];
+  }
+  std::bitset<8> seen;
+  for (std::size_t i = 0; i < 8; ++i) seen[i] = points[i] >= kFewest;
+  return seen;
+}
+
+}  // namespace
+
+RoadSpeedAid::Result RoadSpeedAid::find(const CorrectedSweep& sweep, const RegistrationScan& scan,
+                                        const SweepPrediction& prediction, const EstimateTrack& track) {
+  Result result;
+  if (!odometry_.params().enabled) return result;
+  const std::bitset<8> before = std::exchange(eighths_seen_, eighthsSeen(scan.cloud.map_points_cog));
+  // different parts of a revolution show different roads
+  const bool looks_elsewhere = 2 * (before & eighths_seen_).count() < (before | eighths_seen_).count();
+  if (!scan.usable || track.speedObserved() || looks_elsewhere) {
+    odometry_.clear();
+    return result;
+  }
+  odometry_.add(sweep, scan.T_cog_lidar, scan.twist_cog, rpyFromRotation(prediction.T_odom_cog.linear()).z());
+  const bool known_before = odometry_.hasSpeed();
+  const double assumed_mps = scan.twist_cog[0];
+  result.speed =
+      track.speedWasObserved() ? odometry_.findSpeed(assumed_mps, track.speedSigma_mps()) : odometry_.findSpeed();
+  result.map_is_wrong =
+      result.speed && !known_before && std::abs(result.speed->speed_mps - assumed_mps) > kMaxWrongSpeed_mps;
+  return result;
+}
+
+void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
+                  const Pose& T_odom_cog_initial_guess, Measurement& measurement) {
+  if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
+  const Eigen::Vector3d forward =
+      (guess.T_odom_cog_previous.linear().col(0) + T_odom_cog_initial_guess.linear().col(0)).normalized();
+  const double distance_m = (speed.speed_mps - 0.5 * speed.acceleration_mps2 * guess.dt_s) * guess.dt_s;
+  const double measured_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());
+  addPosition(forward, distance_m - measured_m, speed.sigma_mps * guess.dt_s, measurement);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,48 @@
+// Adds the speed from the road profile (road_profile_odometry.hpp) to the point-to-plane measurement during dead
+// reckoning. Not in the paper.
+//
+// Input: every sweep, deskewed for the prediction. The first speed may show that the sweeps in the map were inserted at
+// a wrong speed. The speed and the measurement share the points and the predicted deskew.
+// Cost: a few ms, only during dead reckoning.
+#pragma once
+
+#include <bitset>
+#include <optional>
+
+#include "core/aiding/road_profile_odometry.hpp"
+#include "core/initial_guess/estimate_track.hpp"
+#include "core/initial_guess/initial_guess.hpp"
+#include "core/registration/registration_scan.hpp"
+
+namespace fail_aware {
+
+class RoadSpeedAid {
+ public:
+  struct Result {
+    std::optional<RoadProfileOdometry::Speed> speed;
+    bool map_is_wrong = false;  ///< its sweeps were inserted at wrong relative poses: its measurements are wrong
+  };
+
+  explicit RoadSpeedAid(const RoadProfileOdometry::Params& params) : odometry_(params) {}
+
+  /// `sweep`: the full sweep of the scan. track: the estimates before it.
+  Result find(const CorrectedSweep& sweep, const RegistrationScan& scan, const SweepPrediction& prediction,
+              const EstimateTrack& track);
+
+  /// The estimated heading of the last sweep.
+  void setYaw(double yaw_rad) { odometry_.setYaw(yaw_rad); }
+
+  /// Forgets the sweeps: after a reset of odom, or where the stamps, which it relies on, are wrong.
+  void clear() { odometry_.clear(); }
+
+ private:
+  RoadProfileOdometry odometry_;
+  std::bitset<8> eighths_seen_;  ///< eighths of the azimuth with points in the last sweep
+};
+
+/// Adds the distance driven since the last estimate, along the vehicle's mean heading between that estimate and the
+/// start pose of registration.
+void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
+                  const Pose& T_odom_cog_initial_guess, Measurement& measurement);
+
+}  // namespace fail_aware

@@ -1,0 +1,76 @@
+#include "core/estimation/consistency_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr int kSweepsToForgetPlanes = 10;
+constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from the interval's uncertainty
+
+}  // namespace
+
+void ConsistencyMonitor::Params::validate() const {
+  requirePositive("persistent_disagreement_m", persistent_disagreement_m);
+  requireNotNegative("persistent_innovation_m", persistent_innovation_m);
+  requireWithin("fitting_ratio", fitting_ratio, 0.0, 1.0);
+  requireNotNegative("unfitting_sigma_m", unfitting_sigma_m);
+  requireNotNegative("max_yaw_innovation_deg", max_yaw_innovation_deg);
+  requireWithin("wrong_ratio_of_turn", wrong_ratio_of_turn, 0.0, 1.0);
+}
+
+ConsistencyMonitor::ConsistencyMonitor(const Params& params) : params_(params) { params_.validate(); }
+
+void ConsistencyMonitor::clear() {
+  undecided_m_.clear();
+  innovation_m_.clear();
+  fitting_ratio_.clear();
+  sweeps_without_planes_ = 0;
+  fitted_ = false;
+}
+
+ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
+  undecided_m_.add(sweep.undecided_m);
+  innovation_m_.add(std::max(0.0, sweep.innovation_m - kTimeSigmas * sweep.time_sigma_m));
+  ++sweeps_without_planes_;
+  if (sweep.fitting_ratio) {
+    fitting_ratio_.add(*sweep.fitting_ratio);
+    sweeps_without_planes_ = 0;
+  }
+  if (sweeps_without_planes_ > kSweepsToForgetPlanes) fitting_ratio_.clear();
+
+  const double apart_m =
+      undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.persistent_disagreement_m) : 0.0;
+  const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
+  const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
+  Inflation inflation;
+  inflation.sigma_m = std::hypot(apart_m, persistent_m);
+  inflation.sigma_yaw_rad = turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0;
+  inflation.unbelievable = persistent_m > 0.0 || turned;
+  const bool fits_not = sweep.fitting_ratio && *sweep.fitting_ratio < params_.fitting_ratio;
+  const bool fitted_not = fitting_ratio_.isFull() && fitting_ratio_.median() < params_.fitting_ratio;
+  inflation.velocity_unobservable =
+      fitted_ && (fitted_not || fits_not);  // without delay: a speed taken from one such sweep persists
+  if (fitting_ratio_.isFull() && !fitted_not) fitted_ = true;
+  return inflation;
+}
+
+double ConsistencyMonitor::persistentInnovation_m(double dt_s) const {
+  if (params_.persistent_innovation_m == 0.0 || !innovation_m_.isFull()) return 0.0;
+  const double periods = std::max(1.0, dt_s / kUsualPeriod_s);  // displacement grows with the square of the time
+  const double median_m = innovation_m_.median();
+  return median_m > params_.persistent_innovation_m * periods * periods ? median_m : 0.0;
+}
+
+double ConsistencyMonitor::unfitting_m() const {
+  if (params_.fitting_ratio == 0.0 || !fitting_ratio_.isFull()) return 0.0;
+  return std::max(0.0, params_.unfitting_sigma_m * (1.0 - fitting_ratio_.median() / params_.fitting_ratio));
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,77 @@
+// Inflates the covariance of a sweep's increment when the measurements' R is not plausible. Not in the paper.
+//
+// Four signs. The first three must persist (median over the last sweeps):
+// - Measurements disagree. One of them is wrong, and the fused measurement may be wrong by the same distance. A single
+//   disagreement can be chance; a lasting one leads the odometry astray. An outvoted measurement does not count, an
+//   outnumbered one counts by its weight (FusionResult::undecided_m).
+// - Measurements differ from the prediction in every sweep. A vehicle moves nearly as predicted, so the measurements
+//   are as uncertain as this difference, and the difference stays in the map.
+// - Almost nothing fits the map. The few points that fit were selected by the prediction and confirm it, whatever the
+//   vehicle does. A speed estimated from them would diverge, so the velocity is unobservable from the first such sweep
+//   on, unless nothing has fitted yet (a start in a place with few objects).
+// - The heading jumps. A vehicle does not turn that fast by itself (the sensor was hit, or the pose is wrong), so a
+//   fraction of the jump may be an error.
+// Cost: under 1 us a sweep.
+#pragma once
+
+#include <optional>
+
+#include "core/moving_median.hpp"
+
+namespace fail_aware {
+
+class ConsistencyMonitor {
+ public:
+  struct Params {
+    double persistent_disagreement_m = 0.15;  ///< a lasting disagreement above this inflates the covariance
+    double persistent_innovation_m = 0.07;    ///< a lasting innovation above this inflates the covariance; 0: off
+    double fitting_ratio = 0.3;               ///< point-to-plane inlier ratio below which R is not trusted; 0: off
+    double unfitting_sigma_m = 0.25;          ///< sigma added by a sweep with no inlier: 2.5 m/s at 10 Hz
+    double max_yaw_innovation_deg = 4.5;      ///< a larger innovation in one sweep inflates the covariance; 0: off
+    double wrong_ratio_of_turn = 0.1;         ///< standard deviation of a heading jump's error, as a ratio of the jump
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("persistent_disagreement_m", self.persistent_disagreement_m);
+      v("persistent_innovation_m", self.persistent_innovation_m);
+      v("fitting_ratio", self.fitting_ratio);
+      v("max_yaw_innovation_deg", self.max_yaw_innovation_deg);
+    }
+    void validate() const;
+  };
+
+  struct Sweep {
+    double dt_s = 0.0;
+    double undecided_m = 0.0;             ///< FusionResult::undecided_m
+    double innovation_m = 0.0;            ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
+    double turn_rad = 0.0;                ///< rotation part of the innovation; 0 likewise
+    std::optional<double> fitting_ratio;  ///< inlier ratio of point-to-plane; none: it did not measure
+    double time_sigma_m = 0.0;            ///< sigma of the prediction due to the uncertain interval between sweeps
+  };
+
+  struct Inflation {
+    double sigma_m = 0.0;  ///< sigma to add to the increment, along the road and across it
+    double sigma_yaw_rad = 0.0;
+    bool unbelievable = false;  ///< agreement between the measurements confirms nothing in this sweep
+    /// Almost nothing fits the map, although it did before: the measurement only repeats the prediction.
+    bool velocity_unobservable = false;
+  };
+
+  explicit ConsistencyMonitor(const Params& params);
+
+  Inflation add(const Sweep& sweep);
+
+  /// Forgets the history: another pose was set, or another map begins.
+  void clear();
+
+ private:
+  double persistentInnovation_m(double dt_s) const;
+  double unfitting_m() const;
+
+  Params params_;
+  MovingMedian undecided_m_{5}, innovation_m_{10}, fitting_ratio_{3};
+  bool fitted_ = false;            ///< most of the sweeps fitted the map at least once
+  int sweeps_without_planes_ = 0;  ///< consecutive
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,158 @@
+#include "core/estimation/dead_reckoning.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/degree.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kLongestDriven_s = 3.0;
+constexpr double kWidestDriven_rad = 0.25;
+
+}  // namespace
+
+void DeadReckoning::Params::validate() const {
+  requirePositive("observed_sigma_m", observed_sigma_m);
+  requirePositive("observed_sigma_deg", observed_sigma_deg);
+  requireWithin("observed_sweeps", observed_sweeps, 1, 1000);
+  requireNotNegative("acceleration_mps2", acceleration_mps2);
+  requireNotNegative("lateral_acceleration_mps2", lateral_acceleration_mps2);
+  requirePositive("acceleration_time_s", acceleration_time_s);
+  requireNotNegative("yaw_acceleration_rad_s2", yaw_acceleration_rad_s2);
+  requirePositive("yaw_acceleration_time_s", yaw_acceleration_time_s);
+  requirePositive("turning_speed_mps", turning_speed_mps);
+  requirePositive("max_measured_sigma_m", max_measured_sigma_m);
+  requirePositive("max_measured_sigma_deg", max_measured_sigma_deg);
+}
+
+DeadReckoning::DeadReckoning(const Params& params) : params_(params) { params_.validate(); }
+
+void DeadReckoning::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s) {
+  S_.setZero();
+  S_.diagonal().head<3>() = sigmas_mps.cwiseAbs2();
+  S_.diagonal().tail<3>() << params_.acceleration_mps2 * params_.acceleration_mps2,
+      Eigen::Vector2d::Constant(params_.lateral_acceleration_mps2 * params_.lateral_acceleration_mps2);
+  S_yaw_.setZero();
+  S_yaw_.diagonal() << yaw_rate_sigma_rad_s * yaw_rate_sigma_rad_s,
+      params_.yaw_acceleration_rad_s2 * params_.yaw_acceleration_rad_s2;
+  kept_ = 0.0;
+  observed_in_a_row_ = 0;
+  active_ = false;
+}
+
+bool DeadReckoning::observes(const Measured& measured) const {
+  const double max_sigma_rad = params_.observed_sigma_deg * kDegree;
+  return std::max(measured.R(0, 0), measured.R(1, 1)) <= params_.observed_sigma_m * params_.observed_sigma_m &&
+         measured.yaw_variance <= max_sigma_rad * max_sigma_rad;
+}
+
+bool DeadReckoning::settles(const Measured& measured) const {
+  return observes(measured) && (!active_ || observed_in_a_row_ + 1 >= params_.observed_sweeps);
+}
+
+void DeadReckoning::observed(const Measured& measured, double dt_s) {
+  const double two_poses = std::sqrt(2.0) / dt_s;
+  reset(Eigen::Vector3d::Zero(), two_poses * std::sqrt(measured.yaw_variance));
+  S_.topLeftCorner<3, 3>() = two_poses * two_poses * measured.R;
+}
+
+double DeadReckoning::yawAcceleration_rad_s2(double speed_mps) const {
+  const double slowness = std::min(1.0, params_.turning_speed_mps / std::max(speed_mps, 1e-3));
+  return params_.yaw_acceleration_rad_s2 * slowness * slowness;
+}
+
+DeadReckoning::Motion DeadReckoning::begin(const Motion& before, double dt_s) {
+  active_ = true;
+  const double kept = std::exp(-dt_s / params_.acceleration_time_s);
+  Matrix6d F = Matrix6d::Identity();
+  F.topRightCorner<3, 3>().diagonal().setConstant(dt_s);
+  F.bottomRightCorner<3, 3>().diagonal().setConstant(kept);
+  S_ = (F * S_ * F.transpose()).eval();
+  const double along = params_.acceleration_mps2, across = params_.lateral_acceleration_mps2;
+  S_.diagonal().tail<3>() += (1.0 - kept * kept) * Eigen::Vector3d(along * along, across * across, across * across);
+
+  const double yaw_kept = std::exp(-dt_s / params_.yaw_acceleration_time_s);
+  Eigen::Matrix2d F_yaw;
+  F_yaw << 1.0, dt_s, 0.0, yaw_kept;
+  S_yaw_ = (F_yaw * S_yaw_ * F_yaw.transpose()).eval();
+  const double yaw_acceleration = yawAcceleration_rad_s2(before.velocity_mps.norm());
+  S_yaw_(1, 1) += (1.0 - yaw_kept * yaw_kept) * yaw_acceleration * yaw_acceleration;
+
+  Motion motion;
+  motion.velocity_mps = before.velocity_mps + dt_s * before.acceleration_mps2;
+  motion.acceleration_mps2 = kept * before.acceleration_mps2;
+  motion.yaw_rate_rad_s = before.yaw_rate_rad_s + dt_s * before.yaw_acceleration_rad_s2;
+  motion.yaw_acceleration_rad_s2 = yaw_kept * before.yaw_acceleration_rad_s2;
+  return motion;
+}
+
+void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motion& motion) {
+  // along R's eigenvectors, so that unobserved directions can be left out completely
+  const auto eigen = symmetricEigen(measured.R);
+  for (int i = 0; i < 3; ++i) {
+    const double variance = eigen.eigenvalues()[i];
+    if (variance > params_.max_measured_sigma_m * params_.max_measured_sigma_m) continue;
+    Vector6d axis = Vector6d::Zero();
+    axis.head<3>() = eigen.eigenvectors().col(i);
+    const Vector6d S_axis = S_ * axis;
+    const Vector6d gain = S_axis / (axis.dot(S_axis) + 2.0 * variance / (dt_s * dt_s));
+    const double innovation = axis.head<3>().dot(measured.velocity_mps - motion.velocity_mps);
+    motion.velocity_mps += innovation * gain.head<3>();
+    motion.acceleration_mps2 += innovation * gain.tail<3>();
+    S_ -= (gain * S_axis.transpose()).eval();
+    S_ = (0.5 * (S_ + S_.transpose())).eval();
+    kept_ *= std::clamp(1.0 - gain[0] * axis[0], 0.0, 1.0);
+  }
+}
+
+void DeadReckoning::correctYawRate(const Measured& measured, double dt_s, Motion& motion) {
+  const double max_sigma_rad = params_.max_measured_sigma_deg * kDegree;
+  if (measured.yaw_variance > max_sigma_rad * max_sigma_rad) return;
+  const Eigen::Vector2d S_rate = S_yaw_.col(0);
+  const Eigen::Vector2d gain = S_rate / (S_rate[0] + 2.0 * measured.yaw_variance / (dt_s * dt_s));
+  const double innovation = measured.yaw_rate_rad_s - motion.yaw_rate_rad_s;
+  motion.yaw_rate_rad_s += innovation * gain[0];
+  motion.yaw_acceleration_rad_s2 += innovation * gain[1];
+  S_yaw_ -= gain * S_rate.transpose();
+}
+
+DeadReckoning::Motion DeadReckoning::coast(const Motion& before, double dt_s, const Measured* measured) {
+  kept_ = active_ ? 1.0 : 0.0;
+  observed_in_a_row_ = measured && observes(*measured) ? observed_in_a_row_ + 1 : 0;
+  Motion motion = begin(before, dt_s);
+  if (measured) {
+    correctVelocity(*measured, dt_s, motion);
+    correctYawRate(*measured, dt_s, motion);
+  }
+  return motion;
+}
+
+Eigen::Matrix4d DeadReckoning::incrementCovariance(double dt_s) const {
+  Eigen::Matrix4d added = Eigen::Matrix4d::Zero();
+  if (!active_) return added;
+  added.topLeftCorner<3, 3>() = dt_s * dt_s * S_.topLeftCorner<3, 3>();
+  added(3, 3) = dt_s * dt_s * S_yaw_(0, 0);
+  return added;
+}
+
+// Rates are means over an interval, extrapolated to its end with accelerations from one interval earlier: the rates are
+// three quarters of an interval old. Limited, because no driver accelerates or turns for longer, and because the
+// filter's sigma points must not turn around.
+Eigen::Matrix4d DeadReckoning::drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const {
+  const double bounded_s = std::min(dt_s, kLongestDriven_s);
+  const double per_acceleration = (0.5 * bounded_s + 0.75 * std::min(previous_dt_s, kLongestDriven_s)) * bounded_s;
+  const double along_m = params_.acceleration_mps2 * per_acceleration;
+  const double yaw_rad = std::min(yawAcceleration_rad_s2(speed_mps) * per_acceleration, kWidestDriven_rad);
+  const double across_m = speed_mps * bounded_s * yaw_rad / 3.0;  // the turn grows with the square of the time
+  Eigen::Matrix4d added = Eigen::Matrix4d::Zero();
+  added.diagonal() << along_m * along_m, across_m * across_m, 0.0, yaw_rad * yaw_rad;
+  return added;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,115 @@
+// The vehicle's motion while registration does not observe it (a tunnel, an open field). Not in the paper.
+//
+// Along an unobserved direction the poses are predictions; derivatives taken from them would feed back on themselves.
+// So a separate Kalman filter estimates velocity v and acceleration a (a: first-order Markov, standard deviation
+// `acceleration_mps2`, correlation time `acceleration_time_s`). A sweep's fused measurement with covariance R corrects
+// the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. The yaw rate
+// is treated the same way; the yaw acceleration decreases with speed, since fast bends are wide (`turning_speed_mps`).
+// A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
+// speedError() gives the accumulated covariance the size of the error along the road and how much of it persists.
+// Vectors: m, m/s, rad/s, in the axes of the current body (x forward, y left, z up). Cost: about 2 us.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "core/geometry/pose.hpp"
+#include "core/types/speed_error.hpp"
+
+namespace fail_aware {
+
+class DeadReckoning {
+ public:
+  struct Params {
+    /// largest sigma of R along and across the road with which poses give the velocity; 0.7 m/s from two poses at 10 Hz
+    double observed_sigma_m = 0.05;
+    double observed_sigma_deg = 0.15;  ///< the same for the heading
+    /// this many consecutive observed sweeps end the dead reckoning: then the windows of the derivatives are full
+    int observed_sweeps = 5;
+    double acceleration_mps2 = 0.7;           ///< standard deviation along the road
+    double lateral_acceleration_mps2 = 0.15;  ///< standard deviation of the components across the road and up
+    double acceleration_time_s = 1.5;         ///< correlation time of the acceleration: one push on a pedal
+    double yaw_acceleration_rad_s2 = 0.45;    ///< standard deviation up to turning_speed_mps
+    /// above this speed the yaw acceleration falls with the square of the speed; 0.45 rad/s at this speed is a lateral
+    /// acceleration of 3 m/s^2, about what drivers accept
+    double turning_speed_mps = 6.7;
+    /// correlation time of the yaw acceleration: one turn of the steering wheel
+    double yaw_acceleration_time_s = 0.5;
+    /// a measurement with a larger sigma does not correct the speed: the speed would have a sigma of 14 m/s at 10 Hz
+    double max_measured_sigma_m = 1.0;
+    double max_measured_sigma_deg = 3.0;  ///< the same for the yaw rate
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("acceleration_mps2", self.acceleration_mps2);
+      v("lateral_acceleration_mps2", self.lateral_acceleration_mps2);
+      v("yaw_acceleration_rad_s2", self.yaw_acceleration_rad_s2);
+    }
+    void validate() const;
+  };
+
+  struct Motion {
+    Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+    Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
+    double yaw_rate_rad_s = 0.0;
+    double yaw_acceleration_rad_s2 = 0.0;
+  };
+
+  /// The motion since the last estimate as one sweep measures it.
+  struct Measured {
+    Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
+    double yaw_rate_rad_s = 0.0;
+    Eigen::Matrix3d R = Eigen::Matrix3d::Zero();  ///< of the measured position, m^2
+    double yaw_variance = 0.0;                    ///< of the measured heading, rad^2
+  };
+
+  explicit DeadReckoning(const Params& params);
+
+  /// Forgets the motion; only its standard deviations are known.
+  void reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s);
+
+  /// Whether a measurement observes the motion on the road.
+  bool observes(const Measured& measured) const;
+
+  /// Whether this measurement ends the dead reckoning (or keeps it off). A single accurate pose between inaccurate ones
+  /// does not: velocity and acceleration from the poses before it would be noise.
+  bool settles(const Measured& measured) const;
+
+  /// From the first sweep that is not observed until `observed_sweeps` consecutive observed ones.
+  bool active() const { return active_; }
+
+  /// Finishes a sweep whose measurement settles().
+  void observed(const Measured& measured, double dt_s);
+
+  /// Finishes a sweep whose measurement does not settle, or that has none (null). `before` is the motion at the last
+  /// sweep; returns the motion now.
+  Motion coast(const Motion& before, double dt_s, const Measured* measured);
+
+  /// Covariance that the uncertain motion adds to the next increment (x y z, m^2; yaw, rad^2). Zero unless active.
+  Eigen::Matrix4d incrementCovariance(double dt_s) const;
+
+  /// The covariance that the driver's accelerations add to an increment over dt_s (x y z, m^2, and yaw, rad^2; active
+  /// or not). The motion comes from poses previous_dt_s apart, so it is old and stays uncorrected during the increment.
+  /// Limited to the value at 3 s and to 0.25 rad.
+  Eigen::Matrix4d drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const;
+
+  /// Of the last finished sweep, along the vehicle. Zero unless active.
+  SpeedError speedError() const { return active_ ? SpeedError{std::max(0.0, S_(0, 0)), kept_} : SpeedError(); }
+
+  Eigen::Matrix3d velocityCovariance() const { return S_.topLeftCorner<3, 3>(); }
+
+ private:
+  double yawAcceleration_rad_s2(double speed_mps) const;
+  Motion begin(const Motion& before, double dt_s);
+  void correctVelocity(const Measured& measured, double dt_s, Motion& motion);
+  void correctYawRate(const Measured& measured, double dt_s, Motion& motion);
+
+  Params params_;
+  Matrix6d S_ = Matrix6d::Zero();                    ///< of (velocity, acceleration)
+  Eigen::Matrix2d S_yaw_ = Eigen::Matrix2d::Zero();  ///< of (yaw rate, yaw acceleration)
+  int observed_in_a_row_ = 0;
+  double kept_ = 0.0;  ///< ratio of the previous sweep's speed error along the vehicle that persists
+  bool active_ = false;
+};
+
+}  // namespace fail_aware

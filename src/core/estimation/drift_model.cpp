@@ -1,0 +1,107 @@
+#include "core/estimation/drift_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kMaxPace = 5.0;
+constexpr double kNewMapDistance_m = 0.1;
+constexpr double kNewMapTilt_rad_per_m = 0.09;  // 0.1 deg where the position is off by 2 cm
+
+double squared(double value) { return value * value; }
+
+}  // namespace
+
+void DriftModel::Params::validate() const {
+  requireWithin("measured_ratio", measured_ratio, 0.0, 1.0);
+  requireWithin("unobserved_ratio", unobserved_ratio, 0.0, 1.0);
+  requireNotNegative("position_per_root_metre_m", position_per_root_metre_m);
+  requireNotNegative("tilt_per_root_metre_deg", tilt_per_root_metre_deg);
+  requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
+  requireNotNegative("heading_bias_deg_per_m", heading_bias_deg_per_m);
+  requireNotNegative("scale_bias", scale_bias);
+  requirePositive("slow_mps", slow_mps);
+  requireWithin("transient_ratio", transient_ratio, 0.0, 1e6);
+  requireWithin("transient_rotation_ratio", transient_rotation_ratio, 0.0, 1e6);
+  requireNotNegative("new_map_m", new_map_m);
+}
+
+DriftModel::Params DriftModel::Params::independent() {
+  Params params;
+  params.measured_ratio = 1.0;
+  params.unobserved_ratio = 1.0;
+  params.position_per_root_metre_m = 0.0;
+  params.tilt_per_root_metre_deg = 0.0;
+  params.heading_per_root_metre_deg = 0.0;
+  params.heading_bias_deg_per_m = 0.0;
+  params.scale_bias = 0.0;
+  params.transient_ratio = 1.0;
+  params.transient_rotation_ratio = 1.0;
+  params.new_map_m = 0.0;
+  return params;
+}
+
+Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
+  const auto share = [](double distance_m) { return std::min(1.0, distance_m / kNewMapDistance_m); };
+  const double variance_m2 = squared(params_.new_map_m) * std::max(0.0, share(to_m) - share(from_m));
+  Vector6d variances = Vector6d::Zero();
+  variances.head<3>().setConstant(variance_m2);
+  variances.segment<2>(3).setConstant(squared(kNewMapTilt_rad_per_m) * variance_m2);
+  return variances;
+}
+
+DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }
+
+// Of what is observed. The fourth power: on roads, u below 0.3, next to nothing; in the open, u of 0.4 to 1, the most.
+double DriftModel::accumulatedRatio(double unobserved_along) const {
+  return std::max(params_.measured_ratio, squared(squared(unobserved_along)));
+}
+
+// Of what stays open: on roads, u of 0.05 to 0.2, little more than the least; from an u of 0.4 on, all.
+double DriftModel::accumulatedRatioOfOpen(double unobserved_along) const {
+  constexpr double kOpen = 0.4;
+  const double openness = std::min(1.0, squared(unobserved_along / kOpen));
+  return params_.unobserved_ratio + (1.0 - params_.unobserved_ratio) * openness;
+}
+
+double DriftModel::pace(double distance_m, double dt_s) const {
+  return dt_s > 0.0 ? std::clamp(distance_m / (dt_s * params_.slow_mps), 1.0, kMaxPace) : 1.0;
+}
+
+Matrix6d DriftModel::accumulated(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
+                                 double pace) const {
+  const double u = unobservedAlong(increment, unobserved);
+  Matrix6d accumulated = accumulatedRatioOfOpen(u) * unobserved + accumulatedRatio(u) * (increment - unobserved);
+  const double walk_m = pace * pace * distance_m;
+  const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * walk_m;
+  accumulated.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * walk_m;
+  accumulated(3, 3) += tilt;
+  accumulated(4, 4) += tilt;
+  accumulated(5, 5) += squared(params_.heading_per_root_metre_deg * kDegree) * walk_m;
+  return accumulated;
+}
+
+Matrix6d DriftModel::transient(const Matrix6d& increment, const Matrix6d& unobserved) const {
+  Vector6d root;
+  root << Eigen::Vector3d::Constant(std::sqrt(params_.transient_ratio)),
+      Eigen::Vector3d::Constant(std::sqrt(params_.transient_rotation_ratio));
+  return 0.5 * (1.0 - accumulatedRatio(unobservedAlong(increment, unobserved))) *
+         (root.asDiagonal() * (increment - unobserved) * root.asDiagonal());
+}
+
+Eigen::Vector2d DriftModel::biasVariances() const {
+  return {squared(params_.heading_bias_deg_per_m * kDegree), squared(params_.scale_bias)};
+}
+
+double DriftModel::unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const {
+  if (!(increment(0, 0) > 0.0)) return 0.0;
+  return std::clamp(unobserved(0, 0) / increment(0, 0), 0.0, 1.0);
+}
+
+}  // namespace fail_aware

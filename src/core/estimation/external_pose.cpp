@@ -1,0 +1,96 @@
+#include "core/estimation/external_pose.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/estimation/odometry_covariance.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kUnmeasuredVariance_rad2 = 1e4;
+
+}  // namespace
+
+bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRightCorner<3, 3>().isZero(0.0); }
+
+std::string unusableReason(const ExternalPose& pose) {
+  if (!std::isfinite(pose.stamp_s) || !isFinite(pose.T_odom_base)) return "the pose is not finite";
+  if (pose.T_odom_base.translation().cwiseAbs().maxCoeff() > kFarthestPose_m) return "the position is beyond 1e9 m";
+  const Matrix6d& C = pose.covariance;
+  if (!C.allFinite()) return "the covariance is not finite";
+  const double scale = C.cwiseAbs().maxCoeff();
+  if (scale > kLargestVariance) return "the covariance is above 1e12: that is no measurement";
+  if (scale == 0.0) return "the covariance is all zero: it must say how good the pose is";
+  if (!(C - C.transpose()).isZero(1e-6 * scale)) return "the covariance is not symmetric";
+  const Eigen::Matrix3d position = C.topLeftCorner<3, 3>();
+  if (!(symmetricEigen(position).eigenvalues()[0] > 0.0)) {
+    return "the position's covariance is not positive";
+  }
+  if (!rotationMeasured(C)) return "";
+  if (!(symmetricEigenvalues(C)[0] > 0.0)) return "the covariance is not positive";
+  return "";
+}
+
+Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
+                                const Vector6d& twist_cog, const Pose& T_base_cog, double speed_sigma) {
+  const Vector6d motion = (stamp_s - pose.stamp_s) * twist_cog;
+  const Pose T_then_now = expSe3(motion);
+  const bool rotation_measured = rotationMeasured(pose.covariance);
+  Pose T_odom_base = pose.T_odom_base;
+  if (!rotation_measured) {
+    T_odom_base.linear() = (T_odom_cog_predicted * T_then_now.inverse() * T_base_cog.inverse()).linear();
+  }
+  const Pose T_base_now = T_base_cog * T_then_now;
+  Measurement measurement;
+  measurement.status = MeasurementStatus::kOk;
+  measurement.T_odom_cog = T_odom_base * T_base_now;
+  measurement.covariance = pose.covariance;
+  if (rotation_measured) {
+    measurement.covariance = covarianceAfterOffset(pose.covariance, T_odom_base, T_base_now);
+    const double sigma_rad = speed_sigma * motion.tail<3>().norm();
+    measurement.covariance.diagonal().tail<3>().array() += sigma_rad * sigma_rad;
+  } else {
+    measurement.covariance.rightCols<3>().setZero();
+    measurement.covariance.bottomRows<3>().setZero();
+    measurement.covariance.diagonal().tail<3>().setConstant(kUnmeasuredVariance_rad2);
+  }
+  const double sigma_m = speed_sigma * motion.head<3>().norm();
+  measurement.covariance.diagonal().head<3>().array() += sigma_m * sigma_m;
+  return measurement;
+}
+
+void ExternalPoseBuffer::push(const ExternalPose& pose) {
+  if (!poses_.empty() && pose.stamp_s < poses_.back().stamp_s) poses_.clear();
+  poses_.push_back(pose);
+  if (poses_.size() > capacity_) poses_.pop_front();
+}
+
+std::optional<ExternalPose> ExternalPoseBuffer::takeNearest(double stamp_s, double tolerance_s) {
+  const auto nearest = std::min_element(poses_.begin(), poses_.end(), [&](const auto& a, const auto& b) {
+    return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
+  });
+  if (nearest == poses_.end() || std::abs(nearest->stamp_s - stamp_s) > tolerance_s) return std::nullopt;
+  const ExternalPose found = *nearest;
+  poses_.erase(poses_.begin(), nearest + 1);
+  return found;
+}
+
+std::string ExternalPoseSource::offer(const ExternalPose& pose) {
+  std::string reason = unusableReason(pose);
+  if (reason.empty()) poses_.push(pose);
+  return reason;
+}
+
+std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
+  if (!prediction.motionKnown()) return std::nullopt;
+  const std::optional<ExternalPose> pose = poses_.takeNearest(prediction.stamp_s, tolerance_s_);
+  const std::optional<Vector6d> twist =
+      twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
+  if (!pose || !twist) return std::nullopt;
+  return externalMeasurement(*pose, prediction.stamp_s, prediction.T_odom_cog, *twist, T_base_cog);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,68 @@
+// Poses from elsewhere (GPS, visual odometry) that join the fusion: each has a stamp of its own, not a sweep's.
+//
+// The one nearest to the sweep's stamp within a tolerance is moved there by the vehicle's twist and becomes a
+// measurement of the centre of gravity. Each is used for one sweep at most. Nothing waits for them.
+// Inputs: base_link in odom; covariance in geometry/pose.hpp's convention (m, rad). A rotation block that is all zero
+// means "rotation not measured". Failure is data: a pose that is not finite, or whose covariance is none, or that is out
+// of all proportion (beyond 1e9 m, a variance above 1e12), has a reason.
+// Cost: microseconds.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "core/estimation/largest_values.hpp"
+#include "core/geometry/pose.hpp"
+#include "core/types/measurement.hpp"
+#include "core/types/sweep_prediction.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
+
+namespace fail_aware {
+
+/// False: the rotation block is all zero.
+bool rotationMeasured(const Matrix6d& covariance);
+
+/// Why it cannot be used; empty if it can.
+std::string unusableReason(const ExternalPose& pose);
+
+/// The centre of gravity at stamp_s, the vehicle moving on with this twist (m/s, rad/s; of the centre of gravity, in
+/// its own axes); the motion between counts as known to speed_sigma of its length. A rotation that was not measured is
+/// the predicted one, with a variance that no fusion listens to.
+Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
+                                const Vector6d& twist_cog, const Pose& T_base_cog, double speed_sigma = 0.1);
+
+/// The last few poses of one source, by stamp. Bounded: the oldest give way.
+class ExternalPoseBuffer {
+ public:
+  explicit ExternalPoseBuffer(std::size_t capacity = 100) : capacity_(capacity) {}
+
+  /// A stamp before the newest means that its source began anew: what came before is forgotten.
+  void push(const ExternalPose& pose);
+  /// The nearest in time, if within tolerance_s; it and what is older are used up.
+  std::optional<ExternalPose> takeNearest(double stamp_s, double tolerance_s);
+  void clear() { poses_.clear(); }
+
+ private:
+  std::size_t capacity_;
+  std::deque<ExternalPose> poses_;
+};
+
+/// One source of such poses.
+class ExternalPoseSource {
+ public:
+  explicit ExternalPoseSource(double tolerance_s = 0.1) : tolerance_s_(tolerance_s) {}
+
+  /// Why the pose cannot be used; empty: it waits for its sweep.
+  std::string offer(const ExternalPose& pose);
+  /// For a sweep; nothing if no pose is near it. While no motion is known there is nothing to move a pose with: it waits.
+  std::optional<Measurement> measure(const SweepPrediction& prediction, const Pose& T_base_cog);
+  void clear() { poses_.clear(); }
+
+ private:
+  double tolerance_s_;
+  ExternalPoseBuffer poses_;
+};
+
+}  // namespace fail_aware

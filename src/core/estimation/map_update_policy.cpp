@@ -1,0 +1,71 @@
+#include "core/estimation/map_update_policy.hpp"
+
+#include <algorithm>
+
+namespace fail_aware {
+
+namespace {
+
+constexpr int kMaxSkippedSweeps = 10;  // consecutive; one more means that the reference is out of sight
+constexpr int kMaxHeldSweeps = 10;     // consecutive; the last one restarts the reference
+
+bool isThere(const FusionInput& input) { return input.measurement != nullptr; }
+
+bool isOfAnIcp(const FusionInput& input) {
+  return isThere(input) && (input.name == kIcpPointToPoint || input.name == kIcpPointToPlane);
+}
+
+// There are measurements of that kind, and none of them had a reference.
+bool haveNoReference(const std::vector<FusionInput>& inputs, bool (*isOfThose)(const FusionInput&)) {
+  bool any = false;
+  for (const FusionInput& input : inputs) {
+    if (!isOfThose(input)) continue;
+    if (input.measurement->status != MeasurementStatus::kNoReference) return false;
+    any = true;
+  }
+  return any;
+}
+
+// A source without a message or without points did not search.
+bool wasSought(const FusionInput& input) {
+  return isThere(input) &&
+         (input.measurement->iterations > 0 || input.measurement->status == MeasurementStatus::kNotConverged);
+}
+
+// Every ICP that answered searched once and found almost no pairs: the references do not hold what the sweep shows.
+bool showsOtherThings(const std::vector<FusionInput>& inputs) {
+  bool any = false;
+  for (const FusionInput& input : inputs) {
+    if (!isOfAnIcp(input)) continue;
+    const Measurement& measurement = *input.measurement;
+    if (measurement.status != MeasurementStatus::kTooFewPoints || measurement.iterations != 1) return false;
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& measurements, const Sweep& sweep) {
+  Decision decision;
+  decision.begins = !started_ || (!sweep.motion_known && haveNoReference(measurements, isThere));
+  const bool joins = sweep.motion_known && sweep.follows && showsOtherThings(measurements);
+  if (decision.begins || sweep.observed || joins) {
+    decision.update = MapUpdate::kInsert;
+    skipped_sweeps_ = 0;
+  } else if (std::any_of(measurements.begin(), measurements.end(), wasSought) &&
+             ++skipped_sweeps_ > kMaxSkippedSweeps) {
+    skipped_sweeps_ = 0;
+    decision.out_of_sight = true;
+  }
+  held_sweeps_ = sweep.velocity_unobservable ? held_sweeps_ + 1 : 0;
+  const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isOfAnIcp);
+  const bool spoilt = held_sweeps_ >= kMaxHeldSweeps;
+  if (spoilt || icps_began) held_sweeps_ = 0;
+  if (decision.out_of_sight || spoilt || icps_began) decision.update = MapUpdate::kRestart;
+  started_ = true;
+  pose_set_ = false;
+  return decision;
+}
+
+}  // namespace fail_aware

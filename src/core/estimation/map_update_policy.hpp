@@ -1,0 +1,54 @@
+// Decides whether the references (local map, past corners) insert a sweep, skip it or restart. Not in the paper.
+//
+// Insert, if one of these holds:
+// - the sweep is measured, including roll and pitch;
+// - a reference begins with it: the first sweep, and, before a motion is known, a sweep that had no reference to
+//   register against;
+// - the sweep follows a measured one, so its prediction is good, and shows what the references do not hold: the other
+//   half of a revolution.
+// Restart, at an estimate whose error stays in every later pose:
+// - after consecutive sweeps that were registered and fitted nowhere: the reference is out of sight;
+// - after consecutive sweeps in which the velocity was unobservable: the inserted ones spoil the reference;
+// - when both ICPs have no reference, unless a pose was set: setting a pose moves odom, and both ICPs must begin again.
+//   If only one ICP has no reference, its nodelet was restarted.
+// Skip: every other sweep.
+// Cost: under 1 us a sweep.
+#pragma once
+
+#include <vector>
+
+#include "core/types/fusion_input.hpp"
+#include "core/types/map_update.hpp"
+
+namespace fail_aware {
+
+class MapUpdatePolicy {
+ public:
+  struct Sweep {
+    bool motion_known = false;           ///< SweepPrediction::motionKnown()
+    bool observed = false;               ///< corrected by a measurement that observes roll and pitch
+    bool velocity_unobservable = false;  ///< ConsistencyMonitor::Inflation's, of the last corrected sweep
+    bool follows = false;                ///< the last sweep was measured, and the interval to it is not long
+  };
+
+  struct Decision {
+    MapUpdate update = MapUpdate::kSkip;
+    bool begins = false;        ///< there was no reference before
+    bool out_of_sight = false;  ///< reason of the restart
+  };
+
+  Decision add(const std::vector<FusionInput>& measurements, const Sweep& sweep);
+
+  /// odom was moved under the vehicle since the last sweep.
+  void setPose() { pose_set_ = true; }
+
+  void clear() { *this = MapUpdatePolicy(); }
+
+ private:
+  bool started_ = false;
+  bool pose_set_ = false;
+  int skipped_sweeps_ = 0;  ///< consecutive, registered against the reference without success
+  int held_sweeps_ = 0;     ///< consecutive, velocity unobservable
+};
+
+}  // namespace fail_aware

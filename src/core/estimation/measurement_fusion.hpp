@@ -1,0 +1,69 @@
+// Fuses the measurements of one sweep into one (paper, section "Fusion Algorithm").
+//
+// Inputs: the filter's predicted state (x y z roll pitch yaw of the CoG in odom; m, rad), its covariance P~ (of that
+// state vector), and any number of measurements (pose and covariance in geometry/pose.hpp's convention, converted here
+// to the state vector's). All outputs are of the state vector.
+//
+// literal (the article): d_i = sqrt(dx^2/sxx^2 + dy^2/syy^2) with gate_sigma times the sigmas of P~, w_i = |d_i - 1|
+// for d_i <= 1, else 0; z = x~ + sum w_i (z_i - x~) / sum w_i; R = diag(sum w_i R_i / sum w_i).
+// default: d_i is the Mahalanobis distance under P~_xy + R_i,xy and w_i = 1 - d_i / gate_sigma. With v_i = w_i / sum w:
+//   R = (sum v_i R_i^-1)^-1,  z = R sum v_i R_i^-1 z_i     (covariance intersection)
+// Since sum v_i = 1, measurements that share a sweep's errors do not shrink R, and a direction that a measurement does
+// not observe (huge variance) is left to the others. If every measurement is outside its gate but two or more agree
+// with each other, the prediction is what is wrong: the largest group that agrees is fused with equal weights, flagged.
+//
+// Disagreement. One that is gated out is outvoted, and its disagreement decides nothing, if more of those that are used
+// speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
+// One inside its gate that is outnumbered in this way, by those of greater weight, counts by its weight.
+// Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are: their
+// sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
+// An external one abstains as long as its covariance bears the other out (FusionInput::external).
+//
+// Failure: `has_measurement` false (nothing usable, all gated out, prediction unusable); z, R are then the prediction
+// (zero and identity where that is unusable).
+// Measurements that are ok but not finite, not a covariance or at gimbal lock are ignored and counted.
+// Cost: O(n) 6x6 eigendecompositions, about 15 us for three inputs.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose.hpp"
+#include "core/types/fusion_input.hpp"
+#include "core/types/fusion_result.hpp"
+
+namespace fail_aware {
+
+inline constexpr double kFarthestOff_m = 1e5;  ///< from the prediction: a car is no farther off after an hour
+
+class MeasurementFusion {
+ public:
+  struct Params {
+    bool literal = false;               ///< the article's formula
+    double gate_sigma = 3.0;            ///< semi-axes of the gate's ellipse in standard deviations (article: 1)
+    double min_weight = 0.01;           ///< default formula: less than this counts as outside the gate
+    double agreement_distance_m = 0.2;  ///< default formula: two measurements agree within this, widened by their R
+    double agreement_yaw_deg = 1.0;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("literal", self.literal);
+      v("gate_sigma", self.gate_sigma);
+      v("min_weight", self.min_weight);
+      v("agreement_distance_m", self.agreement_distance_m);
+      v("agreement_yaw_deg", self.agreement_yaw_deg);
+    }
+    void validate() const;
+  };
+
+  /// Throws ParameterError.
+  explicit MeasurementFusion(const Params& params);
+
+  FusionResult fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
+                    const std::vector<FusionInput>& inputs) const;
+
+ private:
+  Params params_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,159 @@
+#include "core/estimation/motion_tracker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/estimation/largest_values.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
+
+}  // namespace
+
+MotionTracker::MotionTracker(const Limits& limits, const DeadReckoning::Params& dead_reckoning,
+                             const MotionHistory::Params& history, const RoadPlaneEstimator& road)
+    : limits_(limits), dead_reckoning_(dead_reckoning), history_(history), road_(road) {}
+
+void MotionTracker::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s) {
+  history_.clear();
+  motion_ = MotionDerivatives();
+  dead_reckoning_.reset(sigmas_mps, yaw_rate_sigma_rad_s);
+  road_.clear();
+  last_measured_ = previous_measured_ = false;
+  velocity_unobservable_ = velocity_was_unobservable_ = false;
+}
+
+void MotionTracker::setPose(const Vector6d& before, const Vector6d& after, const Pose& T_new_old) {
+  history_.move(T_new_old);
+  road_.turn(T_new_old.linear());
+  const Eigen::Matrix3d rates_after_before =
+      fixedAxisFromRpyRates(after.tail<3>()).inverse() * T_new_old.linear() * fixedAxisFromRpyRates(before.tail<3>());
+  motion_.rpy_rates_rad_s = rates_after_before * motion_.rpy_rates_rad_s;
+  motion_.rpy_accelerations_rad_s2 = rates_after_before * motion_.rpy_accelerations_rad_s2;
+}
+
+void MotionTracker::setVelocityUnobservable(bool velocity_unobservable, bool corrected) {
+  velocity_was_unobservable_ = velocity_unobservable_;
+  if (corrected) velocity_unobservable_ = velocity_unobservable;
+}
+
+void MotionTracker::update(const Sweep& sweep) {
+  if (sweep.forget_history) history_.clear();
+  previous_measured_ = last_measured_;
+  last_measured_ = sweep.measured;
+  if (sweep.measured) remember(sweep);
+  updateMotion(sweep);
+  if (sweep.measured) road_.update(sweep.state.time_s(), sweep.x, motion_);
+}
+
+// Stores the pose in the sweep's middle, moved there with the motion that the sweep was deskewed with.
+void MotionTracker::remember(const Sweep& sweep) {
+  const FilterState& state = sweep.state;
+  const SweepPrediction& prediction = sweep.prediction;
+  const double middle_s = sweep.middle_s;
+  newest_middle_s_ = 0.0;
+  Pose T_odom_cog = state.T_odom_cog;
+  // the first motion was found over more than one interval and is not the motion of the last one
+  const bool knows_motion = prediction.motionKnown() || previous_measured_;
+  if (state.measurement_applied && knows_motion && state.dt_s > 0.0 && std::isfinite(middle_s)) {
+    const Pose T_previous_now = prediction.motionKnown()
+                                    ? prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog
+                                    : state.T_previous_now;  // the motion that the search found
+    T_odom_cog = T_odom_cog * expSe3(logSe3(T_previous_now) * (middle_s / state.dt_s));
+    newest_middle_s_ = middle_s;
+  }
+  history_.push(state.time_s() + newest_middle_s_, T_odom_cog);
+}
+
+// Extrapolated from the newest sweep's middle to its stamp; z, roll and pitch are not, as in the history.
+MotionDerivatives MotionTracker::historyDerivatives() const {
+  MotionDerivatives motion = history_.derivatives();
+  motion.velocity_body_mps.head<2>() -= newest_middle_s_ * motion.acceleration_body_mps2.head<2>();
+  motion.rpy_rates_rad_s.z() -= newest_middle_s_ * motion.rpy_accelerations_rad_s2.z();
+  return motion;
+}
+
+DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const {
+  const FilterState& state = sweep.state;
+  const SweepPrediction& prediction = sweep.prediction;
+  const Eigen::Matrix3d R_odom_body = state.T_odom_cog.linear();
+  const Pose T_previous_measured = prediction.T_odom_cog_previous.inverse() * poseFromVector(state.fusion.z);
+  const double yaw_previous_rad = rpyFromRotation(prediction.T_odom_cog_previous.linear()).z();
+  DeadReckoning::Measured measured;
+  if (previous_measured_) {
+    measured.velocity_mps = logSe3(T_previous_measured).head<3>() / state.dt_s;
+    measured.yaw_rate_rad_s = wrapAngle(state.fusion.z[5] - yaw_previous_rad) / state.dt_s;
+  } else {  // an increment from a prediction includes the prediction's error; one from a measured pose does not
+    measured.velocity_mps = historyDerivatives().velocity_body_mps;
+    measured.yaw_rate_rad_s = historyDerivatives().rpy_rates_rad_s.z();
+  }
+  measured.R = R_odom_body.transpose() * poseCovarianceFromState(state.fusion.R, state.fusion.z).topLeftCorner<3, 3>() *
+               R_odom_body;
+  measured.yaw_variance = state.fusion.R(5, 5);
+  return measured;
+}
+
+void MotionTracker::coast(const MotionDerivatives& last, double dt_s, const DeadReckoning::Measured* measured) {
+  DeadReckoning::Motion before;
+  before.velocity_mps = last.velocity_body_mps;
+  before.yaw_rate_rad_s = last.rpy_rates_rad_s.z();
+  if (measured) {
+    before.acceleration_mps2 = last.acceleration_body_mps2;
+    before.yaw_acceleration_rad_s2 = last.rpy_accelerations_rad_s2.z();
+  }
+  const DeadReckoning::Motion motion = dead_reckoning_.coast(before, dt_s, measured);
+  motion_.velocity_body_mps = motion.velocity_mps;
+  motion_.acceleration_body_mps2 = motion.acceleration_mps2;
+  motion_.rpy_rates_rad_s.z() = motion.yaw_rate_rad_s;
+  motion_.rpy_accelerations_rad_s2.z() = motion.yaw_acceleration_rad_s2;
+}
+
+// The heading stays weakly observed when the speed is not: everything in sight turns about the vehicle.
+DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
+  DeadReckoning::Measured measured = measuredMotion(sweep);
+  measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
+  measured.yaw_variance += kDoubtfulTurn_rad * kDoubtfulTurn_rad;
+  return measured;
+}
+
+void MotionTracker::updateMotion(const Sweep& sweep) {
+  const FilterState& state = sweep.state;
+  const MotionDerivatives last = motion_;
+  const bool told =
+      state.measurement_applied && !state.clock_jump && !velocity_unobservable_ && !velocity_was_unobservable_;
+  if (told) {
+    motion_ = historyDerivatives();
+  } else {
+    motion_.rpy_accelerations_rad_s2.setZero();
+    motion_.rpy_rates_rad_s.head<2>().setZero();
+    motion_.acceleration_body_mps2.setZero();
+  }
+  if (state.dt_s > 0.0) {
+    if (!state.measurement_applied) {
+      coast(last, state.dt_s, nullptr);
+    } else if (!state.clock_jump && (velocity_unobservable_ || velocity_was_unobservable_)) {
+      MotionDerivatives steady = last;
+      steady.acceleration_body_mps2.setZero();
+      const DeadReckoning::Measured turn = measuredTurn(sweep);
+      coast(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
+    } else if (told) {
+      const DeadReckoning::Measured measured = measuredMotion(sweep);
+      if (dead_reckoning_.settles(measured)) {
+        dead_reckoning_.observed(measured, state.dt_s);
+      } else {
+        coast(last, state.dt_s, &measured);
+      }
+    }
+  }
+  const double speed = motion_.velocity_body_mps.norm();
+  if (speed > limits_.max_speed_mps) motion_.velocity_body_mps *= limits_.max_speed_mps / speed;
+  double& yaw_rate = motion_.rpy_rates_rad_s.z();
+  yaw_rate = std::clamp(yaw_rate, -limits_.max_yaw_rate_rps, limits_.max_yaw_rate_rps);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,302 @@
+#include "core/estimation/pose_filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/estimation/increment_covariance.hpp"
+#include "core/estimation/largest_values.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/geometry/matrix6.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
+constexpr double kInitialYawRate_rad_s = 0.3;
+constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over several sweeps
+constexpr double kDoubtfulRate_rad_s = 0.1;
+// Times the prediction's variance; with a larger variance a measurement leaves roll and pitch open.
+constexpr double kOpenVariance = 4.0;
+
+// Whether roll and pitch are observed. A measurement that leaves them at the prediction (the corners are seen from
+// above) must not turn the reference: everything that is later measured in it would tilt with it.
+bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
+  return fusion.R(3, 3) < kOpenVariance * predicted_P(3, 3) && fusion.R(4, 4) < kOpenVariance * predicted_P(4, 4);
+}
+
+std::optional<double> planesFittingRatio(const std::vector<FusionInput>& inputs) {
+  const auto planes = std::find_if(inputs.begin(), inputs.end(), [](const FusionInput& input) {
+    return input.name == kIcpPointToPlane && input.measurement != nullptr && input.measurement->ok();
+  });
+  if (planes == inputs.end()) return std::nullopt;
+  return planes->measurement->inlier_ratio;
+}
+
+// False for an empty sweep or without an answer from the ICPs: the next sweep would have nothing to register against.
+bool isUsableStart(const std::vector<FusionInput>& inputs) {
+  const auto is_icp = [](const FusionInput& input) {
+    return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane;
+  };
+  const auto has_points = [&](const FusionInput& input) {
+    return is_icp(input) && input.measurement != nullptr &&
+           input.measurement->status != MeasurementStatus::kTooFewPoints;
+  };
+  return std::none_of(inputs.begin(), inputs.end(), is_icp) || std::any_of(inputs.begin(), inputs.end(), has_points);
+}
+
+/// The covariance P of the state `from` after odom is turned by R_new_old; then the same body has the state `to`.
+Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
+  const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
+  const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
+  const Matrix6d turned = J_inverse * pose_covariance * J_inverse.transpose();
+  return 0.5 * (turned + turned.transpose());
+}
+
+}  // namespace
+
+void PoseFilter::Params::validate() const {
+  requireNotNegative("initial_speed_sigma_mps", initial_speed_sigma_mps);
+  requirePositive("initial_sigma_m", initial_sigma_m);
+  requirePositive("initial_sigma_deg", initial_sigma_deg);
+  requirePositive("max_speed_mps", max_speed_mps);
+  requirePositive("max_yaw_rate_rps", max_yaw_rate_rps);
+  requirePositive("increment_scale", increment_scale);
+  requirePositive("dead_reckoning_increment_factor", dead_reckoning_increment_factor);
+  requireNotNegative("increment_floor_m", increment_floor_m);
+  requireNotNegative("increment_per_metre_m", increment_per_metre_m);
+  requireNotNegative("increment_floor_deg", increment_floor_deg);
+  consistency.validate();
+  dead_reckoning.validate();
+}
+
+PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
+                       const MotionHistory::Params& history, const RoadPlaneEstimator::Params& road,
+                       const MeasurementFusion::Params& fusion)
+    : params_(params),
+      model_(model),
+      ukf_(ukf),
+      fusion_(fusion),
+      motion_({params.max_speed_mps, params.max_yaw_rate_rps}, params.dead_reckoning, history,
+              RoadPlaneEstimator(model.vehicle(), road)),
+      consistency_(params.consistency) {
+  params_.validate();
+  reset(Pose::Identity());
+}
+
+void PoseFilter::reset(const Pose& T_odom_cog) {
+  Vector6d sigmas;
+  sigmas.head<3>().setConstant(params_.initial_sigma_m);
+  sigmas.tail<3>().setConstant(params_.initial_sigma_deg * kDegree);
+  ukf_.reset(vectorFromPose(T_odom_cog), sigmas.cwiseAbs2().asDiagonal());
+  motion_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
+  started_ = false;
+  consistency_.clear();
+  map_update_policy_.clear();
+  corrected_sweeps_ = 0;
+  prediction_ = SweepPrediction();
+  const int odom_reset_count = state_.odom_reset_count;
+  state_ = FilterState();
+  state_.odom_reset_count = odom_reset_count;
+  state_.T_odom_cog = T_odom_cog;
+  state_.covariance = ukf_.covariance();
+}
+
+bool PoseFilter::setPose(const Pose& T_odom_cog) {
+  if (!isFinite(T_odom_cog)) return false;
+  const Vector6d before = ukf_.state(), after = vectorFromPose(T_odom_cog);
+  const Pose T_new_old = T_odom_cog * poseFromVector(before).inverse();
+  const Matrix6d P = turned(ukf_.covariance(), before, after, T_new_old.linear());
+  if (!ukf_.reset(after, P)) return false;
+  motion_.setPose(before, after, T_new_old);
+
+  const Vector6d z = state_.fusion.z;
+  state_.fusion.z = vectorFromPose(T_new_old * poseFromVector(z));
+  state_.fusion.R = turned(state_.fusion.R, z, state_.fusion.z, T_new_old.linear());
+  state_.T_odom_cog = T_odom_cog;
+  state_.covariance = ukf_.covariance();
+  state_.sigma_yaw_rad = std::sqrt(state_.covariance(5, 5));
+  ++state_.odom_reset_count;
+  map_update_policy_.setPose();
+  consistency_.clear();
+  return true;
+}
+
+bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
+  const double dt = secondsBetween(state_.time_s(), time.time_s());
+  if (!std::isfinite(time.time_s()) || (started_ && dt <= 0.0)) return false;
+  prediction_ = SweepPrediction();
+  prediction_.stamp_s = time.stamp_s;
+  prediction_.stamp_error_s = time.error_s;
+  prediction_.period_s = time.period_s;
+  prediction_.set_back_s = time.set_back_s;
+  interval_sigma_s_ = time.interval_sigma_s;
+  prediction_.T_odom_cog_previous = state_.T_odom_cog;
+  prediction_.odom_reset_count = state_.odom_reset_count;
+  if (started_) {
+    prediction_.dt_s = dt;
+    prediction_.motion_status = state_.motion_status;
+    Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
+    const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
+    const auto inOdom = [&](const Eigen::Matrix4d& increment) -> Eigen::Matrix3d {  // the position's covariance
+      return R_odom_body * increment.topLeftCorner<3, 3>() * R_odom_body.transpose();
+    };
+    double uncertain_yaw = 0.0;
+    if (!prediction_.motionKnown()) {
+      // only the speed along the road is unknown
+      const double sigma = params_.initial_speed_sigma_mps * dt;
+      const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
+      Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
+    } else if (motion_.dead_reckoning().active()) {
+      const Eigen::Matrix4d uncertain = motion_.dead_reckoning().incrementCovariance(dt);
+      Q.topLeftCorner<3, 3>() += inOdom(uncertain);
+      uncertain_yaw = uncertain(3, 3);
+    }
+    if (prediction_.motionKnown() && interval_sigma_s_ > 0.0) {  // the distance is as uncertain as the interval
+      const Eigen::Vector3d way = R_odom_body * motion_.motion().velocity_body_mps * interval_sigma_s_;
+      const double turn_rad = motion_.motion().rpy_rates_rad_s.z() * interval_sigma_s_;
+      Q.topLeftCorner<3, 3>() += way * way.transpose();
+      Q(5, 5) += turn_rad * turn_rad;
+    }
+    process_noise_ = Q;
+    // not in the filter's Q: an uncertain heading would shorten the unscented mean of every step
+    process_noise_(5, 5) += uncertain_yaw;
+    if (prediction_.motionKnown() && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
+      const Eigen::Matrix4d driven =
+          motion_.dead_reckoning().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
+      Q.topLeftCorner<3, 3>() += inOdom(driven);
+      Q(5, 5) += driven(3, 3);
+    }
+    if (!state_.measurement_applied) {
+      // Roll and pitch stay close to the road: P gains at most one step's noise. Accumulated over many sweeps it would
+      // shorten the unscented mean of every step by cos(pitch), a tenth of the speed.
+      const Matrix6d& P = ukf_.covariance();
+      for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - P(i, i));
+    }
+    ukf_.predict([&](const Vector6d& x) { return model_.predict(x, motion_.motion(), dt, motion_.roadPlane()); }, Q);
+  }
+  prediction_.T_odom_cog = poseFromVector(ukf_.state());
+  prediction_.covariance = poseCovarianceFromState(ukf_.covariance(), ukf_.state());
+  prediction_.sigma_yaw_rad = std::sqrt(ukf_.covariance()(5, 5));
+  prediction = prediction_;
+  return true;
+}
+
+const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements, double middle_s) {
+  const Pose T_odom_cog_previous = state_.T_odom_cog;
+  FilterState next;
+  next.stamp_s = prediction_.stamp_s;
+  next.stamp_error_s = prediction_.stamp_error_s;
+  next.dt_s = prediction_.dt_s;
+  next.set_back_s = prediction_.set_back_s;
+  next.odom_reset_count = state_.odom_reset_count;
+  next.started = started_ || isUsableStart(measurements);
+  const Matrix6d predicted_P = ukf_.covariance();
+  std::vector<FusionInput> inputs = measurements;
+  const Vector6d predicted = ukf_.state();
+  const bool doubted = doubtPrediction(inputs);
+  next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), inputs);
+  if (next.fusion.has_measurement) {
+    next.measurement_applied = ukf_.correct(next.fusion.z, next.fusion.R);
+    next.filter_nis = ukf_.nis();
+  }
+  next.clock_jump = doubted && next.measurement_applied;
+  next.fusion.prediction_overruled = next.fusion.prediction_overruled || next.clock_jump;
+  next.T_odom_cog = poseFromVector(ukf_.state());
+  next.covariance = ukf_.covariance();
+  next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
+  if (started_) {
+    next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
+    const double factor = motion_.dead_reckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
+    setIncrementCovariance({params_.increment_floor_m, params_.increment_per_metre_m, params_.increment_floor_deg},
+                           process_noise_, params_.increment_scale * factor, prediction_, next);
+    const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() &&
+                             next.dt_s <= kLongInterval_s && (motion_.lastMeasured() || motion_.previousMeasured());
+    const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
+    motion_.setVelocityUnobservable(addInflation(inputs, innovation, next), next.measurement_applied);
+  }
+  if (!next.started) {
+    state_ = next;
+    return state_;
+  }
+  if (next.measurement_applied || !started_) ++corrected_sweeps_;
+  MapUpdatePolicy::Sweep sweep;
+  sweep.motion_known = prediction_.motionKnown();
+  sweep.follows = motion_.lastMeasured() && next.dt_s <= kLongInterval_s;
+  sweep.observed = next.measurement_applied && observesTilt(next.fusion, predicted_P);
+  sweep.velocity_unobservable = motion_.velocityUnobservable();
+  const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
+  next.map_update = map.update;
+  if (map.out_of_sight) consistency_.clear();
+  const bool measured = next.measurement_applied || map.begins;
+  started_ = true;
+  state_ = next;
+  const bool forget_history = map.begins || next.clock_jump || motion_.velocityObservableAgain();
+  motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
+  if (state_.dt_s > 0.0) state_.speed_error = motion_.dead_reckoning().speedError();
+  state_.motion_status = motionStatus();
+  return state_;
+}
+
+MotionStatus PoseFilter::motionStatus() const {
+  if (corrected_sweeps_ < 2) return MotionStatus::kUnknown;  // the first sweep defines the start pose
+  const bool observed = state_.measurement_applied && prediction_.motionKnown() && !motion_.dead_reckoning().active();
+  return observed ? MotionStatus::kObserved : MotionStatus::kDeadReckoning;
+}
+
+FilterState PoseFilter::stateAsDriven() const {
+  FilterState state = state_;
+  if (!prediction_.motionKnown() && !state.measurement_applied) state.dt_s = 0.0;
+  if (!state.clock_jump) return state;
+  state.dt_s = std::min(state.dt_s, kLongInterval_s);  // the vehicle turns by less than half a turn within it
+  Vector6d twist_cog;
+  twist_cog << motion_.motion().velocity_body_mps, 0.0, 0.0, motion_.motion().rpy_rates_rad_s.z();
+  state.T_previous_now = expSe3(twist_cog * state.dt_s);
+  const double distance_sigma_m = kDoubtfulSpeed_mps * state.dt_s, turn_sigma_rad = kDoubtfulRate_rad_s * state.dt_s;
+  state.increment_covariance.diagonal().head<3>().array() += distance_sigma_m * distance_sigma_m;
+  state.increment_covariance.diagonal().tail<3>().array() += turn_sigma_rad * turn_sigma_rad;
+  return state;
+}
+
+// After a clock jump the prediction used the wrong interval. P grows by the prediction's error, and measurements that
+// began at the prediction and searched nowhere else are dropped.
+bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
+  const auto doubts = [](const FusionInput& input) {
+    return input.measurement != nullptr && input.measurement->ok() && input.measurement->clock_jump_suspected &&
+           !input.external;
+  };
+  const auto doubting = std::find_if(inputs.begin(), inputs.end(), doubts);
+  if (doubting == inputs.end()) return false;
+  const Vector6d error = stateDifference(vectorFromPose(doubting->measurement->T_odom_cog), ukf_.state());
+  if (error.head<3>().norm() > kFarthestOff_m) return false;
+  ukf_.reset(ukf_.state(), ukf_.covariance() + error * error.transpose());
+  for (FusionInput& input : inputs) {
+    if (!input.external && !doubts(input)) input.measurement = nullptr;
+  }
+  return true;
+}
+
+bool PoseFilter::addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state) {
+  ConsistencyMonitor::Sweep sweep;
+  sweep.dt_s = state.dt_s;
+  sweep.undecided_m = state.fusion.undecided_m;
+  sweep.innovation_m = motion_.dead_reckoning().active() ? 0.0 : innovation.head<2>().norm();
+  sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
+  sweep.turn_rad = innovation.tail<3>().norm();
+  sweep.fitting_ratio = planesFittingRatio(inputs);
+  const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
+  // after a gap the accumulated covariance would otherwise restart from the R of confirmed measurements
+  if (inflation.unbelievable) state.fusion.confirmed = false;
+  for (Matrix6d* covariance : {&state.increment_covariance, &state.unobserved_covariance}) {
+    covariance->diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;
+    (*covariance)(5, 5) += inflation.sigma_yaw_rad * inflation.sigma_yaw_rad;
+  }
+  return inflation.velocity_unobservable;
+}
+
+}  // namespace fail_aware

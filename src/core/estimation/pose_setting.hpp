@@ -1,0 +1,43 @@
+// A pose of base_link in odom that is set from outside (set_pose). Not in the paper.
+//
+// The pose is applied at the next estimate, moved from its own stamp to the estimate's stamp by the vehicle's motion (a
+// stamp of 0: the pose is valid at that estimate). A covariance of zero means that the pose is exact.
+// Refused, with a reason: no valid pose, no valid covariance (or one that is zero for the rotation only), a stamp more
+// than a second away from the last sweep's stamp or from the stamp of the estimate that would apply it.
+// Units m, rad, s; covariance in geometry/pose.hpp's convention. Cost: microseconds.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/estimation/external_pose.hpp"
+#include "core/geometry/pose.hpp"
+#include "core/types/filter_state.hpp"
+
+namespace fail_aware {
+
+class PoseSetting {
+ public:
+  struct AtEstimate {
+    Pose T_odom_cog = Pose::Identity();
+    Matrix6d covariance = Matrix6d::Zero();
+  };
+
+  /// Returns why the pose is refused; empty: it waits for the next estimate. `last_stamp_s`: stamp of the last sweep;
+  /// none: there was no sweep.
+  std::string offer(const ExternalPose& pose, std::optional<double> last_stamp_s);
+
+  bool pending() const { return pending_.has_value(); }
+  void clear() { pending_.reset(); }
+
+  /// Returns why the waiting pose cannot be applied at this estimate (it is then dropped); empty: it can.
+  std::string outdated(const FilterState& state);
+
+  /// Returns the waiting pose, moved to this estimate, and forgets it.
+  AtEstimate take(const FilterState& state, const Pose& T_base_cog);
+
+ private:
+  std::optional<ExternalPose> pending_;
+};
+
+}  // namespace fail_aware

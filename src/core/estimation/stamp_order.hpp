@@ -1,0 +1,62 @@
+// Classifies a sweep's stamp relative to the newest stamp. The live graph and the offline runner use this one rule.
+//
+// A stamp that does not advance is refused. A stamp further back than messages get out of order in transit means that
+// the clock was set back or that a recording restarts: a new drive begins. A stamp far ahead is refused, because a
+// single wrong stamp would otherwise end the drive; if the next stamp follows it, the clock was set and a new drive
+// begins. Far is one hour: for a shorter gap the vehicle model predicts, and its covariance shows how good that is. A
+// difference that is NaN is refused.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace fail_aware {
+
+inline constexpr double kMaxReorder_s = 0.5;
+inline constexpr double kFarAhead_s = 3600.0;
+
+enum class StampOrder { kAdvances, kSame, kReordered, kJumpedBack, kFarAhead, kJumpedAhead };
+
+class StampSequence {
+ public:
+  void setMaxReorder(double max_reorder_s) { max_reorder_s_ = max_reorder_s; }
+
+  /// Classifies the next stamp, `since_newest_s` after the newest accepted one (kAdvances, or the first of a drive).
+  StampOrder next(double since_newest_s) {
+    const double far_ahead_s = std::exchange(far_ahead_s_, kNone);
+    if (since_newest_s > kFarAhead_s) {
+      const double since_far_ahead_s = since_newest_s - far_ahead_s;
+      if (since_far_ahead_s > 0.0 && since_far_ahead_s <= kFarAhead_s) return StampOrder::kJumpedAhead;
+      far_ahead_s_ = since_newest_s;
+      return StampOrder::kFarAhead;
+    }
+    if (since_newest_s > 0.0) {
+      set_back_s_ = std::exchange(refused_back_s_, 0.0);
+      return StampOrder::kAdvances;
+    }
+    if (since_newest_s < -max_reorder_s_) return StampOrder::kJumpedBack;
+    if (since_newest_s == 0.0) return StampOrder::kSame;
+    if (since_newest_s < 0.0) refused_back_s_ = std::max(refused_back_s_, -since_newest_s);
+    return StampOrder::kReordered;
+  }
+
+  /// The largest step back among the stamps refused before the newest accepted one; 0: none was refused. It reveals a
+  /// clock that was set back a little.
+  double setBack_s() const { return set_back_s_; }
+
+  void beginDrive() {
+    far_ahead_s_ = kNone;
+    set_back_s_ = refused_back_s_ = 0.0;
+  }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  double max_reorder_s_ = kMaxReorder_s;
+  double far_ahead_s_ = kNone;  ///< the last stamp relative to the newest one, if it was refused as far ahead
+  double set_back_s_ = 0.0;
+  double refused_back_s_ = 0.0;  ///< since the newest accepted stamp
+};
+
+}  // namespace fail_aware

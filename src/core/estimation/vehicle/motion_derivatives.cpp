@@ -1,0 +1,155 @@
+#include "core/estimation/vehicle/motion_derivatives.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+// The vector, shortened to `max_norm` if it is longer.
+Eigen::Vector3d limited(const Eigen::Vector3d& v, double max_norm) {
+  const double norm = v.norm();
+  return norm > max_norm ? Eigen::Vector3d(v * (max_norm / norm)) : v;
+}
+
+}  // namespace
+
+void MotionHistory::Params::validate() const {
+  requireParameter(window_sweeps >= 1 && window_sweeps <= 100, "window_sweeps", window_sweeps, "in [1, 100]");
+  requireParameter(acceleration_window_sweeps >= 2 && acceleration_window_sweeps <= 100, "acceleration_window_sweeps",
+                   acceleration_window_sweeps, "in [2, 100]");
+  requirePositive("min_interval_s", min_interval_s);
+  requirePositive("max_age_s", max_age_s);
+  requireNotNegative("max_acceleration_mps2", max_acceleration_mps2);
+  requireNotNegative("max_angular_acceleration_rad_s2", max_angular_acceleration_rad_s2);
+}
+
+MotionHistory::MotionHistory(const Params& params) : params_(params) {
+  params_.validate();
+  ring_.resize(static_cast<std::size_t>(std::max(params_.window_sweeps, params_.acceleration_window_sweeps)) + 1);
+}
+
+const MotionHistory::Sample& MotionHistory::fromNewest(std::size_t age) const {
+  return ring_[(next_ + ring_.size() - 1 - age) % ring_.size()];
+}
+
+bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
+  if (!std::isfinite(stamp_s) || !isFinite(T_odom_cog)) return false;
+  if (size_ > 0) {
+    const double since_newest = secondsBetween(fromNewest(0).stamp_s, stamp_s);
+    if (since_newest <= 0.0) return false;
+    if (since_newest < params_.min_interval_s) {
+      next_ = (next_ + ring_.size() - 1) % ring_.size();
+      --size_;
+    }
+  }
+
+  Sample sample;
+  sample.stamp_s = stamp_s;
+  sample.T_odom_cog = T_odom_cog;
+  sample.rpy_rad = rpyFromRotation(T_odom_cog.linear());
+  if (size_ > 0) {
+    const Sample& previous = fromNewest(0);
+    sample.interval_s = secondsBetween(previous.stamp_s, stamp_s);
+    Vector6d increment;
+    if (params_.second_differences) {
+      increment.head<3>() =
+          T_odom_cog.linear().transpose() * (T_odom_cog.translation() - previous.T_odom_cog.translation());
+    } else {
+      increment.head<3>() = logSe3(previous.T_odom_cog.inverse() * T_odom_cog).head<3>();
+    }
+    for (int i = 0; i < 3; ++i) increment[3 + i] = wrapAngle(sample.rpy_rad[i] - previous.rpy_rad[i]);
+    sample.mean_rates = increment / sample.interval_s;
+  }
+  ring_[next_] = sample;
+  next_ = (next_ + 1) % ring_.size();
+  size_ = std::min(size_ + 1, ring_.size());
+  return true;
+}
+
+void MotionHistory::move(const Pose& T_new_old) {
+  std::vector<Sample> samples;  // oldest first
+  for (std::size_t age = size_; age-- > 0;) samples.push_back(fromNewest(age));
+  clear();
+  for (const Sample& sample : samples) push(sample.stamp_s, orthonormalized(T_new_old * sample.T_odom_cog));
+}
+
+// Slope of the weighted least-squares line through the newest `samples` mean rates at their intervals' middles.
+Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
+  const double newest_s = fromNewest(0).stamp_s;
+  double weight_sum = 0.0, time_mean = 0.0, time_spread = 0.0;
+  Vector6d rates_mean = Vector6d::Zero(), slope_numerator = Vector6d::Zero();
+  for (std::size_t age = 0; age < samples; ++age) {
+    const Sample& sample = fromNewest(age);
+    const double middle_s = secondsBetween(newest_s, sample.stamp_s) - 0.5 * sample.interval_s;
+    if (age > 0 && -middle_s > params_.max_age_s) break;
+    const double weight = sample.interval_s * sample.interval_s;
+    // running update of mean and co-moment
+    weight_sum += weight;
+    const double time_step = middle_s - time_mean;
+    time_mean += weight / weight_sum * time_step;
+    const Vector6d rates_step = sample.mean_rates - rates_mean;
+    rates_mean += weight / weight_sum * rates_step;
+    time_spread += weight * time_step * (middle_s - time_mean);
+    slope_numerator += weight * (middle_s - time_mean) * rates_step;
+  }
+  return time_spread > 0.0 ? Vector6d(slope_numerator / time_spread) : Vector6d::Zero();
+}
+
+// x, y and yaw at the newest stamp; z, roll and pitch as the header says.
+Vector6d MotionHistory::ratesAtNewest(std::size_t samples, const Vector6d& accelerations) const {
+  Vector6d slopes = accelerations;
+  slopes.segment<3>(2).setZero();
+  const double newest_s = fromNewest(0).stamp_s;
+  double weight_sum = 0.0;
+  Vector6d rates = Vector6d::Zero();
+  for (std::size_t age = 0; age < samples; ++age) {
+    const Sample& sample = fromNewest(age);
+    const double since_middle_s = secondsBetween(sample.stamp_s, newest_s) + 0.5 * sample.interval_s;
+    if (age > 0 && since_middle_s > params_.max_age_s) break;
+    const double weight = sample.interval_s * sample.interval_s;
+    weight_sum += weight;
+    rates += weight * (sample.mean_rates + since_middle_s * slopes);
+  }
+  rates /= weight_sum;
+  rates.segment<2>(3) = fromNewest(0).mean_rates.segment<2>(3);
+  return rates;
+}
+
+MotionDerivatives MotionHistory::derivatives() const {
+  MotionDerivatives out;
+  if (size_ < 2) return out;
+  const std::size_t available = size_ - 1;
+
+  Vector6d accelerations = Vector6d::Zero();
+  if (params_.second_differences) {
+    if (available >= 2) {
+      accelerations = (fromNewest(0).mean_rates - fromNewest(1).mean_rates) / fromNewest(0).interval_s;
+    }
+  } else {
+    accelerations =
+        meanAccelerations(std::min(available, static_cast<std::size_t>(params_.acceleration_window_sweeps)));
+  }
+  accelerations.head<3>() = limited(accelerations.head<3>(), params_.max_acceleration_mps2);
+  const double max_angular = params_.max_angular_acceleration_rad_s2;
+  for (int i = 3; i < 6; ++i) accelerations[i] = std::clamp(accelerations[i], -max_angular, max_angular);
+
+  const Vector6d rates =
+      params_.second_differences
+          ? fromNewest(0).mean_rates
+          : ratesAtNewest(std::min(available, static_cast<std::size_t>(params_.window_sweeps)), accelerations);
+  out.valid = rates.allFinite() && accelerations.allFinite();
+  if (!out.valid) return out;
+  out.velocity_body_mps = rates.head<3>();
+  out.acceleration_body_mps2 = accelerations.head<3>();
+  out.rpy_rates_rad_s = rates.tail<3>();
+  out.rpy_accelerations_rad_s2 = accelerations.tail<3>();
+  return out;
+}
+
+}  // namespace fail_aware

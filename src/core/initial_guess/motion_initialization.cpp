@@ -1,0 +1,117 @@
+#include "core/initial_guess/motion_initialization.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/parameters/check.hpp"
+#include "core/preprocessing/voxel_filter.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kMostTried = 10000.0;
+constexpr double kRounding = 1e-9;  // 0.7 / 0.1 is less than 7
+
+VoxelMap::Params denseMap(const MotionInitialization::Params& params) {
+  VoxelMap::Params map;
+  map.voxel_size_m = 4.0 * params.thinning_m;
+  map.max_points = VoxelMap::kMaxPoints;
+  map.min_point_spacing_m = 1.2 * params.thinning_m;
+  return map;
+}
+
+}  // namespace
+
+void MotionInitialization::Params::validate() const {
+  requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
+  requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
+  requireWithin("step_mps", step_mps, 0.1, 100.0);
+  requireWithin("max_yaw_rate_rps", max_yaw_rate_rps, 0.0, 10.0);
+  requireWithin("step_yaw_rate_rps", step_yaw_rate_rps, 0.01, 10.0);
+  const double tried =
+      ((max_speed_mps - min_speed_mps) / step_mps + 1.0) * (2.0 * max_yaw_rate_rps / step_yaw_rate_rps + 1.0);
+  requireParameter(tried <= kMostTried, "max_yaw_rate_rps", max_yaw_rate_rps,
+                   "so small that at most 10000 motions are tried");
+  requirePositive("max_lateral_acceleration_mps2", max_lateral_acceleration_mps2);
+  requireWithin("max_range_m", max_range_m, 0.1, 1000.0);
+  requireWithin("thinning_m", thinning_m, 0.01, 10.0);
+  requireWithin("kernel_m", kernel_m, 0.01, 100.0);
+  requireWithin("cell_m", cell_m, 0.05, 1000.0);
+  requireWithin("column_m", column_m, 0.05, 100.0);
+  requireNotNegative("min_height_m", min_height_m);
+  requireNotNegative("standstill_m", standstill_m);
+  requireWithin("standstill_ratio", standstill_ratio, 0.0, 1.0);
+}
+
+MotionInitialization::MotionInitialization(const Params& params, double min_range_m)
+    : params_(params), min_range_m_(min_range_m), first_(denseMap(params)) {
+  params_.validate();
+}
+
+std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const {
+  VoxelFilter filter;
+  const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
+  std::vector<Eigen::Vector3f> points_cog;
+  for (const std::uint32_t i :
+       filter.select(sweep.points_lidar, params_.thinning_m, min_range_m_, params_.max_range_m)) {
+    points_cog.push_back(R * sweep.points_lidar[i] + t);
+  }
+  return points_cog;
+}
+
+void MotionInitialization::setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar) {
+  first_.clear();
+  first_.insert(thinned(sweep, T_cog_lidar), Pose::Identity());
+}
+
+std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
+                                                        double dt_s, double* places_met) const {
+  if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
+  constexpr std::size_t kEnough = 2000;
+  const AboveGroundPoints standing = findStandingPoints(
+      thinned(sweep, T_cog_lidar), {params_.cell_m, params_.column_m, params_.min_height_m}, kEnough);
+  Vector6d best = Vector6d::Zero();
+  double best_votes = 0.0;
+  const auto consider = [&](double speed_mps, double yaw_rate_rps, double kernel_m) {
+    if (speed_mps < params_.min_speed_mps || speed_mps > params_.max_speed_mps ||
+        std::abs(yaw_rate_rps) > params_.max_yaw_rate_rps + kRounding ||
+        std::abs(speed_mps * yaw_rate_rps) > params_.max_lateral_acceleration_mps2) {
+      return;
+    }
+    Vector6d twist = Vector6d::Zero();
+    twist[0] = speed_mps;
+    twist[5] = yaw_rate_rps;
+    const std::vector<double> votes = votesOfPlaces(standing, first_, expSe3(twist * dt_s), kernel_m);
+    const double v = std::accumulate(votes.begin(), votes.end(), 0.0);
+    if (v > best_votes) {
+      best_votes = v;
+      best = twist;
+    }
+  };
+  const int speeds = static_cast<int>((params_.max_speed_mps - params_.min_speed_mps) / params_.step_mps + kRounding);
+  const int yaws = static_cast<int>(params_.max_yaw_rate_rps / params_.step_yaw_rate_rps + kRounding);
+  for (int i = 0; i <= speeds; ++i) {
+    for (int k = -yaws; k <= yaws; ++k) {
+      consider(params_.min_speed_mps + i * params_.step_mps, k * params_.step_yaw_rate_rps, params_.kernel_m);
+    }
+  }
+  if (best_votes <= 0.0) return std::nullopt;  // no above-ground points, or no match
+  // refine around the best
+  const Vector6d coarse = best;
+  best_votes = 0.0;
+  for (int i = -4; i <= 4; ++i) {
+    for (int k = -4; k <= 4; ++k) {
+      consider(coarse[0] + kFineStep * i * params_.step_mps, coarse[5] + kFineStep * k * params_.step_yaw_rate_rps,
+               0.5 * params_.kernel_m);
+    }
+  }
+  if (places_met != nullptr) *places_met = best_votes;
+  return best;
+}
+
+void MotionInitialization::reset() { first_.clear(); }
+
+}  // namespace fail_aware

@@ -1,0 +1,91 @@
+// Search for the first motion (not in the paper). Before two sweeps have been registered the speed is unknown. At
+// 30 m/s the vehicle moves 3 m between the first two sweeps, far beyond any correspondence distance.
+//
+// The search tries forward speeds and yaw rates in steps: it moves the second sweep accordingly and scores it by the
+// distances of its points to the first sweep. Neither sweep is deskewed, so both are distorted alike. Misleading points
+// are removed or limited:
+// - The scan line pattern on the ground, slopes included, moves with the sensor and fits best at standstill: only
+//   points at least `min_height_m` above the lowest point of their column are used.
+// - Walls and rails along the road fit at any speed but, if thinned, best at standstill: the sweeps stay dense.
+// - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle.
+// Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
+// first_motion.hpp inflates the covariance in this case (`standstill_ratio`).
+// Failure: nullopt. Cost: about 150 ms, on the second sweep only.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/pose.hpp"
+#include "core/map/above_ground_points.hpp"
+#include "core/map/voxel_map.hpp"
+#include "core/types/corrected_sweep.hpp"
+
+namespace fail_aware {
+
+class MotionInitialization {
+ public:
+  struct Params {
+    double min_speed_mps = -5.0;
+    double max_speed_mps = 45.0;
+    /// coarse steps, followed by finer ones around the best; 0.2 m per sweep at 10 Hz, within kernel_m
+    double step_mps = 2.0;
+    double max_yaw_rate_rps = 0.7;
+    double step_yaw_rate_rps = 0.1;  ///< steps of the yaw rate: 0.3 m at a range of 30 m and 10 Hz, like kernel_m
+    /// speed times yaw rate: faster turns are not tried, because tyres cannot hold them
+    double max_lateral_acceleration_mps2 = 8.0;
+    double max_range_m = 60.0;  ///< farthest points used: beyond it points are sparse
+    double thinning_m = 0.1;    ///< voxel size of the sweeps: coarser sweeps fit best at standstill, see above
+    double kernel_m = 0.3;      ///< Geman-McClure scale of the distance to the nearest point; halved at the end
+    /// horizontal cells, one vote each: about the size of a vehicle, so that one ahead has few votes
+    double cell_m = 3.0;
+    /// horizontal size of the columns in which height is measured: within a column a slope lifts a point by less than
+    /// min_height_m
+    double column_m = 0.5;
+    double min_height_m = 0.4;  ///< a point this far above the lowest of its column is above ground; a kerb is not
+    /// While the speed is unknown, a sweep that moved less than standstill_m counts as standing only if its weakest
+    /// horizontal direction has at least standstill_ratio of the information: objects that travel with the vehicle
+    /// imitate standstill.
+    double standstill_m = 0.1;
+    double standstill_ratio = 0.15;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("min_speed_mps", self.min_speed_mps);
+      v("max_speed_mps", self.max_speed_mps);
+      v("max_yaw_rate_rps", self.max_yaw_rate_rps);
+      v("standstill_m", self.standstill_m);
+      v("standstill_ratio", self.standstill_ratio);
+    }
+    void validate() const;
+  };
+
+  /// The step of the last search, as a ratio of the first step.
+  static constexpr double kFineStep = 0.25;
+
+  /// `min_range_m`: nearer points belong to the vehicle.
+  explicit MotionInitialization(const Params& params, double min_range_m);
+
+  /// The sweep that later ones are compared with. Points are used as they are: pass a sweep that is not deskewed.
+  void setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar);
+
+  /// The twist of the centre of gravity (m/s, rad/s; forward speed and yaw rate only) between the first sweep and this
+  /// one, dt_s later. Returns nullopt before setFirst(), or if no above-ground point meets the first sweep at any
+  /// speed. `places_met`: the number of cells whose above-ground points meet the first sweep at the result.
+  std::optional<Vector6d> findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double dt_s,
+                                    double* places_met = nullptr) const;
+
+  void reset();
+
+  const Params& params() const { return params_; }
+
+ private:
+  std::vector<Eigen::Vector3f> thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const;
+
+  Params params_;
+  double min_range_m_;
+  VoxelMap first_;
+};
+
+}  // namespace fail_aware

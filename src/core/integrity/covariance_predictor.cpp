@@ -1,0 +1,224 @@
+#include "core/integrity/covariance_predictor.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kMaxSteps = 100000.0;
+constexpr double kLargestRadius_m = 1e6;
+constexpr double kLargestEntry = kLargestRadius_m * kLargestRadius_m;
+constexpr double kSmallestVariance = 1e-18;
+constexpr int kBisections = 40;
+
+// Up to rounding; bounded so that nothing below can overflow.
+bool isCovariance(const Eigen::Matrix3d& C) {
+  if (!C.allFinite() || C.cwiseAbs().maxCoeff() > kLargestEntry || C.diagonal().minCoeff() < 0.0) return false;
+  const Eigen::Vector3d inverse_scale = C.diagonal().cwiseMax(kSmallestVariance).cwiseSqrt().cwiseInverse();
+  const Eigen::Matrix3d correlation =
+      inverse_scale.asDiagonal() * (0.5 * (C + C.transpose())) * inverse_scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(correlation, Eigen::EigenvaluesOnly);
+  return eigen.info() == Eigen::Success && eigen.eigenvalues()[0] >= -1e-6;
+}
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+// The solution of dS/dt = L S + S L^T + Q after `dt`; L^3 = 0, and L^2 Q = 0, since what L^2 takes in has no noise.
+Matrix6 grown(const Matrix6& S, const Matrix6& L, const Matrix6& Q, double dt) {
+  const Matrix6 A = Matrix6::Identity() + dt * L + 0.5 * dt * dt * L * L;
+  const Matrix6 LQ = L * Q;
+  return A * S * A.transpose() + dt * Q + 0.5 * dt * dt * (LQ + LQ.transpose()) +
+         dt * dt * dt / 3.0 * LQ * L.transpose();
+}
+
+// Probability that an error with scales 1 and `ratio` is farther than `radius`. The integrand has period pi and is
+// symmetric about pi / 2.
+double exceedance(double ratio, double radius, double degrees_of_freedom) {
+  constexpr int kSteps = 64;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double sine = std::sin(0.5 * M_PI * (i + 0.5) / kSteps);
+    const double squared = radius * radius / (1.0 - (1.0 - ratio * ratio) * sine * sine);
+    sum += degrees_of_freedom > 0.0 ? std::pow(1.0 + squared / degrees_of_freedom, -0.5 * degrees_of_freedom)
+                                    : std::exp(-0.5 * squared);
+  }
+  return sum / kSteps;
+}
+
+// Standard deviations along the axes, the larger first.
+Eigen::Vector2d axesOf(const Eigen::Matrix2d& covariance) {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  return Eigen::Vector2d(std::max(mean + half, 0.0), std::max(mean - half, 0.0)).cwiseSqrt();
+}
+
+}  // namespace
+
+Eigen::Matrix3d horizontalBlock(const Matrix6d& covariance) {
+  constexpr int kIndex[3] = {0, 1, 5};
+  Eigen::Matrix3d block;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) block(i, j) = covariance(kIndex[i], kIndex[j]);
+  }
+  return block;
+}
+
+IncrementRate::IncrementRate(double window_s) : window_s_(window_s) { requirePositive("window_s", window_s); }
+
+bool IncrementRate::update(const Matrix6d& increment_covariance, double dt_s) {
+  const Eigen::Matrix3d block = horizontalBlock(increment_covariance);
+  if (!std::isfinite(dt_s) || dt_s <= 0.0 || !isCovariance(block)) return false;
+  increments_.push_back({block, dt_s});
+  double total_s = 0.0;
+  for (const Increment& increment : increments_) total_s += increment.dt_s;
+  while (increments_.size() > 1 && total_s - increments_.front().dt_s >= window_s_) {
+    total_s -= increments_.front().dt_s;
+    increments_.pop_front();
+  }
+  return true;
+}
+
+std::optional<Eigen::Matrix3d> IncrementRate::rate() const {
+  if (increments_.empty()) return std::nullopt;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  double total_s = 0.0;
+  for (const Increment& increment : increments_) {
+    sum += increment.covariance;
+    total_s += increment.dt_s;
+  }
+  return Eigen::Matrix3d(sum / total_s);
+}
+
+void CovariancePredictor::Params::validate() const {
+  requirePositive("alert_limit_m", alert_limit_m);
+  requireParameter(std::isfinite(confidence) && confidence > 0.0 && confidence < 1.0, "confidence", confidence,
+                   "in (0, 1)");
+  requireParameter(alarm_confidence > 0.0 && alarm_confidence <= confidence, "alarm_confidence", alarm_confidence,
+                   "in (0, confidence]");
+  requireParameter(degrees_of_freedom == 0.0 || (degrees_of_freedom >= 1.0 && degrees_of_freedom <= 1e6),
+                   "degrees_of_freedom", degrees_of_freedom, "0 or in [1, 1e6]");
+  requirePositive("horizon_s", horizon_s);
+  requirePositive("step_s", step_s);
+  requireAtMost("step_s", step_s, 10.0);
+  requireParameter(horizon_s / step_s <= kMaxSteps, "horizon_s", horizon_s, "at most 100000 steps of step_s");
+  requireWithin("rate_scale", rate_scale, 0.0, 1e6);
+}
+
+ConfidenceRadius::ConfidenceRadius(double probability, double degrees_of_freedom) {
+  const double n = degrees_of_freedom;
+  const double circle = n > 0.0 ? std::sqrt(n * (std::pow(1.0 - probability, -2.0 / n) - 1.0))
+                                : std::sqrt(-2.0 * std::log1p(-probability));  // the largest
+  for (int i = 0; i <= kTable; ++i) {
+    const double ratio = static_cast<double>(i) / kTable;
+    double low = 0.0, high = circle * (1.0 + 1e-9);
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = 0.5 * (low + high);
+      (exceedance(ratio, middle, n) > 1.0 - probability ? low : high) = middle;
+    }
+    sigmas_[static_cast<std::size_t>(i)] = high;
+  }
+}
+
+double ConfidenceRadius::operator()(const Eigen::Matrix2d& covariance) const {
+  const Eigen::Vector2d sigmas = axesOf(covariance);
+  if (sigmas[0] <= 0.0) return 0.0;
+  const double place = std::min(sigmas[1] / sigmas[0], 1.0) * kTable;
+  const auto below = std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(kTable - 1));
+  const double share = place - static_cast<double>(below);
+  return ((1.0 - share) * sigmas_[below] + share * sigmas_[below + 1]) * sigmas[0];
+}
+
+double exceedance(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom) {
+  const Eigen::Vector2d sigmas = axesOf(covariance);
+  if (sigmas[0] <= 0.0) return 0.0;
+  return exceedance(std::min(sigmas[1] / sigmas[0], 1.0), radius / sigmas[0], degrees_of_freedom);
+}
+
+namespace {
+
+// Before the members are made of them.
+const CovariancePredictor::Params& validated(const CovariancePredictor::Params& params) {
+  params.validate();
+  return params;
+}
+
+bool isUsable(const CovarianceGrowth& g) {
+  const auto bounded = [](double value) { return std::isfinite(value) && std::abs(value) <= kLargestEntry; };
+  return isCovariance(g.covariance) && isCovariance(g.rate) && isCovariance(g.drivers) && g.cross.allFinite() &&
+         g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.transient.allFinite() &&
+         g.transient.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
+         bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.unobserved >= 0.0 &&
+         g.unobserved <= 1.0 && bounded(g.pace) && g.pace >= 1.0;
+}
+
+}  // namespace
+
+CovariancePredictor::CovariancePredictor(const Params& params)
+    : params_(validated(params)), radius_(params.confidence, params.degrees_of_freedom) {}
+
+CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
+  CovariancePrediction prediction;
+  if (!isUsable(growth)) return {TimeToFailure::reached(), TimeToFailure::reached(), kLargestRadius_m, 1.0};
+  Matrix6 S;
+  S << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
+  S = (0.5 * (S + S.transpose())).eval();
+  const Eigen::Matrix3d rate = 0.5 * params_.rate_scale * (growth.rate + growth.rate.transpose());
+  const auto horizontal = [&](const Matrix6& covariance) {
+    return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.transient);
+  };
+  const auto failed = [&](const Matrix6& covariance) {
+    return exceedance(horizontal(covariance), params_.alert_limit_m, params_.degrees_of_freedom);
+  };
+  prediction.radius_m = std::min(radius_(horizontal(S)), kLargestRadius_m);
+  prediction.failed_probability = failed(S);
+  struct Sought {
+    TimeToFailure& time;
+    double probability;
+    bool found;
+  };
+  const double p = prediction.failed_probability;
+  Sought all[] = {{prediction.time_to_failure, p + (1.0 - params_.confidence) * (1.0 - p), false},
+                  {prediction.time_to_alarm, 1.0 - params_.alarm_confidence, false}};
+  for (Sought& sought : all) {
+    sought.time = TimeToFailure::fromSeconds(params_.horizon_s, params_.horizon_s);
+    sought.found = p >= sought.probability;
+    if (sought.found) sought.time = TimeToFailure::reached();
+  }
+
+  const double v = growth.speed_mps, scaled_v = growth.pace * v, u = growth.unobserved;
+  for (double t = 0.0; t < params_.horizon_s && !(all[0].found && all[1].found); t += params_.step_s) {
+    const double step_s = std::min(params_.step_s, params_.horizon_s - t);
+    const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);
+    const double c = std::cos(course), s = std::sin(course);
+    Matrix6 L = Matrix6::Zero();
+    L.row(0) << 0.0, 0.0, -v * s, 0.0, scaled_v * c, u * c;
+    L.row(1) << 0.0, 0.0, v * c, 0.0, scaled_v * s, u * s;
+    L(2, 3) = std::abs(v);  // by distance, whichever way
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    Matrix6 Q = Matrix6::Zero();
+    Q.topLeftCorner<3, 3>() = R * rate * R.transpose();
+    Q(5, 5) = params_.rate_scale * u * growth.speed_wander;
+    const Matrix6 next = grown(S, L, Q, step_s);
+    const double at_end = failed(next);
+    for (Sought& sought : all) {
+      if (sought.found || at_end < sought.probability) continue;
+      double before = 0.0, after = step_s;
+      for (int i = 0; i < kBisections; ++i) {
+        const double middle = 0.5 * (before + after);
+        (failed(grown(S, L, Q, middle)) < sought.probability ? before : after) = middle;
+      }
+      sought.time = TimeToFailure::fromSeconds(t + after, params_.horizon_s);
+      sought.found = true;
+    }
+    S = next;
+  }
+  prediction.time_to_failure = combine(prediction.time_to_failure, prediction.time_to_alarm);
+  return prediction;
+}
+
+}  // namespace fail_aware

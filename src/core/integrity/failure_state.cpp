@@ -1,0 +1,66 @@
+#include "core/integrity/failure_state.hpp"
+
+#include <cmath>
+
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+int severity(FailAwareState state) {
+  switch (state) {
+    case FailAwareState::kOk: return 0;
+    case FailAwareState::kDegraded: return 1;
+    case FailAwareState::kUnknown: return 2;
+    case FailAwareState::kFailing: return 3;
+    case FailAwareState::kFailed: return 4;
+  }
+  return 4;
+}
+
+}  // namespace
+
+void FailureThresholds::validate() const {
+  requireNotNegative("failing_s", failing_s);
+  requireParameter(std::isfinite(degraded_s) && degraded_s >= failing_s, "degraded_s", degraded_s,
+                   "finite and >= failing_s");
+  requireAtMost("degraded_s", degraded_s, kLargestParameter);
+}
+
+FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,
+                        const FailureThresholds& thresholds, std::uint32_t reasons) {
+  const auto within = [](const TimeToFailure& time, double seconds) {
+    return time.isKnown() && time.seconds <= seconds;
+  };
+  if ((reasons & kFailedReasons) || within(time_to_alarm, 0.0)) return FailAwareState::kFailed;
+  if ((reasons & kFailingReasons) || within(time_to_alarm, thresholds.failing_s)) return FailAwareState::kFailing;
+  if (!time_to_alarm.isKnown()) return FailAwareState::kUnknown;
+  if ((reasons & kDegradedReasons) || within(time_to_failure, thresholds.degraded_s)) return FailAwareState::kDegraded;
+  return FailAwareState::kOk;
+}
+
+StateHysteresis::StateHysteresis(int sweeps_to_recover) : sweeps_to_recover_(sweeps_to_recover) {
+  requireParameter(sweeps_to_recover >= 1, "sweeps_to_recover", sweeps_to_recover, ">= 1");
+}
+
+FailAwareState StateHysteresis::update(FailAwareState now) {
+  if (state_ == FailAwareState::kUnknown || severity(now) >= severity(state_)) {
+    state_ = now;
+    better_sweeps_ = 0;
+    return state_;
+  }
+  if (better_sweeps_ == 0 || severity(now) > severity(worst_of_better_)) worst_of_better_ = now;
+  if (++better_sweeps_ >= sweeps_to_recover_) {
+    state_ = worst_of_better_;
+    better_sweeps_ = 0;
+  }
+  return state_;
+}
+
+void StateHysteresis::reset() {
+  state_ = FailAwareState::kUnknown;
+  better_sweeps_ = 0;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,216 @@
+#include "core/integrity/monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/estimation/pose_filter.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+// Before the members are made of them, whose messages name other fields.
+const MonitorParameters& validated(const MonitorParameters& params) {
+  params.validate();
+  return params;
+}
+
+}  // namespace
+
+void MonitorParameters::validate() const {
+  indicator.validate();
+  predictor.validate();
+  drift.validate();
+  thresholds.validate();
+  requireParameter(predictor.horizon_s == indicator.horizon_s, "predictor.horizon_s", predictor.horizon_s,
+                   "indicator.horizon_s: one horizon is published for both");
+  requireParameter(thresholds.degraded_s < predictor.horizon_s, "thresholds.degraded_s", thresholds.degraded_s,
+                   "< predictor.horizon_s, or the state would be DEGRADED for ever");
+  requirePositive("rate_window_s", rate_window_s);
+  requireWithin("sweeps_to_recover", sweeps_to_recover, 1, 10000);
+  requirePositive("disagreement_m", disagreement_m);
+  requireWithin("min_information_ratio", min_information_ratio, 0.0, 1.0);
+  requireWithin("gap_ratio", gap_ratio, 1.0, 1e6);
+}
+
+FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
+    : params_(validated(params)),
+      indicator_(params.indicator),
+      predictor_(params.predictor),
+      drift_(params.drift),
+      rate_(params.rate_window_s),
+      covariance_(params.drift),
+      hysteresis_(params.sweeps_to_recover) {}
+
+void FailAwareMonitor::reset() {
+  const bool serving = started();
+  indicator_.stop();
+  rate_.reset();
+  covariance_.reset();
+  hysteresis_.reset();
+  intervals_s_.clear();
+  speed_wander_ = 0.0;
+  error_unbounded_ = false;
+  has_previous_ = false;
+  start_pending_ = serving;
+  t1_stamp_s_ = -1.0;
+}
+
+void FailAwareMonitor::setLimits(const MonitorParameters& params) {
+  params.validate();
+  predictor_ = CovariancePredictor(params.predictor);
+  params_.predictor = params.predictor;
+  params_.thresholds = params.thresholds;
+  params_.disagreement_m = params.disagreement_m;
+  params_.min_information_ratio = params.min_information_ratio;
+}
+
+// The usual period is the median of the last intervals.
+bool FailAwareMonitor::isAfterGap(double dt_s) {
+  constexpr std::size_t kFewest = 3;
+  if (!(dt_s > 0.0)) return false;
+  const bool known = intervals_s_.size() >= kFewest;
+  const double usual_s = intervals_s_.median();
+  intervals_s_.add(dt_s);
+  return known && dt_s > params_.gap_ratio * usual_s;
+}
+
+std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const SweepCondition& condition) const {
+  std::uint32_t reasons = 0;
+  const auto add = [&](bool holds, ReasonBit bit) { reasons |= holds ? static_cast<std::uint32_t>(bit) : 0u; };
+  const bool first = state.dt_s <= 0.0;  // nothing to register against yet
+  add(condition.empty, kReasonSweepEmpty);
+  add(condition.incomplete, kReasonSweepIncomplete);
+  add(condition.low_visibility, kReasonLowVisibility);
+  add(condition.frozen, kReasonFrozenCloud);
+  add(condition.time_jump, kReasonTimeJump);
+  add(condition.time_field_refused, kReasonTimeFieldRefused);
+  add(condition.no_answer, kReasonNoAnswer);
+  add(condition.dropped_before > 0, kReasonDroppedSweeps);
+  add(start_pending_, kReasonMotionUnknown);
+  if (first) return reasons;
+  add(state.fusion.valid_inputs == 0, kReasonNoMeasurement);
+  add(!state.measurement_applied, kReasonPredictionOnly);
+  add(state.fusion.prediction_overruled, kReasonPredictionOverruled);
+  add(state.fusion.disagreement_m > params_.disagreement_m, kReasonMeasurementsDisagree);
+  add(condition.min_information_ratio < params_.min_information_ratio, kReasonWeakDirection);
+  add(condition.point_missing, kReasonMissingIcpPoint);
+  add(condition.plane_missing, kReasonMissingIcpPlane);
+  add(condition.corners_missing, kReasonMissingCorners);
+  return reasons;
+}
+
+Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
+  const Eigen::Matrix3d R = T_odom_mark_.linear();
+  return (R * covariance_.sinceMark().topLeftCorner<3, 3>() * R.transpose()).topLeftCorner<2, 2>();
+}
+
+CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftState& drift,
+                                          const Pose& T_odom_mark) const {
+  CovarianceGrowth growth;
+  growth.covariance = horizontalBlock(drift.accumulated.topLeftCorner<6, 6>());
+  if (error_unbounded_) growth.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  growth.drivers = drift.accumulated.bottomRightCorner<3, 3>();
+  growth.cross << drift.accumulated.block<2, 3>(0, DriftState::kHeadingBias),
+      drift.accumulated.block<1, 3>(5, DriftState::kHeadingBias);
+  growth.transient = drift.transient.topLeftCorner<2, 2>();
+  growth.speed_wander = speed_wander_;
+  growth.unobserved = drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance);
+  growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
+  const Eigen::Matrix3d R_mark_cog = T_odom_mark.linear().transpose() * state.T_odom_cog.linear();
+  growth.course_rad = rpyFromRotation(R_mark_cog).z();
+  if (state.dt_s > 0.0) {
+    growth.speed_mps = state.T_previous_now.translation().x() / state.dt_s;
+    growth.pace = drift_.pace(state.T_previous_now.translation().norm(), state.dt_s);
+    growth.yaw_rate_rps = rpyFromRotation(state.T_previous_now.linear()).z() / state.dt_s;
+  }
+  return growth;
+}
+
+std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutput& output) {
+  if (!time.isKnown()) return std::nullopt;
+  if (time.status != TimeToFailureStatus::kReached) return time.seconds;
+  return -std::max(0.0, output.protection_level_m);
+}
+
+void FailAwareMonitor::begin(const FilterState& state) {
+  start_pending_ = false;
+  indicator_.start(state.time_s());
+  covariance_.mark(state.T_odom_cog);
+  error_unbounded_ = false;
+  T_odom_mark_ = state.T_odom_cog;
+  t1_stamp_s_ = state.stamp_s;
+}
+
+// As if marked now: what a mark takes over of the state before it is the bias of the head.
+void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& output) const {
+  if (!state.motionObserved() || !rate_.rate()) return;
+  OdometryCovariance marked = covariance_;
+  marked.mark(state.T_odom_cog);
+  const CovariancePrediction prediction = predictor_.predict(growth(state, marked.driftSinceMark(), state.T_odom_cog));
+  output.standby_time_to_failure = prediction.time_to_failure;
+  output.standby_state =
+      stateFor(prediction.time_to_alarm, prediction.time_to_failure, params_.thresholds, output.reasons);
+}
+
+MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
+  if (has_previous_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
+  if (has_previous_ && state.dt_s > 0.0) {
+    const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
+    const double speed_variance = covariance_.speedVariance();
+    const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
+    error_unbounded_ = error_unbounded_ || !added;
+    speed_wander_ = std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s;
+    const double distance_m = state.T_previous_now.translation().norm();
+    // What a drive begins with is unknown, and says nothing of what follows.
+    if (state.motionObserved() || rate_.rate())
+      rate_.update(drift_.accumulated(state.increment_covariance, state.unobserved_covariance, distance_m,
+                                      drift_.pace(distance_m, state.dt_s)),
+                   state.dt_s);
+  }
+  if (state.odom_reset_count != odom_reset_count_ && indicator_.started()) start_pending_ = true;
+  odom_reset_count_ = state.odom_reset_count;
+  has_previous_ = true;
+  if (start_pending_ && state.motionObserved()) begin(state);
+  if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
+    indicator_.update(state.time_s(), state.sigma_yaw_rad,
+                      state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);
+  }
+
+  MonitorOutput output;
+  output.stamp_s = state.stamp_s;
+  output.t1_stamp_s = t1_stamp_s_;
+  output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
+  output.reasons = reasonsFor(state, condition);
+  if (isAfterGap(state.dt_s)) output.reasons |= kReasonDroppedSweeps;
+  output.eta = indicator_.eta();
+  output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);
+  TimeToFailure time_to_alarm;
+  if (indicator_.started()) {
+    output.time_to_failure_indicator = indicator_.timeToFailure();
+    output.covariance_since_start = covariance_.sinceMark();
+    output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
+    output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
+    if (rate_.rate()) {
+      const CovariancePrediction prediction =
+          predictor_.predict(growth(state, covariance_.driftSinceMark(), T_odom_mark_));
+      output.time_to_failure_covariance = prediction.time_to_failure;
+      output.protection_level_m = prediction.radius_m;
+      time_to_alarm = prediction.time_to_alarm;
+    }
+  }
+  output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
+  const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };
+  if (reached(output.time_to_failure_indicator)) output.reasons |= kReasonEtaThreshold;
+  if (output.protection_level_m >= params_.predictor.alert_limit_m) output.reasons |= kReasonCovarianceLimit;
+  output.state = hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm),
+                                             output.time_to_failure, params_.thresholds, output.reasons));
+  if (!indicator_.started()) addStandby(state, output);
+  return output;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,105 @@
+// The fail-aware monitor of one sweep (paper, section "Fail-Aware Odometry System"): eta with its time to failure, the
+// covariance's time to failure, their combination, state and reasons. What the FailAwareMonitor nodelet holds.
+//
+// t1, when the odometry begins to serve as the localisation, is the first sweep after start() whose motion is observed:
+// before, the error has no bound that later sweeps would not lower. Until then times are unknown; `standby` says what
+// they would be if t1 were now.
+// Failure: an increment that cannot be added (pose, covariance or interval not finite) leaves the error without a bound:
+// FAILED (COVARIANCE_LIMIT) until the next t1. Cost: < 0.1 ms.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/estimation/odometry_covariance.hpp"
+#include "core/integrity/covariance_predictor.hpp"
+#include "core/integrity/failure_state.hpp"
+#include "core/integrity/indicator.hpp"
+#include "core/moving_median.hpp"
+#include "core/stamp_difference.hpp"
+#include "core/types/filter_state.hpp"
+#include "core/types/sweep_condition.hpp"
+#include "fail_aware_lidar_odometry/monitor.hpp"
+
+namespace fail_aware {
+
+struct MonitorParameters {
+  FailAwareIndicator::Params indicator;
+  CovariancePredictor::Params predictor;
+  DriftModel::Params drift;  ///< also of the published odometry's covariance
+  FailureThresholds thresholds;
+  double rate_window_s = 3.0;  ///< over which the increments' covariance rate is averaged
+  int sweeps_to_recover = 10;
+  double disagreement_m = 0.3;          ///< measurements farther apart than this disagree
+  double min_information_ratio = 0.01;  ///< less in the weakest horizontal direction: reason WEAK_DIRECTION
+  double gap_ratio = 1.7;               ///< a sweep that comes after so many times the usual period: sweeps are missing
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("indicator", self.indicator);
+    v("predictor", self.predictor);
+    v("drift", self.drift);
+    v("thresholds", self.thresholds);
+    v("rate_window_s", self.rate_window_s);
+    v("sweeps_to_recover", self.sweeps_to_recover);
+    v("disagreement_m", self.disagreement_m);
+    v("min_information_ratio", self.min_information_ratio);
+    v("gap_ratio", self.gap_ratio);
+  }
+  void validate() const;
+};
+
+/// Orders outputs, larger: later. The time (s); where it is 0, which orders no further, minus the protection level (m).
+/// nullopt: unknown. `time`: one of the output's.
+std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutput& output);
+
+class FailAwareMonitor {
+ public:
+  explicit FailAwareMonitor(const MonitorParameters& params);
+
+  /// t1 = the stamp of the next update() whose motion is observed. Once it serves, a pose set from outside (FilterState::odom_reset_count) is a new
+  /// t1: what went wrong before is mended by it.
+  void start() { start_pending_ = true; }
+  bool started() const { return indicator_.started() || start_pending_; }
+  /// Asked for, but the motion has not been observed since.
+  bool startPending() const { return start_pending_; }
+
+  /// Limits that may change in flight: predictor, thresholds, disagreement_m, min_information_ratio. What was estimated
+  /// stays. Throws ParameterError and changes nothing.
+  void setLimits(const MonitorParameters& params);
+
+  MonitorOutput update(const FilterState& state, const SweepCondition& condition);
+
+  /// The covariance of T_odom_cog since the first sweep (FusionUkf publishes its own, from the start pose's on), geometry/pose.hpp's convention.
+  const Matrix6d& odometryCovariance() const { return covariance_.covariance(); }
+
+  /// The covariance of (x, y) accumulated since t1, m^2, about odom's axes; zero before t1.
+  Eigen::Matrix2d horizontalCovarianceOdom() const;
+
+  void reset();
+
+ private:
+  std::uint32_t reasonsFor(const FilterState& state, const SweepCondition& condition) const;
+  bool isAfterGap(double dt_s);
+  void begin(const FilterState& state);
+  CovarianceGrowth growth(const FilterState& state, const DriftState& since_mark, const Pose& T_odom_mark) const;
+  void addStandby(const FilterState& state, MonitorOutput& output) const;
+
+  MonitorParameters params_;
+  FailAwareIndicator indicator_;
+  CovariancePredictor predictor_;
+  DriftModel drift_;
+  IncrementRate rate_;
+  OdometryCovariance covariance_;
+  StateHysteresis hysteresis_;
+  Pose T_odom_mark_ = Pose::Identity();
+  double t1_stamp_s_ = -1.0;
+  int odom_reset_count_ = 0;
+  MovingMedian intervals_s_{kUsualIntervals};  ///< of the last sweeps
+  bool has_previous_ = false;
+  double speed_wander_ = 0.0;     ///< growth of the speed error's variance in the last sweep, m^2/s^3
+  bool error_unbounded_ = false;  ///< since t1 there was an increment that could not be added
+  bool start_pending_ = false;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,33 @@
+// Silence is a failure (not in the paper): when no filter state comes for some sweep periods, the monitor says so by
+// itself.
+//
+// Live, a timer asks; offline, the evaluation looks at the time from one sweep to the next. No failure modes.
+#pragma once
+
+#include "fail_aware_lidar_odometry/monitor.hpp"
+
+namespace fail_aware {
+
+struct SilenceParams {
+  double stale_sweeps = 3.0;   ///< sweep periods without a filter state that mean failure
+  double min_period_s = 0.05;  ///< the measured sweep period is taken to be within these
+  double max_period_s = 0.15;
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("stale_sweeps", self.stale_sweeps);
+    v("min_period_s", self.min_period_s);
+    v("max_period_s", self.max_period_s);
+  }
+  void validate() const;
+};
+
+/// `period_s`: from the last filter state but one to the last.
+double staleAfter_s(const SilenceParams& params, double period_s);
+
+/// What is said from then on, until the next filter state: failed, now; the two times that it is made of are unknown,
+/// since nobody computes them, as is the protection level. Eta and the sigmas stay those of `last`, what was said of the
+/// last filter state.
+MonitorOutput staleOutput(MonitorOutput last);
+
+}  // namespace fail_aware

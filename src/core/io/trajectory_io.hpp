@@ -1,0 +1,42 @@
+// Trajectories as text, in the two formats that evaluation tools read.
+//
+// KITTI: one pose a row, 12 numbers, the upper 3x4 of the matrix row by row; no stamps.
+// TUM:   one pose a row, "stamp x y z qx qy qz qw" (s, m); lines that begin with # are comments.
+//
+// Readers throw InputError naming file and line for: a file that cannot be opened, a wrong count of numbers, a word
+// that is not a number, a number that is not finite, a matrix that is not a rotation (beyond 1e-3), an empty line
+// before the last pose, and a file without poses. Rotations are orthonormalized. Writers throw InputError if the file
+// cannot be opened, and std::runtime_error if it cannot be completed (disk full).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+struct StampedPose {
+  double stamp_s = 0.0;
+  Pose T = Pose::Identity();
+};
+
+std::vector<Pose> readKittiTrajectory(const std::string& path);
+void writeKittiTrajectory(const std::string& path, const std::vector<Pose>& poses);
+
+std::vector<StampedPose> readTumTrajectory(const std::string& path);
+void writeTumTrajectory(const std::string& path, const std::vector<StampedPose>& poses);
+
+/// One stamp per row (KITTI's times.txt), s; must not decrease.
+std::vector<double> readTimes(const std::string& path);
+
+/// T_camera_lidar: the line `Tr:` of a KITTI odometry calib.txt.
+Pose readLidarToCamera(const std::string& path);
+
+/// KITTI's ground truth is the camera's: T_lidar0_lidar = Tr^-1 T_camera0_camera Tr.
+std::vector<Pose> lidarFromCameraTrajectory(const std::vector<Pose>& camera_poses, const Pose& T_camera_lidar);
+
+/// Whether the motion between the poses is mostly along z: then the frame is a camera's (z ahead), not a lidar's.
+bool movesLikeACamera(const std::vector<Pose>& poses);
+
+}  // namespace fail_aware

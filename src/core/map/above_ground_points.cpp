@@ -1,0 +1,63 @@
+#include "core/map/above_ground_points.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "core/preprocessing/voxel_key.hpp"
+#include "core/robust_kernel.hpp"
+
+namespace fail_aware {
+
+AboveGroundPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
+                                     std::size_t enough) {
+  const auto cellOf = [](const Eigen::Vector3f& p, double size_m) {
+    return packVoxel(fastFloor(static_cast<double>(p.x()) / size_m), fastFloor(static_cast<double>(p.y()) / size_m), 0);
+  };
+  std::unordered_map<VoxelKey, float, VoxelHash> lowest;
+  for (const Eigen::Vector3f& p : points) {
+    const auto [it, added] = lowest.try_emplace(cellOf(p, params.column_m), p.z());
+    if (!added) it->second = std::min(it->second, p.z());
+  }
+  std::vector<std::size_t> standing;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f& p = points[i];
+    if (static_cast<double>(p.z() - lowest[cellOf(p, params.column_m)]) >= params.min_height_m) standing.push_back(i);
+  }
+  const std::size_t stride = 1 + standing.size() / enough;
+  std::unordered_map<VoxelKey, std::size_t, VoxelHash> numbers;
+  AboveGroundPoints result;
+  for (std::size_t k = 0; k < standing.size(); k += stride) {
+    const Eigen::Vector3f& p = points[standing[k]];
+    const auto number = numbers.try_emplace(cellOf(p, params.cell_m), numbers.size()).first->second;
+    result.points.push_back({p.cast<double>(), number});
+  }
+  result.places = numbers.size();
+  result.counts.assign(result.places, 0.0);
+  for (const StandingPoint& point : result.points) result.counts[point.place] += 1.0;
+  if (!points.empty()) result.share = static_cast<double>(standing.size()) / static_cast<double>(points.size());
+  return result;
+}
+
+std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& points, double range_m) {
+  const auto max_range2 = static_cast<float>(range_m * range_m);
+  std::vector<Eigen::Vector3f> within;
+  within.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) {
+    if (p.squaredNorm() <= max_range2) within.push_back(p);
+  }
+  return within;
+}
+
+std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T,
+                                  double kernel_m) {
+  std::vector<double> votes(standing.places, 0.0);
+  VoxelMap::PointMatch match;
+  for (const StandingPoint& point : standing.points) {
+    if (!map.findNearest(T * point.position, kFarthestInKernels * kernel_m, match)) continue;
+    votes[point.place] += gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m);
+  }
+  for (std::size_t place = 0; place < standing.places; ++place) votes[place] /= standing.counts[place];
+  return votes;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,50 @@
+// A sweep's points that stand above the ground: what is upright gives a horizontal motion away, at any distance, where
+// ground does not (its scan lines travel with the sensor). Not in the article.
+//
+// A point stands if it is `min_height_m` above the lowest of its column. Each carries its place, a cell of the
+// horizontal plane: what counts places, not points, is not led by the one thing that is near.
+// Frames: all points in the frame of the input, z up. Cost: two hash probes a point.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "core/geometry/pose.hpp"
+#include "core/map/voxel_map.hpp"
+
+namespace fail_aware {
+
+struct StandingPoint {
+  Eigen::Vector3d position;  ///< m
+  std::size_t place;         ///< 0 ... places - 1
+};
+
+struct AboveGroundPoints {
+  std::vector<StandingPoint> points;
+  std::size_t places = 0;
+  std::vector<double> counts;  ///< of the points, each place
+  double share = 0.0;          ///< of the input that stands, whether listed or not
+};
+
+struct StandingPointsParams {
+  double cell_m = 3.0;    ///< side of a place
+  double column_m = 0.5;  ///< side of the columns in which height is measured
+  double min_height_m = 0.4;
+};
+
+/// At most about `enough` of them, every n-th.
+AboveGroundPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
+                                     std::size_t enough);
+
+/// Those no farther than range_m.
+std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& points, double range_m);
+
+/// Each place's mean weight, 0 ... 1: how near its points, moved by T, are to those of `map` (Geman-McClure kernel, none
+/// beyond kFarthestInKernels of it).
+std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T,
+                                  double kernel_m);
+
+constexpr double kFarthestInKernels = 3.0;
+
+}  // namespace fail_aware

@@ -1,0 +1,57 @@
+#include "core/map/local_map.hpp"
+
+#include <cmath>
+
+namespace fail_aware {
+
+namespace {
+
+constexpr double kOtherReference_s = 0.02;  // between the sweeps' middles; a driver adds less to a revolution
+
+}  // namespace
+
+LocalMap::LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& standing)
+    : reference_(map), above_ground_(standing) {}
+
+bool LocalMap::enterOdom(int epoch) {
+  if (epoch == odom_reset_count_) return false;
+  odom_reset_count_ = epoch;
+  clear();
+  return true;
+}
+
+void LocalMap::insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_above_ground) {
+  only_first_ = empty();
+  if (only_first_) {
+    first_cloud_ = cloud;
+    T_odom_cog_first_ = T_odom_cog;
+  }
+  reference_.add(cloud.map_points_cog, T_odom_cog);
+  newest_ = {time_s, T_odom_cog};
+  if (keep_above_ground && above_ground_.isDue(T_odom_cog, time_s))
+    above_ground_.keep(cloud.map_points_cog, T_odom_cog, time_s);
+}
+
+void LocalMap::redeskewFirst(const Vector6d& twist_cog, double middle_s) {
+  if (!only_first_ || first_cloud_.compensated) return;
+  RegistrationCloud first = first_cloud_;
+  // if the time field of the first sweep failed, its timing had no earlier sweep to follow; all sweeps of a head have
+  // the same times relative to their stamps
+  const double shift_s = first.middle_s - middle_s;
+  first.redeskew(twist_cog, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
+  reference_.clear();
+  reference_.add(first.map_points_cog, T_odom_cog_first_);
+  above_ground_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);
+}
+
+void LocalMap::clear() {
+  reference_.clear();
+  above_ground_.clear();
+}
+
+void LocalMap::reset() {
+  clear();
+  only_first_ = false;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,48 @@
+#include "core/map/reference_map.hpp"
+
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+// Of 100 m around, with false returns in the air, too: a map that is copied makes the sweep that it meets wait for 0.1 s.
+constexpr std::size_t kReservedVoxels = std::size_t{1} << 18;
+
+}  // namespace
+
+void ReferenceMap::Params::validate() const {
+  requireWithin("sweeps", sweeps, 0, 1000);
+  requireWithin("range_m", range_m, 0.1, 2000.0);
+  voxels.validate();
+}
+
+ReferenceMap::ReferenceMap(const Params& params) : params_(params), map_(params.voxels) {
+  params_.validate();
+  map_.reserve(kReservedVoxels);
+}
+
+void ReferenceMap::add(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog) {
+  if (params_.sweeps == 0) {
+    map_.insert(points_cog, T_odom_cog);
+    // what lies beyond the range is trimmed every few metres, so that the trimming costs little a sweep
+    constexpr double kTrimEvery_m = 5.0;
+    if ((T_odom_cog.translation() - trimmed_at_odom_).norm() > kTrimEvery_m) {
+      trimmed_at_odom_ = T_odom_cog.translation();
+      map_.removeFartherThan(params_.range_m + kTrimEvery_m, trimmed_at_odom_);
+    }
+    return;
+  }
+  recent_.push_back({points_cog, T_odom_cog});
+  if (recent_.size() > static_cast<std::size_t>(params_.sweeps)) recent_.pop_front();
+  map_.clear();
+  for (const Placed& placed : recent_) map_.insert(placed.points_cog, placed.T_odom_cog);
+}
+
+void ReferenceMap::clear() {
+  map_.clear();
+  recent_.clear();
+  trimmed_at_odom_.setZero();
+}
+
+}  // namespace fail_aware

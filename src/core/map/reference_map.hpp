@@ -1,0 +1,48 @@
+// The reference of the two ICPs: the last corrected sweeps, placed by the filter's estimates, as one voxel map.
+//
+// `sweeps` = 1 is the article's registration of consecutive sweeps; 0 keeps everything within `range_m` (local map).
+// Cost: one insertion (voxel_map.hpp) a sweep; with a finite number > 1 the map is built anew from the sweeps kept.
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "core/geometry/pose.hpp"
+#include "core/map/voxel_map.hpp"
+
+namespace fail_aware {
+
+class ReferenceMap {
+ public:
+  struct Params {
+    int sweeps = 0;
+    double range_m = 100.0;
+    VoxelMap::Params voxels;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("sweeps", self.sweeps);
+      v("range_m", self.range_m);
+      v("voxels", self.voxels);
+    }
+    void validate() const;
+  };
+
+  explicit ReferenceMap(const Params& params);
+
+  void add(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog);
+  void clear();
+  const VoxelMap& map() const { return map_; }
+
+ private:
+  struct Placed {
+    std::vector<Eigen::Vector3f> points_cog;
+    Pose T_odom_cog;
+  };
+  Params params_;
+  VoxelMap map_;
+  std::deque<Placed> recent_;
+  Eigen::Vector3d trimmed_at_odom_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,102 @@
+// Runs the odometry sweep by sweep: the stages of the paper's architecture in order. It is the offline counterpart of
+// the nodelets and uses the same objects.
+//
+//   predict -> correct the sweep -> three measurements -> fuse, correct the filter -> update the map -> monitor
+//
+// Deterministic: the same sweeps give the same bits for any number of threads (the number of threads changes neither
+// what runs in parallel nor the order of summation). Failure is data: SweepResult describes what a sweep gave. From the
+// first sweep with usable points on, every sweep whose stamp advances has a pose.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/estimation/sweep_clock.hpp"
+#include "core/geometry/pose.hpp"
+#include "core/pipeline_parameters.hpp"
+#include "core/preprocessing/vertical_reference.hpp"
+#include "core/types/filter_state.hpp"
+#include "core/types/measurement.hpp"
+#include "core/types/pose_set.hpp"
+#include "core/types/sweep_condition.hpp"
+#include "core/types/timing_result.hpp"
+#include "fail_aware_lidar_odometry/monitor.hpp"
+#include "fail_aware_lidar_odometry/result.hpp"
+#include "fail_aware_lidar_odometry/sweep.hpp"
+
+namespace fail_aware {
+
+struct StageTimes {
+  double correction_ms = 0.0;  ///< prediction, timing, deskew, thinning
+  double point_ms = 0.0;
+  double plane_ms = 0.0;
+  double corners_ms = 0.0;
+  double fusion_ms = 0.0;
+  double reference_ms = 0.0;
+  double total_ms = 0.0;
+};
+
+struct SweepResult {
+  SweepStatus status = SweepStatus::kFirst;
+  FilterState state;
+  Pose T_odom_base = Pose::Identity();
+  Matrix6d odometry_covariance = Matrix6d::Zero();  ///< accumulated, of T_odom_base, geometry/pose.hpp's convention
+  PoseSet pose_set;                                 ///< outcome of a pose that was set
+  Measurement point;
+  Measurement plane;
+  Measurement corners;
+  TimingResult timing;       ///< of the sweep's points
+  SweepCondition condition;  ///< the monitor's input beside `state`
+  MonitorOutput monitor;
+  StageTimes times;
+};
+
+class OdometryPipeline {
+ public:
+  static constexpr std::size_t kPoint = 0, kPlane = 1, kCorners = 2;  ///< order of the fusion's inputs and weights
+
+  /// Validates the parameters; throws ParameterError. threads >= 1.
+  OdometryPipeline(const PipelineParameters& params, int threads);
+  ~OdometryPipeline();
+
+  /// A stamp that jumped (stamp_order.hpp) begins a new drive at the last pose: reference, motion and t1 are reset.
+  /// `sweep` may be empty (a dropped or unreadable scan): the vehicle model then predicts the pose. step()
+  /// moves from `sweep`.
+  SweepResult step(Sweep& sweep);
+
+  /// Starts the time t1 at the next accepted sweep that is not before `from_stamp_s`; from t1 on the odometry serves as
+  /// the localisation. MonitorOutput says which sweep it was.
+  void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
+
+  /// Resets everything; the next sweep is the first.
+  void reset();
+
+  /// Sets the pose of base_link in odom; the next sweep applies it (estimation/pose_setting.hpp). Returns why the pose is
+  /// refused; empty: it is accepted. SweepResult::pose_set gives the outcome.
+  std::string setPose(const ExternalPose& pose);
+
+  /// A source of external poses (estimation/external_pose.hpp). Offer each pose no later than the sweep it belongs to.
+  void addSource(const std::string& name, double tolerance_s);
+  /// Returns why the pose cannot be used; empty: the pose waits for its sweep.
+  std::string offer(const std::string& source, const ExternalPose& pose);
+
+  /// The tilt and drift estimated so far.
+  const VerticalReference& verticalReference() const;
+
+  /// One line: how the clouds contradict the sensor's timing parameters (sweep_seam.hpp). Empty: no contradiction.
+  std::string seamContradiction() const;
+
+  /// The head's period and the jitter of the stamps, as estimated so far.
+  const SweepClock& sweepClock() const;
+
+  /// The reference's points in odom.
+  std::vector<Eigen::Vector3d> referencePoints() const;
+
+ private:
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,108 @@
+#include "core/preprocessing/registration_cloud.hpp"
+
+#include <algorithm>
+
+#include "core/parameters/check.hpp"
+#include "core/preprocessing/correction.hpp"
+#include "core/stamp_difference.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr float kMinCorrected_m = 1.0f;  // of the range; below it an offset would be a large part of the range
+
+void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& times,
+            const std::vector<std::uint32_t>& indices, std::vector<Eigen::Vector3f>& out_points,
+            std::vector<float>& out_times) {
+  out_points.clear();
+  out_times.clear();
+  for (const std::uint32_t i : indices) out_points.push_back(points[i]);
+  if (times.empty()) return;
+  for (const std::uint32_t i : indices) out_times.push_back(times[i]);
+}
+
+void correctRanges(const std::vector<std::uint16_t>& rings, const std::vector<std::uint32_t>& indices,
+                   const std::vector<float>& too_far_m, std::vector<Eigen::Vector3f>& points_lidar) {
+  if (too_far_m.empty()) return;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const std::uint16_t ring = rings[indices[i]];
+    const float range_m = points_lidar[i].norm();
+    if (ring < too_far_m.size() && range_m > kMinCorrected_m) points_lidar[i] *= 1.0f - too_far_m[ring] / range_m;
+  }
+}
+
+double middleOf(const std::vector<float>& times_s) {
+  if (times_s.empty()) return 0.0;
+  const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
+  return 0.5 * (static_cast<double>(*first) + static_cast<double>(*last));
+}
+
+}  // namespace
+
+void RegistrationCloud::redeskew(const Vector6d& delta_twist_cog, double still_s) {
+  if (map_times_s.empty()) return;
+  const SweepCorrection correction;
+  std::vector<float> since_still_s;
+  const auto move = [&](std::vector<Eigen::Vector3f>& points_cog, const std::vector<float>& times_s) {
+    since_still_s = times_s;
+    for (float& time_s : since_still_s) time_s -= static_cast<float>(still_s);
+    correction.redeskew(points_cog, since_still_s, delta_twist_cog);
+  };
+  move(map_points_cog, map_times_s);
+  move(plane_points_cog, plane_times_s);
+  move(point_points_cog, point_times_s);
+}
+
+void RegistrationCloudBuilder::Params::validate() const {
+  requireNotNegative("min_range_m", min_range_m);
+  requireParameter(max_range_m > min_range_m && max_range_m <= 1000.0, "max_range_m", max_range_m,
+                   "> min_range_m and <= 1000");
+  requireWithin("map_voxel_m", map_voxel_m, 0.01, 100.0);
+  requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m");
+  requireAtMost("plane_voxel_m", plane_voxel_m, 100.0);
+  requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m");
+  requireAtMost("point_voxel_m", point_voxel_m, 100.0);
+  requireWithin("min_points", min_points, 1, 1e9);
+}
+
+RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params,
+                                                   const std::optional<SweepTimingParams>& compensated_head)
+    : params_(params), compensated_head_(compensated_head) {
+  params_.validate();
+}
+
+void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
+                                     const std::vector<float>& too_far_m) {
+  cloud.stamp_s = sweep.stamp_s;
+  of_sweep_ = filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m);
+  gather(sweep.points_lidar, sweep.times_s, of_sweep_, cloud.map_points_cog, cloud.map_times_s);
+  cloud.compensated = compensated_head_ && sweep.times_s.empty();
+  if (cloud.compensated) {
+    timesByAzimuth(*compensated_head_, cloud.map_points_cog, 0.5, kUsualPeriod_s, cloud.map_times_s);
+  }
+  cloud.middle_s = middleOf(cloud.map_times_s);
+  const bool has_rings = sweep.rings.size() == sweep.points_lidar.size();
+  if (has_rings) correctRanges(sweep.rings, of_sweep_, too_far_m, cloud.map_points_cog);
+  const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
+  const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
+  for (Eigen::Vector3f& p : cloud.map_points_cog) p = (R * p + t).eval();
+  all_.resize(cloud.map_points_cog.size());
+  for (std::uint32_t i = 0; i < all_.size(); ++i) all_[i] = i;
+  const auto thinned = [&](double voxel_m) -> const std::vector<std::uint32_t>& {
+    chosen_ = filter_.select(cloud.map_points_cog, all_, voxel_m);
+    // in the sweep's order: consecutive points then access nearby parts of the map
+    std::sort(chosen_.begin(), chosen_.end(), [&](auto a, auto b) { return of_sweep_[a] < of_sweep_[b]; });
+    return chosen_;
+  };
+  gather(cloud.map_points_cog, cloud.map_times_s, thinned(params_.plane_voxel_m), cloud.plane_points_cog,
+         cloud.plane_times_s);
+  cloud.plane_rings.clear();
+  if (has_rings) {
+    for (const std::uint32_t i : chosen_) cloud.plane_rings.push_back(sweep.rings[of_sweep_[i]]);
+  }
+  gather(cloud.map_points_cog, cloud.map_times_s, thinned(params_.point_voxel_m), cloud.point_points_cog,
+         cloud.point_times_s);
+}
+
+}  // namespace fail_aware

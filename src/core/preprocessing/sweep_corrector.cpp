@@ -1,0 +1,81 @@
+#include "core/preprocessing/sweep_corrector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/preprocessing/revolution.hpp"
+#include "core/preprocessing/rings_by_order.hpp"
+#include "core/stamp_difference.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+// Undoes SensorParameters::correctedTiming().
+SweepTimingParams timingOfRawPoints(SweepTimingParams timing, const AzimuthCorrectionParams& azimuth) {
+  timing.start_azimuth_deg -= azimuth.angle_deg;
+  return timing;
+}
+
+/// Leaves out the points whose time is NaN.
+void dropUntimed(Sweep& sweep, std::vector<float>& times_s) {
+  const std::size_t size = sweep.size();
+  const auto compact = [&](auto& values) {
+    if (values.size() != size) return;  // empty
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (std::isfinite(times_s[i])) values[kept++] = values[i];
+    }
+    values.resize(kept);
+  };
+  for (auto* values : {&sweep.intensities, &sweep.times_s}) compact(*values);
+  compact(sweep.rings);
+  compact(sweep.points_lidar);
+  times_s.erase(std::remove_if(times_s.begin(), times_s.end(), [](float t) { return !std::isfinite(t); }),
+                times_s.end());
+}
+
+}  // namespace
+
+SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle,
+                               const AzimuthCorrectionParams& azimuth, const SweepTimingParams& timing,
+                               const SweepCorrectionParams& correction, const LevelKeepingParams& vertical_reference)
+    : vertical_angle_(vertical_angle),
+      azimuth_(azimuth),
+      timing_(timing),
+      seam_(timingOfRawPoints(timing, azimuth)),
+      correction_(correction),
+      vertical_reference_(vertical_reference) {
+  vertical_angle_.validate();
+  azimuth_.validate();
+}
+
+SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
+                                             CorrectedSweep& corrected) {
+  SweepCorrectorReport report;
+  if (sweep.rings.empty()) sweep.rings = ringsByOrder(sweep.points_lidar);
+  const std::optional<SweepSeam> seam = findSweepSeam(sweep.points_lidar);
+  correctVerticalAngle(vertical_angle_, sweep.points_lidar);
+  correctAzimuth(azimuth_, sweep.points_lidar);
+  vertical_reference_.apply(sweep.points_lidar);
+  report.timing = timing_.assign(sweep, prediction.period_s, times_s_);
+  if (report.timing.outliers > 0) dropUntimed(sweep, times_s_);
+  if (report.timing.source == TimingSource::kField) {
+    report.revolution_s = revolutionFromTimes(sweep.points_lidar, times_s_);
+  }
+  if (seam && report.timing.source == TimingSource::kAzimuth) seam_.observe(*seam);
+  report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
+                                          prediction.dt_s, T_cog_lidar, corrected);
+  if (report.correction.corrected() && !times_s_.empty()) {
+    const auto [first, last] = std::minmax_element(times_s_.begin(), times_s_.end());
+    // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was
+    report.middle_s = wholeMicroseconds(0.5 * (static_cast<double>(*first) + static_cast<double>(*last)));
+  }
+  if (prediction.motionKnown()) {
+    vertical_reference_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar,
+                                prediction.odom_reset_count);
+  }
+  return report;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,29 @@
+#include "core/preprocessing/vertical_angle_correction.hpp"
+
+#include <cmath>
+
+#include "core/geometry/degree.hpp"
+#include "point_block.hpp"
+
+namespace fail_aware {
+
+void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar) {
+  if (params.angle_deg == 0.0) return;
+  const double angle_rad = params.angle_deg * kDegree;
+  const float c = static_cast<float>(std::cos(angle_rad));
+  const float s = static_cast<float>(std::sin(angle_rad));
+
+  // With the horizontal distance h: (h, z) is rotated by the angle, and (x, y) scales with h.
+  PointBlock p;
+  forEachBlock(points_lidar.size(), [&](std::size_t first, std::size_t count) {
+    p.load(&points_lidar[first], count);
+    const PointBlock::Array h = (p.x * p.x + p.y * p.y).sqrt().max(1e-6f);
+    const PointBlock::Array scale = c - s * p.z / h;
+    p.z = c * p.z + s * h;
+    p.x *= scale;
+    p.y *= scale;
+    p.store(&points_lidar[first], count);
+  });
+}
+
+}  // namespace fail_aware

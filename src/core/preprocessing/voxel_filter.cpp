@@ -1,0 +1,112 @@
+#include "core/preprocessing/voxel_filter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "core/preprocessing/scattered_order.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr VoxelKey kOutOfRange = ~VoxelKey{0};  // a voxel's key has 63 bits
+constexpr std::size_t kAhead = 32;              // slots that are prefetched before the first of them is needed
+
+VoxelKey keyOf(const Eigen::Vector3f& p, float inverse_size) {
+  return packVoxel(fastFloor(p.x() * inverse_size), fastFloor(p.y() * inverse_size), fastFloor(p.z() * inverse_size));
+}
+
+}  // namespace
+
+void VoxelFilter::prepare() {
+  if (table_.empty()) resize(1024);
+  if (++generation_ == 0) {
+    table_.assign(table_.size(), Slot{0, 0});
+    generation_ = 1;
+  }
+  filled_ = 0;
+  kept_.clear();
+}
+
+void VoxelFilter::resize(std::size_t slots) {
+  std::vector<Slot> old(slots, Slot{0, 0});
+  old.swap(table_);
+  mask_ = slots - 1;
+  for (const Slot& slot : old) {
+    if (slot.generation == generation_) *find(slot.key) = slot;
+  }
+}
+
+VoxelFilter::Slot* VoxelFilter::find(VoxelKey key) {
+  for (std::size_t i = VoxelHash{}(key)&mask_;; i = (i + 1) & mask_) {
+    Slot& slot = table_[i];
+    if (slot.generation != generation_ || slot.key == key) return &slot;
+  }
+}
+
+bool VoxelFilter::insert(VoxelKey key) {
+  Slot* slot = find(key);
+  if (slot->generation == generation_) return false;
+  *slot = {key, generation_};
+  if (2 * ++filled_ > table_.size()) resize(2 * table_.size());
+  return true;
+}
+
+void VoxelFilter::keepNew(const std::uint32_t* ahead, std::size_t count) {
+  for (std::size_t k = 0; k < count; ++k) __builtin_prefetch(&table_[VoxelHash{}(keys_[ahead[k]]) & mask_], 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (insert(keys_[ahead[k]])) kept_.push_back(ahead[k]);
+  }
+}
+
+const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
+                                                      double min_range_m, double max_range_m) {
+  prepare();
+  constexpr double kLargest = std::numeric_limits<float>::max();  // infinity is beyond it for any max_range_m
+  const auto min2 = static_cast<float>(min_range_m * min_range_m);
+  const auto max2 = static_cast<float>(std::min(max_range_m * max_range_m, kLargest));
+  const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
+  const auto count = static_cast<std::uint32_t>(points.size());
+  keys_.resize(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const float range2 = points[i].squaredNorm();
+    const bool in_range = range2 >= min2 && range2 <= max2;  // false for NaN
+    keys_[i] = !in_range ? kOutOfRange : voxel_size_m > 0.0 ? keyOf(points[i], inverse_size) : 0;
+  }
+  ScatteredOrder order(count);
+  std::array<std::uint32_t, kAhead> ahead;
+  for (std::uint32_t k = 0; k < count;) {
+    std::size_t found = 0;
+    for (; k < count && found < kAhead; ++k) {
+      const std::uint32_t i = order.next();
+      if (keys_[i] != kOutOfRange) ahead[found++] = i;
+    }
+    if (voxel_size_m > 0.0) {
+      keepNew(ahead.data(), found);
+    } else {
+      kept_.insert(kept_.end(), ahead.begin(), ahead.begin() + found);
+    }
+  }
+  return kept_;
+}
+
+const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points,
+                                                      const std::vector<std::uint32_t>& candidates,
+                                                      double voxel_size_m) {
+  if (&candidates == &kept_) return select(points, std::vector<std::uint32_t>(candidates), voxel_size_m);
+  prepare();
+  if (voxel_size_m <= 0.0) {
+    kept_ = candidates;
+    return kept_;
+  }
+  const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
+  keys_.resize(points.size());
+  for (const std::uint32_t i : candidates) keys_[i] = keyOf(points[i], inverse_size);
+  for (std::size_t k = 0; k < candidates.size(); k += kAhead) {
+    keepNew(candidates.data() + k, std::min(kAhead, candidates.size() - k));
+  }
+  return kept_;
+}
+
+}  // namespace fail_aware

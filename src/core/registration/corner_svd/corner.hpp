@@ -1,0 +1,59 @@
+// A corner of the scene: two vertical planes that meet, and its three synthetic points (paper, section "SVD Cornering
+// Algorithm", Synthetic Points Evaluation).
+//
+// M and J lie on the line where the planes meet, 0.5 m apart. N is 1 m from M, at M's height, in the plane that is
+// closer to odom's x axis, towards growing x. N is therefore the same point in every sweep while the predicted yaw is
+// good to some degrees. A line has no height: M's position on it is a convention. Before two corners are compared, one
+// is moved along its line to the height of the other (`atHeight`).
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+struct Corner {
+  static constexpr double kLineLength = 0.5;   ///< |J - M|, m
+  static constexpr double kPlaneLength = 1.0;  ///< |N - M|, m
+
+  Eigen::Vector3d M = Eigen::Vector3d::Zero();
+  Eigen::Vector3d J = Eigen::Vector3d::Zero();  ///< above M
+  Eigen::Vector3d N = Eigen::Vector3d::Zero();
+  /// Unit, towards the sensor; the first one belongs to N's plane.
+  std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+  std::array<double, 2> icp_point_to_plane_rms_m{0.0, 0.0};
+  std::array<int, 2> plane_points{0, 0};  ///< RANSAC inliers
+  /// Bounding rectangle of a plane's inliers when last seen: opposite vertices; sides along the line and across it.
+  struct Rectangle {
+    Eigen::Vector3d low = Eigen::Vector3d::Zero();
+    Eigen::Vector3d high = Eigen::Vector3d::Zero();
+  };
+  std::array<Rectangle, 2> rectangles;  ///< display only
+  int points() const { return plane_points[0] + plane_points[1]; }
+
+  Eigen::Vector3d lineDirection() const { return (J - M).normalized(); }
+};
+
+/// The corner in another frame: p_a = T_a_b p_b.
+Corner movedCorner(const Pose& T_a_b, const Corner& corner_b);
+
+/// Moves the corner along its line so that M.z() = z_odom_m. The corner is in odom (z up).
+Corner atHeight(const Corner& corner_odom, double z_odom_m);
+
+/// The same corner with N in its other plane. The corner is in odom.
+Corner withOtherPlane(const Corner& corner_odom);
+
+struct CornerPair {
+  int first;            ///< index into the corners
+  int second;           ///< index into the others
+  bool planes_swapped;  ///< first's planes are in the reverse order of second's: N is not in the same plane
+};
+
+/// Mutually nearest corners, both in odom: M within `distance_m` at equal height and both normals within `angle_deg`.
+std::vector<CornerPair> matchCorners(const std::vector<Corner>& corners_odom, const std::vector<Corner>& others_odom,
+                                     double distance_m, double angle_deg);
+
+}  // namespace fail_aware

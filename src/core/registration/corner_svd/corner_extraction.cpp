@@ -1,0 +1,278 @@
+#include "core/registration/corner_svd/corner_extraction.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+#include "core/registration/corner_svd/dbscan.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
+constexpr float kMaxHeight = 1000.0F;  // m; greater heights are not valid measurements
+
+int countBits(std::uint64_t bits) {
+  int count = 0;
+  for (; bits != 0; bits &= bits - 1) ++count;
+  return count;
+}
+
+float verticalExtent(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& up) {
+  float low = std::numeric_limits<float>::infinity(), high = -low;
+  for (const Eigen::Vector3f& p : points) {
+    const float height = up.dot(p);
+    low = std::min(low, height);
+    high = std::max(high, height);
+  }
+  return points.empty() ? 0.0F : high - low;
+}
+
+int countNearLine(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& on_line,
+                  const Eigen::Vector3d& direction, double distance_m) {
+  const Eigen::Vector3f origin = on_line.cast<float>(), axis = direction.cast<float>();
+  const float limit = static_cast<float>(distance_m * distance_m);
+  int count = 0;
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3f offset = p - origin;
+    const float along = offset.dot(axis);
+    count += offset.squaredNorm() - along * along < limit ? 1 : 0;
+  }
+  return count;
+}
+
+Corner::Rectangle rectangleOf(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& on_line,
+                              const Eigen::Vector3d& direction, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d across = direction.cross(normal).normalized();
+  Eigen::Matrix<float, 2, 3> axes;
+  axes << direction.transpose().cast<float>(), across.transpose().cast<float>();
+  Eigen::Vector2f low = Eigen::Vector2f::Constant(std::numeric_limits<float>::max()), high = -low;
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector2f place = axes * (p - on_line.cast<float>());
+    low = low.cwiseMin(place);
+    high = high.cwiseMax(place);
+  }
+  if (points.empty()) low = high = Eigen::Vector2f::Zero();
+  const auto vertex = [&](const Eigen::Vector2f& v) {
+    return (on_line + static_cast<double>(v.x()) * direction + static_cast<double>(v.y()) * across).eval();
+  };
+  return {vertex(low), vertex(high)};
+}
+
+// Corners with the most points first; a corner nearer than `distance_m` to a better one is dropped.
+std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distance_m) {
+  std::stable_sort(corners.begin(), corners.end(),
+                   [](const Corner& a, const Corner& b) { return a.points() > b.points(); });
+  std::vector<Corner> kept;
+  for (const Corner& corner : corners) {
+    const bool alone = std::none_of(kept.begin(), kept.end(),
+                                    [&](const Corner& other) { return (other.M - corner.M).norm() < distance_m; });
+    if (alone) kept.push_back(corner);
+  }
+  return kept;
+}
+
+}  // namespace
+
+void CornerExtractor::Params::validate() const {
+  requireWithin("cell_m", cell_m, 0.01, 10.0);
+  requireNotNegative("min_range_m", min_range_m);
+  requireParameter(std::isfinite(max_range_m) && max_range_m > min_range_m, "max_range_m", max_range_m,
+                   "finite and > min_range_m");
+  requireAtMost("max_range_m", max_range_m, 1000.0);
+  requireParameter(max_range_m / cell_m <= 5000.0, "cell_m", cell_m, ">= max_range_m / 5000");
+  requireParameter(min_beams_per_cell >= 1 && min_beams_per_cell <= 64, "min_beams_per_cell", min_beams_per_cell,
+                   "in [1, 64]");
+  requireWithin("height_step_m", height_step_m, 0.001, 100.0);
+  requireWithin("dbscan_eps_m", dbscan_eps_m, 0.001, 100.0);
+  requireWithin("dbscan_min_points", dbscan_min_points, 1, 1000000);
+  requireWithin("min_cluster_points", min_cluster_points, 1, 1000000);
+  requireWithin("max_planes_per_cluster", max_planes_per_cluster, 2, 100);
+  requirePositive("max_corner_gap_m", max_corner_gap_m);
+  requireWithin("min_points_near_corner", min_points_near_corner, 0, 1000000);
+  requireNotNegative("min_plane_height_m", min_plane_height_m);
+  requireWithin("min_angle_deg", min_angle_deg, 1.0, 90.0);
+  requireWithin("max_angle_deg", max_angle_deg, 90.0, 179.0);
+  requireNotNegative("min_corner_distance_m", min_corner_distance_m);
+  requireWithin("synthetic_height_m", synthetic_height_m, -100.0, 100.0);
+  requireParameter(seed >= 0, "seed", seed, ">= 0");
+  ransac.validate();
+}
+
+CornerExtractor::CornerExtractor(const Params& params) : params_(params) {
+  params_.validate();
+  grid_width_ = 2 * (static_cast<int>(params_.max_range_m / params_.cell_m) + 2);  // one spare cell for rounding
+  grid_.assign(static_cast<std::size_t>(grid_width_) * static_cast<std::size_t>(grid_width_), 0);
+}
+
+std::vector<Corner> CornerExtractor::extract(const Points& points, const Eigen::Matrix3d& R_odom_frame) {
+  std::vector<Corner> corners;
+  if (!R_odom_frame.allFinite()) return corners;
+  keepVerticalPoints(points);
+  const Eigen::Vector3d up = R_odom_frame.transpose().col(2);
+  std::uint32_t seed = static_cast<std::uint32_t>(params_.seed);
+  for (Points& cluster : clusterKeptPoints()) {
+    const std::vector<Plane> planes = findPlanes(std::move(cluster), up, seed++);
+    for (std::size_t a = 0; a < planes.size(); ++a) {
+      for (std::size_t b = a + 1; b < planes.size(); ++b) {
+        Corner corner;
+        if (makeCorner(planes[a], planes[b], R_odom_frame, corner)) corners.push_back(corner);
+      }
+    }
+  }
+  return withoutNeighbours(std::move(corners), params_.min_corner_distance_m);
+}
+
+// Fills kept_ and kept_begin_.
+void CornerExtractor::keepVerticalPoints(const Points& points) {
+  const float inverse_cell = static_cast<float>(1.0 / params_.cell_m);
+  const float inverse_step = static_cast<float>(1.0 / params_.height_step_m);
+  const float middle = 0.5F * static_cast<float>(grid_width_);
+  const float min_range2 = static_cast<float>(params_.min_range_m * params_.min_range_m);
+  const float max_range2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
+
+  touched_.clear();
+  cell_of_point_.resize(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f& p = points[i];
+    const float range2 = p.x() * p.x() + p.y() * p.y();
+    cell_of_point_[i] = kNoCell;
+    if (!(range2 >= min_range2 && range2 < max_range2 && std::abs(p.z()) < kMaxHeight)) continue;
+    const int column = static_cast<int>(p.x() * inverse_cell + middle);
+    const int row = static_cast<int>(p.y() * inverse_cell + middle);
+    const std::uint32_t cell = static_cast<std::uint32_t>(row * grid_width_ + column);
+    cell_of_point_[i] = cell;
+    const auto step = static_cast<unsigned>((p.z() + kMaxHeight) * inverse_step);
+    if (grid_[cell] == 0) touched_.push_back(cell);
+    grid_[cell] |= std::uint64_t{1} << (step & 63U);
+  }
+
+  // From here a grid cell holds 0 or the index of the kept cell + 1.
+  std::uint32_t kept_cells = 0;
+  for (const std::uint32_t cell : touched_) {
+    grid_[cell] = countBits(grid_[cell]) >= params_.min_beams_per_cell ? ++kept_cells : 0;
+  }
+  kept_begin_.assign(kept_cells + 2, 0);  // for now, the point count of kept cell k is at k + 2
+  for (std::uint32_t& cell : cell_of_point_) {
+    if (cell == kNoCell) continue;
+    cell = grid_[cell] == 0 ? kNoCell : static_cast<std::uint32_t>(grid_[cell] - 1);
+    if (cell != kNoCell) ++kept_begin_[cell + 2];
+  }
+  for (std::size_t k = 2; k < kept_begin_.size(); ++k) kept_begin_[k] += kept_begin_[k - 1];
+  kept_.resize(kept_begin_.back());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (cell_of_point_[i] != kNoCell) kept_[kept_begin_[cell_of_point_[i] + 1]++] = points[i];
+  }
+  kept_begin_.pop_back();
+  for (const std::uint32_t cell : touched_) grid_[cell] = 0;
+}
+
+std::vector<CornerExtractor::Points> CornerExtractor::clusterKeptPoints() const {
+  std::vector<Eigen::Vector2f> places;
+  std::vector<int> weights;
+  std::vector<int> label_of_point(kept_.size());
+  if (params_.cluster_cells) {
+    for (std::size_t k = 0; k + 1 < kept_begin_.size(); ++k) {
+      Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+      for (std::uint32_t i = kept_begin_[k]; i < kept_begin_[k + 1]; ++i) sum += kept_[i].head<2>();
+      weights.push_back(static_cast<int>(kept_begin_[k + 1] - kept_begin_[k]));
+      places.push_back(sum / static_cast<float>(weights.back()));
+    }
+  } else {
+    places.reserve(kept_.size());
+    for (const Eigen::Vector3f& p : kept_) places.push_back(p.head<2>());
+  }
+  const std::vector<int> labels = dbscan2d(places, params_.dbscan_eps_m, params_.dbscan_min_points, weights);
+
+  std::vector<std::size_t> sizes;
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    if (labels[k] < 0) continue;
+    sizes.resize(std::max(sizes.size(), static_cast<std::size_t>(labels[k]) + 1));
+    sizes[static_cast<std::size_t>(labels[k])] += weights.empty() ? 1 : static_cast<std::size_t>(weights[k]);
+  }
+  std::vector<Points> clusters;
+  std::vector<std::size_t> cluster_of_label(sizes.size());
+  for (std::size_t label = 0; label < sizes.size(); ++label) {
+    const bool large = sizes[label] >= static_cast<std::size_t>(params_.min_cluster_points);
+    cluster_of_label[label] = large ? clusters.size() : kNoCell;
+    if (!large) continue;
+    clusters.emplace_back();
+    clusters.back().reserve(sizes[label]);
+  }
+  for (std::size_t k = 0; k < labels.size(); ++k) {
+    if (labels[k] < 0 || cluster_of_label[static_cast<std::size_t>(labels[k])] == kNoCell) continue;
+    Points& cluster = clusters[cluster_of_label[static_cast<std::size_t>(labels[k])]];
+    const std::size_t begin = weights.empty() ? k : kept_begin_[k], end = weights.empty() ? k + 1 : kept_begin_[k + 1];
+    for (std::size_t i = begin; i < end; ++i) cluster.push_back(kept_[i]);
+  }
+  return clusters;
+}
+
+std::vector<CornerExtractor::Plane> CornerExtractor::findPlanes(Points cluster, const Eigen::Vector3d& up,
+                                                                std::uint32_t seed) const {
+  std::vector<Plane> planes;
+  for (int k = 0; k < params_.max_planes_per_cluster; ++k) {
+    RansacPlane found = ransacPlane(cluster, up, params_.ransac, seed);
+    if (!found.found) break;
+    Plane plane{found.normal, found.d_m, found.rms_m, {}};
+    plane.inliers.reserve(found.inliers.size());
+    std::size_t next_inlier = 0, outliers = 0;
+    for (std::size_t i = 0; i < cluster.size(); ++i) {
+      if (next_inlier < found.inliers.size() && static_cast<std::size_t>(found.inliers[next_inlier]) == i) {
+        plane.inliers.push_back(cluster[i]);
+        ++next_inlier;
+      } else {
+        cluster[outliers++] = cluster[i];
+      }
+    }
+    cluster.resize(outliers);
+    if (static_cast<double>(verticalExtent(plane.inliers, up.cast<float>())) < params_.min_plane_height_m) continue;
+    planes.push_back(std::move(plane));
+  }
+  return planes;
+}
+
+bool CornerExtractor::makeCorner(const Plane& a, const Plane& b, const Eigen::Matrix3d& R_odom_frame,
+                                 Corner& corner) const {
+  const double angle = std::acos(std::clamp(a.normal.dot(b.normal), -1.0, 1.0));
+  if (angle < params_.min_angle_deg * kDegree || angle > params_.max_angle_deg * kDegree) return false;
+
+  const Eigen::Vector3d up = R_odom_frame.transpose().col(2);
+  Eigen::Vector3d direction = a.normal.cross(b.normal).normalized();
+  if (direction.dot(up) < 0.0) direction = -direction;
+  if (direction.dot(up) < std::cos(params_.ransac.max_tilt_deg * kDegree)) return false;
+  Eigen::Matrix3d planes;
+  planes << a.normal.transpose(), b.normal.transpose(), up.transpose();
+  corner.M = planes.inverse() * Eigen::Vector3d(-a.d_m, -b.d_m, params_.synthetic_height_m);
+  if (!corner.M.allFinite() || corner.M.norm() > params_.max_range_m) return false;
+  for (const Plane* plane : {&a, &b}) {
+    if (params_.min_points_near_corner == 0) break;
+    if (countNearLine(plane->inliers, corner.M, direction, params_.max_corner_gap_m) < params_.min_points_near_corner) {
+      return false;
+    }
+  }
+
+  // Horizontal directions of both planes; N lies in the plane closer to odom's x axis.
+  const Eigen::Vector3d forward = R_odom_frame.transpose().col(0);
+  const Eigen::Vector3d along_a = up.cross(a.normal).normalized(), along_b = up.cross(b.normal).normalized();
+  const bool first = std::abs(along_a.dot(forward)) >= std::abs(along_b.dot(forward));
+  const Eigen::Vector3d& along = first ? along_a : along_b;
+  const Plane& reference = first ? a : b;
+  const Plane& other = first ? b : a;
+  corner.J = corner.M + Corner::kLineLength * direction;
+  corner.N = corner.M + (along.dot(forward) < 0.0 ? -Corner::kPlaneLength : Corner::kPlaneLength) * along;
+  corner.normals = {reference.normal, other.normal};
+  corner.icp_point_to_plane_rms_m = {reference.rms_m, other.rms_m};
+  corner.plane_points = {static_cast<int>(reference.inliers.size()), static_cast<int>(other.inliers.size())};
+  corner.rectangles = {rectangleOf(reference.inliers, corner.M, direction, reference.normal),
+                       rectangleOf(other.inliers, corner.M, direction, other.normal)};
+  return corner.J.allFinite() && corner.N.allFinite();
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,84 @@
+#include "core/registration/corner_svd/corner_reference.hpp"
+
+#include <cstddef>
+
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+// The mean of `corner` (weight 1 - share) and `seen` (weight share); both at one height, planes in one order.
+Corner blended(const Corner& corner, const Corner& seen, double share) {
+  const auto mix = [&](const auto& a, const auto& b) { return ((1.0 - share) * a + share * b).eval(); };
+  Corner mean = corner;
+  mean.M = mix(corner.M, seen.M);
+  mean.J = mean.M + Corner::kLineLength * mix(corner.lineDirection(), seen.lineDirection()).normalized();
+  mean.N = mean.M + Corner::kPlaneLength * mix((corner.N - corner.M).eval(), (seen.N - seen.M).eval()).normalized();
+  for (std::size_t k = 0; k < 2; ++k) {
+    mean.normals[k] = mix(corner.normals[k], seen.normals[k]).normalized();
+    mean.icp_point_to_plane_rms_m[k] =
+        (1.0 - share) * corner.icp_point_to_plane_rms_m[k] + share * seen.icp_point_to_plane_rms_m[k];
+    mean.plane_points[k] = seen.plane_points[k];
+    mean.rectangles[k] = seen.rectangles[k];
+  }
+  return mean;
+}
+
+}  // namespace
+
+void CornerReference::Params::validate() const {
+  requireWithin("sweeps", sweeps, 1, 1000000);
+  requirePositive("merge_distance_m", merge_distance_m);
+  requireWithin("max_normal_difference_deg", max_normal_difference_deg, 0.1, 45.0);
+  requireWithin("max_range_m", max_range_m, 0.1, 1000.0);
+}
+
+CornerReference::CornerReference(const Params& params) : params_(params) { params_.validate(); }
+
+void CornerReference::clear() {
+  corners_odom_.clear();
+  histories_.clear();
+}
+
+void CornerReference::update(const std::vector<Corner>& corners_cog, const Pose& T_odom_cog) {
+  if (!isFinite(T_odom_cog)) return;
+  if (params_.sweeps == 1) clear();
+  for (History& history : histories_) ++history.sweeps_unseen;
+
+  std::vector<Corner> seen;
+  seen.reserve(corners_cog.size());
+  for (const Corner& corner : corners_cog) seen.push_back(movedCorner(T_odom_cog, corner));
+  std::vector<bool> known(seen.size(), false);
+  for (const CornerPair& match :
+       matchCorners(seen, corners_odom_, params_.merge_distance_m, params_.max_normal_difference_deg)) {
+    Corner& corner = corners_odom_[static_cast<std::size_t>(match.second)];
+    History& history = histories_[static_cast<std::size_t>(match.second)];
+    Corner sighting = atHeight(seen[static_cast<std::size_t>(match.first)], corner.M.z());
+    if (match.planes_swapped) sighting = withOtherPlane(sighting);
+    history = {history.sightings + 1, 0};
+    corner = blended(corner, sighting, 1.0 / history.sightings);
+    known[static_cast<std::size_t>(match.first)] = true;
+  }
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (known[i]) continue;
+    corners_odom_.push_back(seen[i]);
+    histories_.push_back({1, 0});
+  }
+  forget(T_odom_cog);
+}
+
+void CornerReference::forget(const Pose& T_odom_cog) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < corners_odom_.size(); ++i) {
+    const bool near = (corners_odom_[i].M - T_odom_cog.translation()).norm() <= params_.max_range_m;
+    if (!near || histories_[i].sweeps_unseen >= params_.sweeps) continue;
+    corners_odom_[kept] = corners_odom_[i];
+    histories_[kept] = histories_[i];
+    ++kept;
+  }
+  corners_odom_.resize(kept);
+  histories_.resize(kept);
+}
+
+}  // namespace fail_aware

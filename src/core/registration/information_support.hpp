@@ -1,0 +1,46 @@
+// How widely the information on one horizontal direction is spread in space. Not in the paper.
+//
+// A vehicle ahead that keeps its distance may be the only surface that observes the motion along a smooth tunnel: its
+// information is precise and wrong. True information comes from several places. Therefore no place (a square of
+// `cell_m`) counts for more than `max_place_ratio` of all the information that counts.
+// Cost: about 20 ns per point; used only where a direction is weakly observed.
+#pragma once
+
+#include <Eigen/Core>
+#include <unordered_map>
+
+#include "core/preprocessing/voxel_key.hpp"
+
+namespace fail_aware {
+
+class InformationSupport {
+ public:
+  struct Params {
+    double cell_m = 5.0;  ///< side of a place: about the length of a vehicle
+    double max_place_ratio = 0.2;
+    double below_ratio = 0.3;  ///< applied where the ratio of information in a horizontal direction is below this
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("max_place_ratio", self.max_place_ratio);
+      v("below_ratio", self.below_ratio);
+    }
+    void validate() const;
+  };
+
+  explicit InformationSupport(const Params& params) : params_(params) {}
+
+  void add(const Eigen::Vector3d& position_m, double information);
+
+  /// The ratio of the information that counts, 0..1.
+  double countedRatio() const;
+
+ private:
+  Params params_;
+  std::unordered_map<VoxelKey, double, VoxelHash> places_;
+};
+
+/// The horizontal direction with the least information, a unit vector in odom.
+Eigen::Vector2d weakestHorizontal(const Eigen::Matrix2d& information);
+
+}  // namespace fail_aware

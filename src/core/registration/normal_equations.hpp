@@ -1,0 +1,69 @@
+// Normal equations of a pose, with the directions that the data do not observe left out.
+//
+// The unknown is a small motion of the vehicle about its own position: dx = (dt, dr) in odom's axes,
+// p -> p + dt + dr x (p - t). Rotation is compared with translation at the lever `lever_m`.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/geometry/pose.hpp"
+
+namespace fail_aware {
+
+struct ObservabilityParams {
+  /// a rotation dr moves points at this distance by lever_m * dr: a usual range of points
+  double lever_m = 10.0;
+  double min_information_ratio = 0.01;  ///< a direction with a smaller share of the total weight is not observed
+  /// Where an observed direction has less than this, steps, too, are made of the information alone: sliding residuals
+  /// would outweigh it.
+  double min_sliding_ratio = 0.03;
+  /// standard deviation in R along an unobserved direction: as good as no measurement to gate and fusion
+  double weak_sigma_m = 3.0;
+  double weak_sigma_deg = 5.0;  ///< likewise of a rotation
+
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("min_information_ratio", self.min_information_ratio);
+  }
+  void validate() const;
+};
+
+/// H dx = b, with H = sum w J^T J / sigma^2, b = -sum w J^T r / sigma^2.
+struct NormalEquations {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d b = Vector6d::Zero();
+  double weight = 0.0;  ///< sum of w / sigma^2
+  /// What the data say of each direction, where H says more: the nearest of a plane's points slides along it, so a
+  /// pair's H has directions that it does not observe. Without `has_information`: H itself.
+  bool has_information = false;
+  bool slides = false;  ///< H has more than the information (else it is the same, discounted)
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d information_b = Vector6d::Zero();  ///< b of the same residuals
+  double information_weight = 0.0;
+  double squared_error = 0.0;    ///< sum of w r^2, m^2
+  double weight_unscaled = 0.0;  ///< sum of w
+  std::size_t inliers = 0;
+};
+
+struct Solution {
+  Vector6d dx = Vector6d::Zero();
+  int degenerate_directions = 0;
+  double min_horizontal_ratio = 0.0;
+};
+
+/// Only `counted_ratio` of the information along a horizontal direction (unit vector) counts (information_support.hpp).
+void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_ratio);
+
+/// The step along observed directions only.
+Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params);
+
+/// The covariance of the solution: `scale` * H^-1 along observed directions, the weak sigmas along the others.
+Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params);
+
+/// Whether a step is shorter than the standard deviation along it.
+bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance);
+
+/// Applies dx to a pose: t + dt, Exp(dr) R.
+Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx);
+
+}  // namespace fail_aware

@@ -1,0 +1,53 @@
+// A sweep as the two ICPs register it: its thinned clouds, and the motion that they are deskewed for.
+//
+// The builder corrects the ranges by the estimated beam range bias (beam_range_bias.hpp). The deskew motion of a
+// compensated sweep (sensor.timing.source none) is unknown.
+// Frames: the centre of gravity's.
+// Failure: `usable` is false. Cost: that of registration_cloud.hpp and beam_range_bias.hpp.
+#pragma once
+
+#include "core/preprocessing/registration_cloud.hpp"
+#include "core/registration/beam_range_bias.hpp"
+#include "core/types/corrected_sweep.hpp"
+#include "core/types/sweep_prediction.hpp"
+
+namespace fail_aware {
+
+struct RegistrationScan {
+  RegistrationCloud cloud;
+  Pose T_cog_lidar = Pose::Identity();
+  /// The motion that the cloud is deskewed for (compensated: the predicted motion), m/s and rad/s.
+  Vector6d twist_cog = Vector6d::Zero();
+  bool usable = false;  ///< false: too few points in range, the sweep cannot be registered
+
+  /// Deskews the cloud for another motion. Points measured at still_s (relative to the stamp) do not move.
+  void redeskew(const Vector6d& other_twist_cog, double still_s);
+};
+
+class RegistrationScanBuilder {
+ public:
+  struct Params {
+    RegistrationCloudBuilder::Params cloud;
+    BeamRangeBias::Params beam_range_bias;
+    IcpPointToPlane::Params icp_point_to_plane;  ///< pairs of the beam range bias
+    bool times_compensated_sweeps = true;        ///< by the azimuth: the deskew refinement asks for the times
+  };
+
+  /// timing: SensorParameters::correctedTiming(); tells whether sweeps come compensated, and how the head rotates.
+  RegistrationScanBuilder(const Params& params, const SweepTimingParams& timing);
+
+  /// Builds the scan, deskewed for the prediction. `scan` is reused.
+  void build(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
+             RegistrationScan& scan);
+
+  /// Updates the beam range bias from a scan at its estimate, before the scan is inserted.
+  void observeBeams(const RegistrationScan& scan, const VoxelMap& map, const Pose& T_odom_cog);
+
+  void reset() { beam_range_bias_.reset(); }
+
+ private:
+  RegistrationCloudBuilder builder_;
+  BeamRangeBias beam_range_bias_;
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,14 @@
+// The robust kernel of all registrations.
+// Geman and McClure, "Statistical methods for tomographic image reconstruction", Bulletin of the ISI, 1987.
+#pragma once
+
+namespace fail_aware {
+
+/// Weight of a residual in iteratively reweighted least squares: 1 at zero, 1/4 at the scale. Both arguments are
+/// squared and have the same unit.
+inline double gemanMcClureWeight(double squared_residual, double squared_scale) {
+  const double kernel = squared_scale / (squared_scale + squared_residual);
+  return kernel * kernel;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,38 @@
+// The condition of a sweep: input of the fail-aware monitor (integrity/monitor.hpp) in addition to the filter's state.
+#pragma once
+
+namespace fail_aware {
+
+struct SweepCondition {
+  bool empty = false;       ///< no usable point
+  bool incomplete = false;  ///< part of the revolution is missing
+  bool low_visibility = false;
+  bool frozen = false;              ///< the sensor repeats the same cloud
+  bool time_jump = false;           ///< the stamps jumped, back or ahead
+  bool time_field_refused = false;  ///< the points' times are a guess
+  bool no_answer = false;           ///< a stage of the live graph missed the deadline
+  int dropped_before = 0;           ///< sweeps lost since the last one
+  bool point_missing = false;       ///< the source is used but gave no usable measurement; likewise the next two
+  bool plane_missing = false;
+  bool corners_missing = false;
+  double min_information_ratio = 1.0;  ///< weakest horizontal direction, point-to-plane ICP; 1: not known
+
+  /// Visits every field: the columns of the monitor's log.
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("empty", self.empty);
+    v("incomplete", self.incomplete);
+    v("low_visibility", self.low_visibility);
+    v("frozen", self.frozen);
+    v("time_jump", self.time_jump);
+    v("time_field_refused", self.time_field_refused);
+    v("no_answer", self.no_answer);
+    v("dropped_before", self.dropped_before);
+    v("point_missing", self.point_missing);
+    v("plane_missing", self.plane_missing);
+    v("corners_missing", self.corners_missing);
+    v("min_information_ratio", self.min_information_ratio);
+  }
+};
+
+}  // namespace fail_aware

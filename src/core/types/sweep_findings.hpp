@@ -1,0 +1,22 @@
+// Results of the checks of a raw sweep (explained in preprocessing/sweep_check.hpp), and what its correction shows about the
+// head.
+#pragma once
+
+namespace fail_aware {
+
+struct SweepFindings {
+  bool incomplete = false;
+  bool low_visibility = false;
+  bool frozen = false;
+  bool repeats = false;
+  bool time_jump = false;
+  double azimuth_coverage = 0.0;  ///< ratio of the sectors that hold points; 0 for an empty sweep
+  double far_ratio = 0.0;         ///< ratio of the points beyond visible_range_m
+  int repetitions = 0;            ///< consecutive sweeps that repeated the previous one
+  // From SweepCorrectorReport, not from SweepCheck.
+  double middle_s = 0.0;            ///< middle of the points' times, s relative to the stamp
+  double revolution_s = 0.0;        ///< time of one revolution of the head, s; 0: not known
+  bool time_field_refused = false;  ///< TimingResult::guessed()
+};
+
+}  // namespace fail_aware

@@ -1,0 +1,176 @@
+#include "core/estimation/consistency_monitor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "../parameters/error_of.hpp"
+#include "core/geometry/degree.hpp"
+
+namespace fail_aware {
+namespace {
+
+using Sweep = ConsistencyMonitor::Sweep;
+using Inflation = ConsistencyMonitor::Inflation;
+
+Sweep sound(double dt_s = 0.1) { return {dt_s, 0.02, 0.03, 0.5 * kDegree, 0.8}; }
+
+/// After ten sound sweeps, `count` that are changed.
+Inflation afterOdd(int count, const std::function<void(Sweep&)>& change,
+                   const ConsistencyMonitor::Params& params = {}) {
+  ConsistencyMonitor monitor(params);
+  Inflation inflation;
+  for (int i = 0; i < 10; ++i) inflation = monitor.add(sound());
+  for (int i = 0; i < count; ++i) {
+    Sweep sweep = sound();
+    change(sweep);
+    inflation = monitor.add(sweep);
+  }
+  return inflation;
+}
+
+void expectNone(const Inflation& inflation, const std::string& of) {
+  EXPECT_EQ(inflation.sigma_m, 0.0) << of;
+  EXPECT_EQ(inflation.sigma_yaw_rad, 0.0) << of;
+  EXPECT_FALSE(inflation.unbelievable || inflation.velocity_unobservable) << of;
+}
+
+TEST(ConsistencyMonitor, SoundSweepsAreNotDoubted) {
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+  for (int i = 0; i < 30; ++i) expectNone(monitor.add(sound()), std::to_string(i));
+}
+
+TEST(ConsistencyMonitor, PersistentDisagreementInflates) {
+  const auto apart = [](Sweep& sweep) { sweep.undecided_m = 0.25; };
+  expectNone(afterOdd(2, apart), "two of the last five");
+  const Inflation accumulated = afterOdd(3, apart);
+  EXPECT_DOUBLE_EQ(accumulated.sigma_m, 0.10);
+  EXPECT_FALSE(accumulated.unbelievable) << "one of them is right";
+}
+
+TEST(ConsistencyMonitor, PersistentInnovationInflates) {
+  const auto off = [](Sweep& sweep) { sweep.innovation_m = 0.12; };
+  expectNone(afterOdd(4, off), "four of the last ten");
+  const Inflation accumulated = afterOdd(5, off);
+  EXPECT_DOUBLE_EQ(accumulated.sigma_m, 0.12);
+  EXPECT_TRUE(accumulated.unbelievable);
+  EXPECT_FALSE(accumulated.velocity_unobservable) << "whoever brakes hard would never be believed again";
+  expectNone(afterOdd(10, [](Sweep& sweep) { sweep.innovation_m = 0.067; }), "as sound sweeps at most");
+}
+
+TEST(ConsistencyMonitor, LongIntervalAllowsMore) {
+  const auto slow = [](double innovation_m) {
+    return afterOdd(10, [=](Sweep& sweep) {
+      sweep.dt_s = 0.2;
+      sweep.innovation_m = innovation_m;
+    });
+  };
+  expectNone(slow(0.27), "below four times 0.07 m");
+  EXPECT_DOUBLE_EQ(slow(0.29).sigma_m, 0.29);
+}
+
+TEST(ConsistencyMonitor, WhereLittleFitsTheMapTheIncrementIsOpen) {
+  const auto fitting = [](double share) { return afterOdd(2, [=](Sweep& sweep) { sweep.fitting_ratio = share; }); };
+  expectNone(fitting(0.3), "the least that is usual");
+  EXPECT_NEAR(fitting(0.1).sigma_m, 0.25 * 2.0 / 3.0, 1e-12);
+  EXPECT_TRUE(fitting(0.1).unbelievable && fitting(0.1).velocity_unobservable);
+  EXPECT_DOUBLE_EQ(fitting(0.0).sigma_m, 0.25);
+  const Inflation once = afterOdd(1, [](Sweep& sweep) { sweep.fitting_ratio = 0.0; });
+  EXPECT_EQ(once.sigma_m, 0.0) << "one of three";
+  EXPECT_FALSE(once.unbelievable);
+  EXPECT_TRUE(once.velocity_unobservable) << "at once";
+}
+
+TEST(ConsistencyMonitor, WhereNothingHasFittedYetTheMotionIsLearnt) {
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+  Sweep unfitting = sound();
+  unfitting.fitting_ratio = 0.1;
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(unfitting).velocity_unobservable) << i;
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(sound()).velocity_unobservable) << i;
+  EXPECT_TRUE(monitor.add(unfitting).velocity_unobservable);
+}
+
+TEST(ConsistencyMonitor, SilentPlanesForgetTheFit) {
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+  Sweep unfitting = sound(), silent = sound();
+  unfitting.fitting_ratio = 0.0;
+  silent.fitting_ratio = std::nullopt;
+  for (int i = 0; i < 3; ++i) monitor.add(unfitting);
+  for (int i = 1; i <= 10; ++i) EXPECT_DOUBLE_EQ(monitor.add(silent).sigma_m, 0.25) << i;
+  expectNone(monitor.add(silent), "eleven in a row");
+}
+
+TEST(ConsistencyMonitor, ATurnThatNoVehicleMakesMayBeWrongByARatio) {
+  const auto turned = [](double turn_deg) {
+    return afterOdd(1, [=](Sweep& sweep) { sweep.turn_rad = turn_deg * kDegree; });
+  };
+  expectNone(turned(4.4), "a bump in the road");
+  EXPECT_NEAR(turned(6.0).sigma_yaw_rad, 0.6 * kDegree, 1e-12);
+  EXPECT_EQ(turned(6.0).sigma_m, 0.0);
+  EXPECT_TRUE(turned(6.0).unbelievable);
+}
+
+Sweep oddInAll() { return {0.1, 0.25, 0.12, 10.0 * kDegree, 0.0}; }
+
+TEST(ConsistencyMonitor, ErrorsAddAsIndependent) {
+  const Inflation inflation = afterOdd(10, [](Sweep& sweep) { sweep = oddInAll(); });
+  EXPECT_NEAR(inflation.sigma_m, std::hypot(0.10, 0.25), 1e-12) << "the larger one of innovation and unfitting";
+}
+
+TEST(ConsistencyMonitor, EachSignCanBeSwitchedOff) {
+  ConsistencyMonitor::Params params;
+  params.persistent_innovation_m = params.fitting_ratio = params.max_yaw_innovation_deg = 0.0;
+  const Inflation inflation = afterOdd(
+      10, [](Sweep& sweep) { sweep = oddInAll(); }, params);
+  EXPECT_DOUBLE_EQ(inflation.sigma_m, 0.10) << "what measurements stay apart";
+  EXPECT_EQ(inflation.sigma_yaw_rad, 0.0);
+  EXPECT_FALSE(inflation.unbelievable || inflation.velocity_unobservable);
+}
+
+TEST(ConsistencyMonitor, WhatTellsNoMotionIsSaidWhateverItAdds) {
+  ConsistencyMonitor::Params params;
+  params.unfitting_sigma_m = 0.0;
+  const auto unfitting = [](Sweep& sweep) { sweep.fitting_ratio = 0.1; };
+  EXPECT_TRUE(afterOdd(5, unfitting, params).velocity_unobservable);
+  ConsistencyMonitor monitor(params);
+  Sweep sweep = sound();
+  unfitting(sweep);
+  for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(sweep).velocity_unobservable) << "nothing has fitted yet";
+}
+
+TEST(ConsistencyMonitor, ClearedItBeginsAnew) {
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+  Sweep odd = oddInAll();
+  odd.turn_rad = 0.0;
+  for (int i = 0; i < 3; ++i) monitor.add(sound());
+  for (int i = 0; i < 10; ++i) monitor.add(odd);
+  EXPECT_GT(monitor.add(odd).sigma_m, 0.25);
+  monitor.clear();
+  expectNone(monitor.add(odd), "nothing lasts yet");
+  monitor.add(odd);
+  EXPECT_DOUBLE_EQ(monitor.add(odd).sigma_m, 0.25) << "the planes are heard from the third sweep on";
+}
+
+TEST(ConsistencyMonitor, ParametersAreChecked) {
+  const auto refused = [](const std::function<void(ConsistencyMonitor::Params&)>& change) {
+    ConsistencyMonitor::Params params;
+    change(params);
+    return errorOf([&] { ConsistencyMonitor monitor(params); });
+  };
+  EXPECT_EQ(refused([](ConsistencyMonitor::Params&) {}), "no error");
+  EXPECT_NE(refused([](auto& p) { p.persistent_disagreement_m = 0.0; }).find("persistent_disagreement_m = 0"),
+            std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.persistent_innovation_m = -1.0; }).find("persistent_innovation_m"),
+            std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.fitting_ratio = 1.1; }).find("fitting_ratio"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.unfitting_sigma_m = -0.1; }).find("unfitting_sigma_m"), std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.max_yaw_innovation_deg = std::nan(""); }).find("max_yaw_innovation_deg"),
+            std::string::npos);
+  EXPECT_NE(refused([](auto& p) { p.wrong_ratio_of_turn = 2.0; }).find("wrong_ratio_of_turn"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,223 @@
+#include "core/estimation/dead_reckoning.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "core/estimation/odometry_covariance.hpp"
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kDt_s = 0.1;
+
+DeadReckoning::Measured measured(double speed_mps, double sigma_along_m, double yaw_rate_rad_s = 0.0,
+                                 double sigma_yaw_rad = 1e-3) {
+  DeadReckoning::Measured m;
+  m.velocity_mps.x() = speed_mps;
+  m.yaw_rate_rad_s = yaw_rate_rad_s;
+  m.R = Eigen::Vector3d(sigma_along_m, 0.01, 0.01).cwiseAbs2().asDiagonal();
+  m.yaw_variance = sigma_yaw_rad * sigma_yaw_rad;
+  return m;
+}
+
+DeadReckoning::Motion motionOf(double speed_mps) {
+  DeadReckoning::Motion motion;
+  motion.velocity_mps.x() = speed_mps;
+  return motion;
+}
+
+DeadReckoning lastObserved(double sigma_m = 0.01) {
+  DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  dead_reckoning.observed(measured(10.0, sigma_m), kDt_s);
+  return dead_reckoning;
+}
+
+TEST(DeadReckoning, ObservesRoadAndHeading) {
+  const DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  EXPECT_TRUE(dead_reckoning.observes(measured(1.0, 0.049)));
+  EXPECT_FALSE(dead_reckoning.observes(measured(1.0, 0.051)));
+  EXPECT_TRUE(dead_reckoning.observes(measured(1.0, 0.01, 0.0, 0.14 * kDegree)));
+  EXPECT_FALSE(dead_reckoning.observes(measured(1.0, 0.01, 0.0, 0.16 * kDegree)));
+  DeadReckoning::Measured high = measured(1.0, 0.01);
+  high.R(2, 2) = 100.0;
+  EXPECT_TRUE(dead_reckoning.observes(high)) << "height does not matter";
+}
+
+TEST(DeadReckoning, KeepsTheSpeedThatNothingObserves) {
+  DeadReckoning dead_reckoning = lastObserved();
+  EXPECT_FALSE(dead_reckoning.active());
+  EXPECT_TRUE(dead_reckoning.incrementCovariance(kDt_s).isZero());
+  DeadReckoning::Motion motion = motionOf(10.0);
+  const DeadReckoning::Measured stands = measured(0.0, 30.0);
+  for (int i = 0; i < 200; ++i) {
+    motion = dead_reckoning.coast(motion, kDt_s, i % 2 == 0 ? &stands : nullptr);
+    ASSERT_NEAR(motion.velocity_mps.x(), 10.0, 1e-9) << i;
+  }
+  EXPECT_TRUE(dead_reckoning.active());
+  dead_reckoning.observed(measured(10.0, 0.01), kDt_s);
+  EXPECT_FALSE(dead_reckoning.active());
+  EXPECT_EQ(dead_reckoning.speedError().variance_m2_s2, 0.0);
+}
+
+TEST(DeadReckoning, OneSurePoseBetweenUnsureOnesDoesNotEndIt) {
+  DeadReckoning dead_reckoning = lastObserved();
+  const DeadReckoning::Measured sure = measured(10.0, 0.01), unsure = measured(10.0, 3.0);
+  EXPECT_TRUE(dead_reckoning.settles(sure)) << "it does not coast yet";
+  dead_reckoning.coast(motionOf(10.0), kDt_s, &unsure);
+  const int needed = DeadReckoning::Params().observed_sweeps;
+  for (int round = 0; round < 2; ++round) {
+    for (int i = 0; i < needed - 1; ++i) {
+      EXPECT_FALSE(dead_reckoning.settles(sure)) << i;
+      dead_reckoning.coast(motionOf(10.0), kDt_s, &sure);
+    }
+    if (round == 0) dead_reckoning.coast(motionOf(10.0), kDt_s, &unsure);
+  }
+  EXPECT_TRUE(dead_reckoning.settles(sure));
+  EXPECT_FALSE(dead_reckoning.settles(unsure));
+}
+
+TEST(DeadReckoning, AnAccelerationThatNothingObservesDiesOut) {
+  DeadReckoning dead_reckoning = lastObserved();
+  DeadReckoning::Motion motion = motionOf(10.0);
+  motion.acceleration_mps2.x() = 1.0;
+  for (int i = 0; i < 100; ++i) motion = dead_reckoning.coast(motion, kDt_s, nullptr);
+  EXPECT_NEAR(motion.velocity_mps.x(), 10.0 + 1.5, 0.1) << "acceleration times its correlation time";
+  EXPECT_NEAR(motion.acceleration_mps2.x(), 0.0, 0.01);
+}
+
+TEST(DeadReckoning, FollowsAnUnsureSpeedThatChanges) {
+  DeadReckoning dead_reckoning = lastObserved();
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  DeadReckoning::Motion motion = motionOf(10.0);
+  const double sigma_m = 0.08;
+  for (int i = 1; i <= 80; ++i) {
+    const double true_mps = 10.0 + 1.5 * i * kDt_s;
+    const DeadReckoning::Measured m = measured(true_mps + std::sqrt(2.0) * sigma_m / kDt_s * normal(random), sigma_m);
+    motion = dead_reckoning.coast(motion, kDt_s, &m);
+    if (i > 30) {
+      ASSERT_NEAR(motion.velocity_mps.x(), true_mps, 1.5) << i;
+    }
+  }
+  EXPECT_LT(std::sqrt(dead_reckoning.velocityCovariance()(0, 0)), 0.7);
+  EXPECT_NEAR(motion.acceleration_mps2.x(), 1.5, 0.8);
+}
+
+TEST(DeadReckoning, AnUnknownSpeedTakesTheFirstMeasurement) {
+  DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  dead_reckoning.reset({15.0, 0.0, 0.0}, 0.0);
+  const DeadReckoning::Measured nothing = measured(0.0, 3.0), found = measured(20.0, 0.05, 0.0, 0.01);
+  DeadReckoning::Motion motion = motionOf(0.0);
+  for (int i = 0; i < 50; ++i) motion = dead_reckoning.coast(motion, kDt_s, &nothing);
+  EXPECT_EQ(motion.velocity_mps.x(), 0.0);
+  EXPECT_GT(std::sqrt(dead_reckoning.velocityCovariance()(0, 0)), 15.0) << "not a confident standstill";
+  motion = dead_reckoning.coast(motion, kDt_s, &found);
+  EXPECT_NEAR(motion.velocity_mps.x(), 20.0, 0.2);
+}
+
+TEST(DeadReckoning, TheAccumulatedVarianceIsThatOfAContinuedError) {
+  // a constant velocity error of sigma: the position's variance is (sigma t)^2
+  DeadReckoning::Params params;
+  params.acceleration_mps2 = 0.0;
+  DeadReckoning dead_reckoning(params);
+  dead_reckoning.observed(measured(10.0, 0.02), kDt_s);
+  OdometryCovariance accumulated;
+  Matrix6d lost = Matrix6d::Zero();
+  lost(0, 0) = 1e-12;
+  Pose T = Pose::Identity();
+  const int sweeps = 50;
+  for (int i = 0; i < sweeps; ++i) {
+    dead_reckoning.coast(motionOf(10.0), kDt_s, nullptr);
+    Pose next = T;
+    next.translation().x() += 1.0;
+    ASSERT_TRUE(accumulated.propagate(T, next, {lost, lost, kDt_s, dead_reckoning.speedError(), false, {}}));
+    T = next;
+  }
+  const double sigma_mps = std::sqrt(2.0) * 0.02 / kDt_s;
+  EXPECT_NEAR(std::sqrt(accumulated.covariance()(0, 0)), sigma_mps * (sweeps - 1) * kDt_s, 1e-4);
+}
+
+TEST(DeadReckoning, AMeasuredSpeedForgetsTheErrorBefore) {
+  DeadReckoning dead_reckoning = lastObserved();
+  dead_reckoning.coast(motionOf(10.0), kDt_s, nullptr);
+  const DeadReckoning::Measured unsure = measured(10.0, 0.1), useless = measured(10.0, 3.0);
+  dead_reckoning.coast(motionOf(10.0), kDt_s, &useless);
+  EXPECT_EQ(dead_reckoning.speedError().kept, 1.0);
+  DeadReckoning unmeasured = dead_reckoning;
+  unmeasured.coast(motionOf(10.0), kDt_s, nullptr);
+  dead_reckoning.coast(motionOf(10.0), kDt_s, &unsure);
+  // a scalar Kalman step: P+ = kept P-
+  EXPECT_LT(dead_reckoning.speedError().kept, 1.0);
+  EXPECT_GT(dead_reckoning.speedError().kept, 0.5);
+  EXPECT_NEAR(dead_reckoning.speedError().variance_m2_s2,
+              dead_reckoning.speedError().kept * unmeasured.speedError().variance_m2_s2, 1e-12);
+}
+
+TEST(DeadReckoning, TheYawRateCoastsLikewise) {
+  DeadReckoning dead_reckoning = lastObserved();
+  DeadReckoning::Motion motion = motionOf(10.0);
+  motion.yaw_rate_rad_s = 0.2;
+  const DeadReckoning::Measured useless = measured(10.0, 0.01, -3.0, 0.1), unsure = measured(10.0, 0.01, 0.3, 0.005);
+  for (int i = 0; i < 20; ++i) {
+    motion = dead_reckoning.coast(motion, kDt_s, &useless);
+    ASSERT_NEAR(motion.yaw_rate_rad_s, 0.2, 1e-12);
+  }
+  for (int i = 0; i < 100; ++i) motion = dead_reckoning.coast(motion, kDt_s, &unsure);
+  EXPECT_NEAR(motion.yaw_rate_rad_s, 0.3, 0.02);
+}
+
+// Measured turns that come and go are noise at 25 m/s and may be bends at 5 m/s.
+TEST(DeadReckoning, TheFasterTheSlowerItBelievesInATurn) {
+  double largest_rad_s[2] = {0.0, 0.0};
+  for (const bool fast : {false, true}) {
+    DeadReckoning dead_reckoning = lastObserved();
+    DeadReckoning::Motion motion = motionOf(fast ? 25.0 : 5.0);
+    for (int i = 0; i < 100; ++i) {
+      DeadReckoning::Measured turning = measured(motion.velocity_mps.x(), 0.01, i / 10 % 2 == 0 ? 0.3 : -0.3, 0.01);
+      motion = dead_reckoning.coast(motion, kDt_s, &turning);
+      if (i >= 20) largest_rad_s[fast] = std::max(largest_rad_s[fast], std::abs(motion.yaw_rate_rad_s));
+    }
+  }
+  EXPECT_GT(largest_rad_s[false], 0.25);
+  EXPECT_LT(largest_rad_s[true], 0.5 * largest_rad_s[false]);
+}
+
+TEST(DeadReckoning, ParametersAreChecked) {
+  DeadReckoning::Params params;
+  params.observed_sigma_m = 0.0;
+  EXPECT_THROW(DeadReckoning{params}, ParameterError);
+  params = DeadReckoning::Params();
+  params.acceleration_time_s = -1.0;
+  EXPECT_THROW(DeadReckoning{params}, ParameterError);
+  params = DeadReckoning::Params();
+  params.turning_speed_mps = 0.0;
+  EXPECT_THROW(DeadReckoning{params}, ParameterError);
+}
+
+TEST(DeadReckoning, LongIntervalAllowsAccelerations) {
+  const DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  const DeadReckoning::Params params;
+  // the speed of 0.75 * 0.2 s ago, and 0.4 s in which it changes further
+  const double lever_s2 = (0.75 * 0.2 + 0.5 * 0.4) * 0.4;
+  const Eigen::Matrix4d slow = dead_reckoning.drivenCovariance(0.4, 0.2, 5.0);
+  EXPECT_NEAR(std::sqrt(slow(0, 0)), params.acceleration_mps2 * lever_s2, 1e-12);
+  EXPECT_NEAR(std::sqrt(slow(3, 3)), params.yaw_acceleration_rad_s2 * lever_s2, 1e-12);
+  EXPECT_NEAR(std::sqrt(slow(1, 1)), 5.0 * 0.4 * std::sqrt(slow(3, 3)) / 3.0, 1e-12);
+  EXPECT_DOUBLE_EQ(slow(2, 2), 0.0);
+  // at twice the turning speed bends are four times as wide
+  const Eigen::Matrix4d fast = dead_reckoning.drivenCovariance(0.4, 0.2, 2.0 * params.turning_speed_mps);
+  EXPECT_NEAR(std::sqrt(fast(3, 3)), 0.25 * std::sqrt(slow(3, 3)), 1e-12);
+  EXPECT_DOUBLE_EQ(fast(0, 0), slow(0, 0));
+  const Eigen::Matrix4d forever = dead_reckoning.drivenCovariance(100.0, 100.0, 5.0);
+  EXPECT_DOUBLE_EQ(std::sqrt(forever(3, 3)), 0.25);
+  EXPECT_TRUE(forever.isApprox(dead_reckoning.drivenCovariance(3.0, 3.0, 5.0)));
+}
+
+}  // namespace
+}  // namespace fail_aware

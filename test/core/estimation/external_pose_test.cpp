@@ -1,0 +1,170 @@
+#include "core/estimation/external_pose.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "../../support/poses.hpp"
+#include "core/estimation/measurement_fusion.hpp"
+
+namespace fail_aware {
+namespace {
+
+ExternalPose gps(double stamp_s, const Pose& T_odom_base, double sigma_m = 0.5, double sigma_rad = 0.01) {
+  ExternalPose external;
+  external.stamp_s = stamp_s;
+  external.T_odom_base = T_odom_base;
+  external.covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
+  external.covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
+  return external;
+}
+
+const Pose kBaseCog = pose(0.3, 0.0, 0.5, 0.0, 0.0, 0.0);
+
+TEST(ExternalPose, SaysWhyItCannotBeUsed) {
+  EXPECT_EQ(unusableReason(gps(1.0, Pose::Identity())), "");
+  EXPECT_EQ(unusableReason(gps(1.0, Pose::Identity(), 0.5, 0.0)), "") << "position alone";
+  ExternalPose bad = gps(std::numeric_limits<double>::quiet_NaN(), Pose::Identity());
+  EXPECT_NE(unusableReason(bad), "");
+  bad = gps(1.0, Pose::Identity());
+  bad.T_odom_base.translation().y() = std::numeric_limits<double>::infinity();
+  EXPECT_NE(unusableReason(bad), "");
+  bad = gps(1.0, Pose::Identity());
+  bad.covariance(2, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(unusableReason(bad), "");
+  bad = gps(1.0, Pose::Identity(), 0.0, 0.0);
+  EXPECT_NE(unusableReason(bad).find("all zero"), std::string::npos);
+  bad = gps(1.0, Pose::Identity());
+  bad.covariance(0, 1) = 0.1;
+  EXPECT_NE(unusableReason(bad).find("symmetric"), std::string::npos);
+  bad = gps(1.0, Pose::Identity());
+  bad.covariance(1, 1) = -1.0;
+  EXPECT_NE(unusableReason(bad).find("not positive"), std::string::npos);
+}
+
+TEST(ExternalPose, HugeValuesAreRefused) {
+  EXPECT_NE(unusableReason(gps(1.0, Pose(Eigen::Translation3d(0.0, -1.1e9, 0.0)))).find("beyond"), std::string::npos);
+  ExternalPose huge = gps(1.0, Pose::Identity());
+  huge.covariance(4, 4) = 1.1e12;
+  EXPECT_NE(unusableReason(huge).find("above"), std::string::npos);
+  huge = gps(1.0, Pose(Eigen::Translation3d(1e9, 1e9, 1e9)), 1e6, 1e6);
+  ASSERT_EQ(unusableReason(huge), "");
+  const Measurement m = externalMeasurement(huge, 1.05, Pose::Identity(), Vector6d::Constant(1.0), kBaseCog);
+  EXPECT_TRUE(m.covariance.allFinite());
+  EXPECT_TRUE(isFinite(m.T_odom_cog));
+}
+
+TEST(ExternalPose, AtTheSweepsStampOnlyTheCentreOfGravityIsFound) {
+  const Pose T_odom_base = pose(10.0, -4.0, 1.0, 0.02, -0.03, 2.0);
+  const Measurement m = externalMeasurement(gps(5.0, T_odom_base), 5.0, Pose::Identity(),
+                                            (Vector6d() << 10, 0, 0, 0, 0, 0.3).finished(), kBaseCog);
+  EXPECT_TRUE(m.ok());
+  EXPECT_TRUE(m.T_odom_cog.isApprox(T_odom_base * kBaseCog, 1e-12));
+  EXPECT_TRUE(m.covariance.isApprox(covarianceAfterOffset(gps(5.0, T_odom_base).covariance, T_odom_base, kBaseCog)));
+}
+
+TEST(ExternalPose, IsMovedAlongTheVehiclesCurveBothWaysInTime) {
+  const Vector6d twist_cog = (Vector6d() << 20.0, 0.1, 0.0, 0.0, 0.0, 0.5).finished();
+  const Pose T_odom_cog_at_7 = pose(3.0, 2.0, 0.5, 0.0, 0.01, -1.0);
+  const auto baseAt = [&](double stamp_s) -> Pose {
+    return T_odom_cog_at_7 * expSe3((stamp_s - 7.0) * twist_cog) * kBaseCog.inverse();
+  };
+  for (const double stamp_s : {6.92, 7.0, 7.07}) {
+    const Measurement m =
+        externalMeasurement(gps(stamp_s, baseAt(stamp_s)), 7.0, Pose::Identity(), twist_cog, kBaseCog);
+    EXPECT_TRUE(m.T_odom_cog.isApprox(T_odom_cog_at_7, 1e-9)) << stamp_s;
+    const double motion_m = std::abs(stamp_s - 7.0) * twist_cog.head<3>().norm();
+    EXPECT_GE(m.covariance(0, 0), 0.25 + 0.01 * motion_m * motion_m - 1e-12) << "what the motion adds";
+  }
+}
+
+TEST(ExternalPose, ARotationThatWasNotMeasuredIsThePredictedOne) {
+  const Vector6d twist_cog = (Vector6d() << 20.0, 0.0, 0.0, 0.0, 0.0, 0.4).finished();
+  const Pose T_odom_cog = pose(3.0, 2.0, 0.5, 0.0, 0.0, 2.5);
+  const Pose T_odom_base_then = T_odom_cog * expSe3(-0.05 * twist_cog) * kBaseCog.inverse();
+  ExternalPose position_only = gps(6.95, Pose::Identity(), 0.5, 0.0);
+  position_only.T_odom_base.translation() = T_odom_base_then.translation();
+  const Measurement m = externalMeasurement(position_only, 7.0, T_odom_cog, twist_cog, kBaseCog);
+  EXPECT_TRUE(m.T_odom_cog.isApprox(T_odom_cog, 1e-9));
+  EXPECT_GT(m.covariance(5, 5), 1e3);
+  EXPECT_LT(m.covariance(0, 0), 0.3);
+  // and the fusion takes the position alone
+  Matrix6d P = Matrix6d::Identity() * 1e-4;
+  Vector6d predicted = vectorFromPose(T_odom_cog);
+  predicted[0] += 0.3;
+  predicted[5] += 0.01;
+  const FusionResult fused = MeasurementFusion(MeasurementFusion::Params()).fuse(predicted, P, {{"gps", &m, true}});
+  EXPECT_EQ(fused.valid_inputs, 1);
+  EXPECT_GT(fused.weights[0], 0.5);
+  EXPECT_NEAR(fused.z[0], 3.0, 1e-6);
+  EXPECT_GT(fused.R(5, 5), 1e3);
+}
+
+TEST(ExternalPose, DisagreesOnlyBeyondBothCovariances) {
+  const Measurement near = externalMeasurement(gps(1.0, pose(0.9, 0, 0, 0, 0, 0)), 1.0, Pose::Identity(),
+                                               Vector6d::Zero(), Pose::Identity());
+  const Measurement far = externalMeasurement(gps(1.0, pose(5.0, 0, 0, 0, 0, 0)), 1.0, Pose::Identity(),
+                                              Vector6d::Zero(), Pose::Identity());
+  Measurement icp = externalMeasurement(gps(1.0, Pose::Identity(), 0.02, 0.001), 1.0, Pose::Identity(),
+                                        Vector6d::Zero(), Pose::Identity());
+  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const Matrix6d P = 1e-4 * Matrix6d::Identity();
+  EXPECT_EQ(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &near, true}}).disagreement_m, 0.0);
+  EXPECT_NEAR(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &far, true}}).disagreement_m, 5.0, 1e-9);
+  EXPECT_NEAR(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &near}}).disagreement_m, 0.9, 1e-9);
+}
+
+TEST(ExternalPose, HasNoVoteAgainstWhatItsCovarianceBearsOut) {
+  const auto at = [](double x_m, double sigma_m) {
+    return externalMeasurement(gps(1.0, pose(x_m, 0, 0, 0, 0, 0), sigma_m, 0.001), 1.0, Pose::Identity(),
+                               Vector6d::Zero(), Pose::Identity());
+  };
+  const Measurement icp = at(0.0, 0.02), second = at(1.0, 0.02), rough = at(0.0, 0.5), fine = at(0.0, 0.02);
+  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const Matrix6d P = 1e-4 * Matrix6d::Identity();
+  const FusionResult undecided =
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &rough, true}});
+  EXPECT_NEAR(undecided.undecided_m, 1.0, 1e-9);
+  EXPECT_FALSE(undecided.confirmed);
+  const FusionResult outvoted =
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &fine, true}});
+  EXPECT_NEAR(outvoted.undecided_m, 0.0, 1e-9);
+  EXPECT_TRUE(outvoted.confirmed);
+}
+
+TEST(ExternalPose, ConfirmsOnlyIfItKnowsWhereItIs) {
+  const auto at = [](double x_m, double sigma_m) {
+    return externalMeasurement(gps(1.0, pose(x_m, 0, 0, 0, 0, 0), sigma_m, 0.001), 1.0, Pose::Identity(),
+                               Vector6d::Zero(), Pose::Identity());
+  };
+  const Measurement icp = at(0.0, 0.02), rough = at(0.1, 1.0), fine = at(0.1, 0.05);
+  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const Matrix6d P = 1e-2 * Matrix6d::Identity();
+  EXPECT_FALSE(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &rough, true}}).confirmed);
+  EXPECT_TRUE(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &fine, true}}).confirmed);
+}
+
+TEST(ExternalPoseBuffer, GivesTheNearestWithinTolerance) {
+  ExternalPoseBuffer buffer;
+  EXPECT_FALSE(buffer.takeNearest(1.0, 10.0));
+  for (const double stamp_s : {1.0, 1.1, 1.2, 1.3}) buffer.push(gps(stamp_s, Pose::Identity()));
+  EXPECT_FALSE(buffer.takeNearest(1.45, 0.1));
+  EXPECT_EQ(buffer.takeNearest(1.14, 0.1)->stamp_s, 1.1);
+  EXPECT_EQ(buffer.takeNearest(1.14, 0.1)->stamp_s, 1.2) << "the nearest one was used up, and what is older with it";
+  EXPECT_FALSE(buffer.takeNearest(1.14, 0.1));
+  EXPECT_EQ(buffer.takeNearest(1.3, 0.0)->stamp_s, 1.3);
+}
+
+TEST(ExternalPoseBuffer, IsBoundedAndBeginsAnewWhenStampsGoBack) {
+  ExternalPoseBuffer buffer(3);
+  for (int i = 0; i < 5; ++i) buffer.push(gps(i, Pose::Identity()));
+  EXPECT_FALSE(buffer.takeNearest(1.0, 0.5)) << "the oldest gave way";
+  EXPECT_TRUE(buffer.takeNearest(2.0, 0.5));
+  buffer.push(gps(0.5, Pose::Identity()));
+  EXPECT_FALSE(buffer.takeNearest(4.0, 1.0));
+  EXPECT_EQ(buffer.takeNearest(0.4, 0.5)->stamp_s, 0.5);
+}
+
+}  // namespace
+}  // namespace fail_aware

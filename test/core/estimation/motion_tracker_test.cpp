@@ -1,0 +1,80 @@
+#include "core/estimation/motion_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+namespace fail_aware {
+namespace {
+
+/// Sweeps of a car that drives straight on.
+class MotionTrackerTest : public testing::Test {
+ protected:
+  MotionTrackerTest()
+      : tracker({80.0, 3.0}, DeadReckoning::Params(), MotionHistory::Params(),
+                RoadPlaneEstimator(VehicleParameters(), RoadPlaneEstimator::Params())) {
+    tracker.reset({15.0, 1.0, 1.0}, 0.3);
+  }
+
+  void sweep(double speed_mps, bool measured = true, double sigma_m = 0.01) {
+    const Pose previous = state.T_odom_cog;
+    x[0] += 0.1 * speed_mps;
+    state.stamp_s += 0.1;
+    state.dt_s = 0.1;
+    state.T_odom_cog = poseFromVector(x);
+    state.T_previous_now = previous.inverse() * state.T_odom_cog;
+    state.measurement_applied = measured;
+    state.fusion.z = x;
+    state.fusion.R = sigma_m * sigma_m * Matrix6d::Identity();
+    state.fusion.R.diagonal().tail<3>().setConstant(1e-8);
+    SweepPrediction prediction;
+    prediction.dt_s = 0.1;
+    prediction.motion_status = MotionStatus::kObserved;
+    prediction.T_odom_cog_previous = previous;
+    prediction.T_odom_cog = state.T_odom_cog;
+    tracker.update({prediction, state, x, 0.0, measured, false});
+  }
+  void sweeps(int count, double speed_mps) {
+    for (int i = 0; i < count; ++i) sweep(speed_mps);
+  }
+
+  MotionTracker tracker;
+  FilterState state;
+  Vector6d x = Vector6d::Zero();
+};
+
+TEST_F(MotionTrackerTest, MeasuredSweepsGiveTheSpeed) {
+  sweeps(10, 12.0);
+  EXPECT_NEAR(tracker.motion().velocity_body_mps.x(), 12.0, 0.05);
+  EXPECT_FALSE(tracker.dead_reckoning().active());
+  EXPECT_TRUE(tracker.lastMeasured() && tracker.previousMeasured());
+}
+
+TEST_F(MotionTrackerTest, SpeedCoastsWithoutMeasurement) {
+  sweeps(10, 12.0);
+  for (int i = 0; i < 5; ++i) sweep(30.0, false);
+  EXPECT_NEAR(tracker.motion().velocity_body_mps.x(), 12.0, 0.5) << "predictions tell nothing";
+  EXPECT_TRUE(tracker.dead_reckoning().active());
+  EXPECT_FALSE(tracker.lastMeasured());
+  sweeps(10, 12.0);
+  EXPECT_FALSE(tracker.dead_reckoning().active());
+}
+
+TEST_F(MotionTrackerTest, SpeedIsLimited) {
+  sweeps(10, 200.0);
+  EXPECT_NEAR(tracker.motion().velocity_body_mps.norm(), 80.0, 1e-9);
+}
+
+TEST_F(MotionTrackerTest, TellingNoMotionLastsASweepLonger) {
+  sweeps(10, 12.0);
+  tracker.setVelocityUnobservable(true, true);
+  EXPECT_TRUE(tracker.velocityUnobservable());
+  tracker.setVelocityUnobservable(false, false);
+  EXPECT_TRUE(tracker.velocityUnobservable()) << "no measurement, no answer";
+  tracker.setVelocityUnobservable(false, true);
+  EXPECT_TRUE(tracker.velocityObservableAgain());
+  tracker.reset({15.0, 1.0, 1.0}, 0.3);
+  EXPECT_FALSE(tracker.velocityObservableAgain());
+  EXPECT_EQ(tracker.motion().velocity_body_mps.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace fail_aware

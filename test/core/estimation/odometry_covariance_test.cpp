@@ -1,0 +1,482 @@
+#include "core/estimation/odometry_covariance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+
+namespace fail_aware {
+namespace {
+
+Pose planarPose(double x, double y, double yaw) {
+  Vector6d v;
+  v << x, y, 0, 0, 0, yaw;
+  return poseFromVector(v);
+}
+
+Matrix6d incrementCovariance() {
+  Vector6d variances;
+  variances << 4e-4, 1e-4, 2e-4, 1e-6, 1e-6, 4e-6;
+  Matrix6d C = variances.asDiagonal();
+  C(1, 5) = C(5, 1) = 1e-5;
+  return C;
+}
+
+double smallestEigenvalue(const Matrix6d& C) { return symmetricEigenvalues(C)[0]; }
+
+// The pose's right error (dt, dr) in geometry/pose.hpp's convention between a true pose and an estimate.
+Vector6d poseError(const Pose& T_true, const Pose& T_estimate) {
+  Vector6d e;
+  e.head<3>() = T_true.translation() - T_estimate.translation();
+  e.tail<3>() = logSo3(T_true.linear() * T_estimate.linear().transpose());
+  return e;
+}
+
+Pose perturbed(const Pose& T, const Vector6d& error) {
+  Pose out = T;
+  out.translation() += error.head<3>();
+  out.linear() = expSo3(error.tail<3>()) * T.linear();
+  return out;
+}
+
+TEST(OdometryCovariance, StraightDriveInClosedForm) {
+  OdometryCovariance odometry;
+  const int n = 500;
+  const double step = 1.0;
+  const Pose increment = planarPose(step, 0, 0);
+  Pose T = planarPose(100.0, -50.0, 0.0);
+  for (int i = 0; i < n; ++i) {
+    const Pose next = T * increment;
+    ASSERT_TRUE(odometry.propagate(T, next, incrementCovariance()));
+    T = next;
+  }
+  // The heading error of increment k acts over the n - k steps that follow it.
+  const Matrix6d q = incrementCovariance();
+  const double s1 = step * n * (n - 1) / 2.0;
+  const double s2 = step * step * (n - 1.0) * n * (2.0 * n - 1.0) / 6.0;
+  const Matrix6d& C = odometry.covariance();
+  EXPECT_NEAR(C(0, 0), n * q(0, 0), 1e-9);
+  EXPECT_NEAR(C(5, 5), n * q(5, 5), 1e-12);
+  EXPECT_NEAR(C(1, 1), n * q(1, 1) + 2.0 * s1 * q(1, 5) + s2 * q(5, 5), 1e-6);
+  EXPECT_NEAR(C(1, 5), n * q(1, 5) + s1 * q(5, 5), 1e-9);
+}
+
+TEST(OdometryCovariance, HeadingErrorBecomesLateral) {
+  OdometryCovariance odometry;
+  Matrix6d start = Matrix6d::Zero();
+  start(5, 5) = 1e-6;
+  odometry.reset(start);
+  Pose T = planarPose(0, 0, 0.7);
+  for (int i = 0; i < 100; ++i) {
+    const Pose next = T * planarPose(1, 0, 0);
+    odometry.propagate(T, next, Matrix6d::Zero());
+    T = next;
+  }
+  const Matrix6d C = rotateCovariance(odometry.covariance(), rotationFromRpy(0, 0, 0.7).transpose());
+  EXPECT_NEAR(C(1, 1), 100.0 * 100.0 * 1e-6, 1e-10);  // s^2 sigma_yaw^2
+  EXPECT_NEAR(C(0, 0), 0.0, 1e-12);
+}
+
+TEST(OdometryCovariance, CurveAgainstMonteCarlo) {
+  const int steps = 60;
+  const int runs = 4000;
+  const Pose increment = [] {
+    Vector6d twist;
+    twist << 1.0, 0, 0.02, 0.001, -0.002, 0.04;
+    return expSe3(twist);
+  }();
+  const Pose start = planarPose(5, 3, -2.0);
+  const Matrix6d q = incrementCovariance();
+  const Matrix6d half = q.llt().matrixL();
+
+  OdometryCovariance odometry;
+  Pose T = start;
+  for (int i = 0; i < steps; ++i) {
+    odometry.propagate(T, T * increment, q);
+    T = T * increment;
+  }
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  Matrix6d sampled = Matrix6d::Zero();
+  for (int run = 0; run < runs; ++run) {
+    Pose T_true = start;
+    for (int i = 0; i < steps; ++i) {
+      const Vector6d error = half * Vector6d::NullaryExpr([&]() { return normal(random); });
+      T_true = T_true * perturbed(increment, error);
+    }
+    const Vector6d error = poseError(T_true, T);
+    sampled += error * error.transpose() / runs;
+  }
+  const Vector6d scale = odometry.covariance().diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix6d difference = scale.asDiagonal() * (sampled - odometry.covariance()) * scale.asDiagonal();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 0.1);  // 2.2 % is the sampling's standard deviation
+}
+
+TEST(OdometryCovariance, SinceMarkForgetsTheTimeBefore) {
+  const Pose far = planarPose(400, -900, 2.5);
+  OdometryCovariance a, b;
+  Matrix6d start = 0.5 * Matrix6d::Identity();
+  a.reset(start);
+  Pose T = far * planarPose(-10, 2, 0.3);
+  a.propagate(T, far, incrementCovariance());
+  EXPECT_TRUE(a.sinceMark().isZero());
+  a.mark(far);
+  EXPECT_TRUE(a.sinceMark().isZero());
+  Pose T_a = far, T_b = Pose::Identity();
+  for (int i = 0; i < 100; ++i) {
+    const Pose increment = planarPose(1.0, 0.0, 0.02 * std::sin(0.1 * i));
+    a.propagate(T_a, T_a * increment, incrementCovariance());
+    b.propagate(T_b, T_b * increment, incrementCovariance());
+    T_a = T_a * increment;
+    T_b = T_b * increment;
+  }
+  EXPECT_TRUE(a.sinceMark().isApprox(b.covariance(), 1e-9));
+  EXPECT_GT(a.covariance()(0, 0), 0.5);
+  a.reset();
+  EXPECT_TRUE(a.covariance().isZero());
+}
+
+TEST(OdometryCovariance, StaysACovarianceAndGrowsAboutAFixedPoint) {
+  OdometryCovariance odometry;
+  Pose T = Pose::Identity();
+  const auto aboutOrigin = [&]() {  // of the point of the body that is at odom's origin
+    return covarianceAfterOffset(odometry.covariance(), T, T.inverse());
+  };
+  Matrix6d before = Matrix6d::Zero();
+  for (int i = 0; i < 3000; ++i) {
+    Vector6d twist;
+    twist << 1.5, 0.01, 0.02 * std::sin(0.01 * i), 0.001, 0.002 * std::cos(0.05 * i), 0.05 * std::sin(0.004 * i);
+    const Pose next = orthonormalized(T * expSe3(twist));
+    ASSERT_TRUE(odometry.propagate(T, next, incrementCovariance()));
+    T = next;
+    const Matrix6d& C = odometry.covariance();
+    ASSERT_TRUE(C == C.transpose());
+    if (i % 100 != 0) continue;
+    const Vector6d scale = C.diagonal().cwiseSqrt().cwiseInverse();
+    ASSERT_GT(smallestEigenvalue(scale.asDiagonal() * C * scale.asDiagonal()), 0.0);
+    const Matrix6d now = aboutOrigin();
+    ASSERT_GT(smallestEigenvalue(now - before), -1e-9 * now.trace());
+    before = now;
+  }
+}
+
+TEST(OdometryCovariance, DrivingBackUndoesTheStartsHeadingError) {
+  OdometryCovariance odometry;
+  Matrix6d start = Matrix6d::Zero();
+  start(5, 5) = 1e-4;
+  odometry.reset(start);
+  const Pose there = planarPose(100, 0, 0);
+  odometry.propagate(Pose::Identity(), there, Matrix6d::Zero());
+  EXPECT_NEAR(odometry.covariance()(1, 1), 1.0, 1e-12);
+  odometry.propagate(there, Pose::Identity(), Matrix6d::Zero());
+  EXPECT_TRUE(odometry.covariance().isApprox(start, 1e-12));
+}
+
+TEST(OdometryCovariance, UnusableIncrementsChangeNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  OdometryCovariance odometry;
+  odometry.mark(Pose::Identity());
+  ASSERT_TRUE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), incrementCovariance()));
+  const Matrix6d before = odometry.covariance();
+  Matrix6d bad = incrementCovariance();
+  bad(2, 2) = nan;
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), bad));
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(nan, 0, 0), incrementCovariance()));
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1e200, 0, 0), incrementCovariance()));
+  EXPECT_TRUE(odometry.covariance() == before && odometry.sinceMark() == before);
+  // A negative eigenvalue must not make the sum shrink.
+  EXPECT_TRUE(odometry.propagate(planarPose(1, 0, 0), planarPose(1, 0, 0), -incrementCovariance()));
+  EXPECT_TRUE(odometry.covariance().isApprox(before, 1e-12));
+}
+
+// Straight on along odom's x, 1 m and 0.1 s a step. The speed, where it is not observed, wanders by `wander` (m^2/s^3).
+DriftState driveStraight(OdometryCovariance& odometry, int steps, const Matrix6d& covariance,
+                         const Matrix6d& unobserved, Pose T = Pose::Identity(), double wander = 0.0) {
+  for (int i = 0; i < steps; ++i) {
+    const Pose next = T * planarPose(1.0, 0.0, 0.0);
+    OdometryIncrement increment{covariance, unobserved, 0.1, {}, false, {}};
+    if (wander > 0.0) increment.speed_error = {odometry.speedVariance() + 0.1 * wander, 1.0};
+    EXPECT_TRUE(odometry.propagate(T, next, increment));
+    T = next;
+  }
+  return odometry.driftSinceMark();
+}
+
+TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.heading_bias_deg_per_m = 0.01;
+  drift.scale_bias = 0.02;
+  OdometryCovariance odometry(drift);
+  odometry.mark(Pose::Identity());
+  driveStraight(odometry, 100, Matrix6d::Zero(), Matrix6d::Zero());
+  const Matrix6d& C = odometry.sinceMark();
+  const double bias = 0.01 * kDegree;
+  EXPECT_NEAR(std::sqrt(C(0, 0)), 0.02 * 100.0, 1e-9);
+  EXPECT_NEAR(std::sqrt(C(5, 5)), bias * 100.0, 1e-12);
+  EXPECT_NEAR(std::sqrt(C(1, 1)), bias * 100.0 * 99.0 / 2.0, 1e-9) << "sum of the headings at the steps' begins";
+  EXPECT_TRUE(odometry.covariance().isApprox(C, 1e-9));
+}
+
+TEST(OdometryCovariance, TheScaleErrorGrowsWithTheSpeed) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.scale_bias = 0.02;
+  drift.slow_mps = 4.0;  // the drive: 10 m/s
+  OdometryCovariance odometry(drift);
+  odometry.mark(Pose::Identity());
+  driveStraight(odometry, 100, Matrix6d::Zero(), Matrix6d::Zero());
+  EXPECT_NEAR(std::sqrt(odometry.sinceMark()(0, 0)), 2.5 * 0.02 * 100.0, 1e-9);
+}
+
+TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.measured_ratio = 0.0;
+  OdometryCovariance odometry(drift);
+  Matrix6d C = Matrix6d::Zero();
+  C(0, 0) = C(1, 1) = 2e-4;
+  C(5, 5) = 2e-6;
+  driveStraight(odometry, 20, C, Matrix6d::Zero());
+  odometry.mark(planarPose(20.0, 0.0, 0.0));
+  EXPECT_TRUE(odometry.sinceMark().isZero()) << "the mark is where the mark is";
+  driveStraight(odometry, 50, C, Matrix6d::Zero(), planarPose(20.0, 0.0, 0.0));
+  // jitter of the mark and of the pose, 1e-4 each; the mark's heading jitter of 1e-6 over 50 m
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), 2e-4, 1e-9);
+  EXPECT_NEAR(odometry.sinceMark()(1, 1), 2e-4 + 2500.0 * 1e-6, 1e-9);
+  EXPECT_NEAR(odometry.covariance()(0, 0), 1e-4, 1e-9) << "since the start, which is known exactly";
+}
+
+TEST(OdometryCovariance, SubsidingJitterDoesNotShrinkIt) {
+  DriftModel::Params drift = DriftModel::Params::independent();
+  drift.measured_ratio = 0.0;
+  OdometryCovariance covariance(drift);
+  const Pose step = poseFromVector((Vector6d() << 1.0, 0.0, 0.0, 0.0, 0.0, 0.1).finished());
+  Pose T = Pose::Identity();
+  covariance.mark(T);
+  double yaw = 0.0, position = 0.0;
+  for (const double share : {1.0, 0.1, 0.5, 0.01}) {
+    ASSERT_TRUE(covariance.propagate(T, T * step, share * incrementCovariance()));
+    T = T * step;
+    EXPECT_GE(covariance.covariance()(5, 5), yaw * (1.0 - 1e-12));
+    EXPECT_GE(covariance.covariance().diagonal().head(3).sum(), position * (1.0 - 1e-12));
+    yaw = covariance.covariance()(5, 5);
+    position = covariance.covariance().diagonal().head(3).sum();
+  }
+  EXPECT_LT(covariance.sinceMark()(5, 5), 0.1 * yaw) << "the newest jitter alone";
+}
+
+TEST(OdometryCovariance, UnobservedSpeedErrorIsForgotten) {
+  OdometryCovariance odometry;
+  odometry.mark(Pose::Identity());
+  Matrix6d C = Matrix6d::Zero();
+  C(0, 0) = 1e-6;
+  const DriftState lost = driveStraight(odometry, 100, C, C, Pose::Identity(), 4.0);
+  // 10 s: speed 2 sqrt(t), position 2 sqrt(t^3 / 3), and 100 independent steps of 1 mm
+  EXPECT_NEAR(lost.accumulated(DriftState::kSpeed, DriftState::kSpeed), 40.0, 1e-6);
+  EXPECT_NEAR(std::sqrt(odometry.sinceMark()(0, 0)), 2.0 * std::sqrt(1000.0 / 3.0), 0.6);
+  EXPECT_NEAR(odometry.sinceMark()(1, 1), 0.0, 1e-12);
+  const double position = odometry.sinceMark()(0, 0);
+  const DriftState seen = driveStraight(odometry, 1, C, Matrix6d::Zero(), planarPose(100.0, 0.0, 0.0));
+  EXPECT_EQ(seen.accumulated(DriftState::kSpeed, DriftState::kSpeed), 0.0);
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), position + 1e-6, 1e-9) << "what was lost stays lost";
+
+  driveStraight(odometry, 30, C, C, planarPose(101.0, 0.0, 0.0), 4.0);
+  odometry.mark(planarPose(131.0, 0.0, 0.0));
+  EXPECT_NEAR(odometry.driftSinceMark().accumulated(DriftState::kSpeed, DriftState::kSpeed), 12.0, 1e-6)
+      << "a mark in the tunnel does not know the speed either";
+}
+
+// 1 m a sweep along x; of a gap's sweeps nothing is measured.
+class Gap : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    odometry.mark(Pose::Identity());
+    drive(10, measured());
+    before = odometry.sinceMark()(0, 0);
+  }
+  static OdometryIncrement measured() {
+    OdometryIncrement increment;
+    increment.covariance = 1e-6 * Matrix6d::Identity();
+    increment.dt_s = 0.1;
+    return increment;
+  }
+  static OdometryIncrement predicted() {
+    OdometryIncrement increment;
+    increment.covariance.diagonal() << 1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4;
+    increment.unobserved = increment.covariance;
+    increment.dt_s = 0.1;
+    increment.predicted = true;
+    return increment;
+  }
+  static OdometryIncrement confirmed(const Vector6d& sigmas) {
+    OdometryIncrement increment = measured();
+    increment.confirmed = Matrix6d(sigmas.cwiseAbs2().asDiagonal());
+    return increment;
+  }
+  void drive(int sweeps, const OdometryIncrement& increment) {
+    for (int i = 0; i < sweeps; ++i) {
+      const Pose next = T * planarPose(1.0, 0.0, 0.0);
+      ASSERT_TRUE(odometry.propagate(T, next, increment));
+      T = next;
+    }
+  }
+  double x() const { return odometry.sinceMark()(0, 0); }
+  double y() const { return odometry.sinceMark()(1, 1); }
+
+  OdometryCovariance odometry{DriftModel::Params()};
+  Pose T = Pose::Identity();
+  double before = 0.0;
+};
+
+TEST_F(Gap, IsOverWhenTwoMeasurementsAgree) {
+  drive(10, predicted());
+  EXPECT_GT(x(), 0.09);
+  drive(1, measured());
+  EXPECT_GT(x(), 0.09) << "one measurement alone may have settled elsewhere";
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), before + 1e-4);
+  EXPECT_LT(y(), before + 1e-3);
+  EXPECT_LT(odometry.covariance()(0, 0), before + 1e-4) << "the published one as well";
+  const double then = y();
+  drive(10, measured());
+  EXPECT_LT(y(), then + 1e-3) << "the heading's error is gone, too";
+}
+
+TEST_F(Gap, KeepsWhatTheMeasurementDoesNotSee) {
+  drive(10, predicted());
+  const double lost = x();
+  Vector6d corridor = Vector6d::Constant(1e-3);
+  corridor[0] = 30.0;
+  drive(1, confirmed(corridor));
+  EXPECT_NEAR(x(), lost, 0.02 * lost);
+  EXPECT_LT(y(), before + 1e-3);
+}
+
+TEST_F(Gap, IsNotForgivenTooLateOrTooFarOff) {
+  drive(10, predicted());
+  drive(100, measured());
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 0.09);
+
+  SetUp();
+  OdometryIncrement wild = predicted();
+  wild.covariance(0, 0) = wild.unobserved(0, 0) = 4.0;
+  drive(7, wild);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 27.9);
+}
+
+TEST_F(Gap, IsNotForgivenInAReferenceThatBeganInIt) {
+  OdometryIncrement restart = predicted();
+  restart.map_restarted = true;
+  drive(9, predicted());
+  drive(1, restart);
+  const double lost = x();
+  EXPECT_GT(lost, 0.09);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 0.99 * lost);
+  drive(5, predicted());
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), lost + 0.02) << "the next gap is one of its own";
+  const double then = x();
+  drive(9, predicted());
+  OdometryIncrement by_corners = measured();  // a third reference begins at what one measurement alone says
+  by_corners.map_restarted = true;
+  drive(1, by_corners);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), then + 0.08);
+}
+
+TEST_F(Gap, ThatWasTooLongIsNotForgivenInParts) {
+  drive(150, predicted());
+  const double lost = x();
+  EXPECT_GT(lost, 1.4);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_GT(x(), 0.99 * lost) << "the map began anew on the way";
+  drive(5, predicted());
+  EXPECT_GT(x(), lost + 0.04);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), lost + 0.02) << "the next gap is one of its own";
+}
+
+TEST_F(Gap, AnUnusableIncrementDoesNotEndIt) {
+  drive(5, predicted());
+  EXPECT_FALSE(odometry.propagate(T, planarPose(1e200, 0.0, 0.0), confirmed(Vector6d::Constant(1e-3))));
+  EXPECT_GT(x(), 0.04);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), before + 1e-4) << "it is still there to be ended";
+}
+
+TEST_F(Gap, AConfirmedSweepWithoutOneChangesNothing) {
+  OdometryCovariance other = odometry;
+  const Pose next = T * planarPose(1.0, 0.0, 0.0);
+  ASSERT_TRUE(other.propagate(T, next, measured()));
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_TRUE(other.sinceMark().isApprox(odometry.sinceMark(), 1e-15));
+}
+
+TEST(Twist, RecoversAConstantTwistAndRefusesBadIntervals) {
+  Vector6d twist;
+  twist << 20.0, 0.3, -0.1, 0.02, -0.01, 0.5;
+  const std::optional<Vector6d> got = twistFromIncrement(expSe3(0.1 * twist), 0.1);
+  ASSERT_TRUE(got);
+  EXPECT_TRUE(got->isApprox(twist, 1e-9));
+  using Limits = std::numeric_limits<double>;
+  for (const double dt : {0.0, -0.1, Limits::quiet_NaN(), Limits::infinity()}) {
+    EXPECT_FALSE(twistFromIncrement(Pose::Identity(), dt));
+    EXPECT_FALSE(twistCovariance(incrementCovariance(), Pose::Identity(), dt));
+  }
+  EXPECT_FALSE(twistCovariance(Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()), Pose::Identity(), 0.1));
+}
+
+TEST(Twist, CovarianceAgainstFiniteDifferences) {
+  Vector6d twist;
+  twist << 30.0, 0.3, -0.1, 0.1, -0.2, 0.8;
+  const double dt = 0.1;
+  const Pose increment = expSe3(dt * twist);
+  Matrix6d J;
+  const double h = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d e = h * Vector6d::Unit(i);
+    J.col(i) = (*twistFromIncrement(perturbed(increment, e), dt) - *twistFromIncrement(perturbed(increment, -e), dt)) /
+               (2.0 * h);
+  }
+  const Matrix6d expected = J * incrementCovariance() * J.transpose();
+  const std::optional<Matrix6d> got = twistCovariance(incrementCovariance(), increment, dt);
+  ASSERT_TRUE(got);
+  const Vector6d scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+  EXPECT_LT((scale.asDiagonal() * (*got - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+TEST(OdometryCovariance, NewMapCostsWithinItsFirstDecimetre) {
+  DriftModel::Params params = DriftModel::Params::independent();
+  params.new_map_m = 0.02;
+  OdometryCovariance odometry(params);
+  const auto drive = [&](double from_m, double to_m, bool map_restarted = false) {
+    OdometryIncrement increment;
+    increment.map_restarted = map_restarted;
+    ASSERT_TRUE(odometry.propagate(planarPose(from_m, 0, 0), planarPose(to_m, 0, 0), increment));
+  };
+  odometry.mark(planarPose(5, 0, 0));
+  drive(5.0, 5.0);
+  EXPECT_EQ(odometry.sinceMark()(0, 0), 0.0) << "it stands";
+  drive(5.0, 5.05);
+  EXPECT_NEAR(odometry.sinceMark()(1, 1), 0.5 * 0.0004, 1e-9);
+  drive(5.05, 5.0);
+  drive(5.0, 8.0);
+  drive(8.0, 5.0);
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0004, 1e-9);
+  EXPECT_NEAR(odometry.covariance()(0, 0), 0.0004, 1e-9);
+  EXPECT_NEAR(std::sqrt(odometry.covariance()(4, 4)) / kDegree, 0.1, 0.01);
+  EXPECT_EQ(odometry.covariance()(5, 5), 0.0) << "not the heading";
+  drive(5.0, 6.0, true);
+  EXPECT_NEAR(odometry.sinceMark()(0, 0), 0.0008, 1e-9) << "another map";
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,145 @@
+#include "core/initial_guess/motion_initialization.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <optional>
+
+#include "../../support/synthetic_drive.hpp"
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+constexpr double kMinRange_m = 3.0;
+
+MotionInitialization::Params testParams() {
+  MotionInitialization::Params params;
+  params.min_speed_mps = -5.0;
+  params.max_speed_mps = 45.0;
+  params.step_mps = 2.0;
+  params.max_yaw_rate_rps = 0.7;
+  params.step_yaw_rate_rps = 0.1;
+  params.max_lateral_acceleration_mps2 = 8.0;
+  params.max_range_m = 40.0;
+  return params;
+}
+
+std::optional<Vector6d> twistFound(const SyntheticDrive& drive, const MotionInitialization::Params& params,
+                                   double dt_s = 0.1) {
+  MotionInitialization initialization(params, kMinRange_m);
+  initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
+  return initialization.findTwist(drive.sweep(dt_s, 2), drive.T_cog_lidar, dt_s);
+}
+
+void expectTwist(const std::optional<Vector6d>& twist, double speed_mps, double yaw_rate_rps) {
+  ASSERT_TRUE(twist.has_value());
+  EXPECT_NEAR((*twist)[0], speed_mps, 0.7);
+  EXPECT_NEAR((*twist)[5], yaw_rate_rps, 0.06);
+  for (const int i : {1, 2, 3, 4}) EXPECT_EQ((*twist)[i], 0.0);
+}
+
+TEST(MotionInitialization, FindsSpeedBehindACar) {
+  SyntheticDrive drive;
+  drive.car_ahead = drive.ground_rings = true;
+  drive.twist_cog = planarTwist(14.0, 0.0);
+  expectTwist(twistFound(drive, testParams()), 14.0, 0.0);
+}
+
+TEST(MotionInitialization, FindsACurveBehindACar) {
+  SyntheticDrive drive;
+  drive.car_ahead = drive.ground_rings = true;
+  drive.twist_cog = planarTwist(10.0, 0.4);
+  expectTwist(twistFound(drive, testParams()), 10.0, 0.4);
+}
+
+TEST(MotionInitialization, FindsStandstillAndReverse) {
+  SyntheticDrive drive;
+  drive.ground_rings = true;
+  expectTwist(twistFound(drive, testParams()), 0.0, 0.0);
+  drive.twist_cog = planarTwist(-3.0, -0.2);
+  expectTwist(twistFound(drive, testParams()), -3.0, -0.2);
+}
+
+TEST(MotionInitialization, SearchesUpToItsLimits) {
+  MotionInitialization::Params params = testParams();
+  SyntheticDrive drive;
+  drive.twist_cog = planarTwist(6.0, 0.7);
+  expectTwist(twistFound(drive, params), 6.0, 0.7);
+  params.max_yaw_rate_rps = 0.5;
+  const std::optional<Vector6d> cut = twistFound(drive, params);
+  ASSERT_TRUE(cut.has_value());
+  EXPECT_LE((*cut)[5], 0.5 + 1e-9);
+  params = testParams();
+  params.max_speed_mps = 9.0;
+  drive.twist_cog = planarTwist(9.0, 0.0);
+  expectTwist(twistFound(drive, params), 9.0, 0.0);
+}
+
+TEST(MotionInitialization, TimeScalesTheMotion) {
+  SyntheticDrive drive;
+  drive.twist_cog = planarTwist(9.0, 0.1);
+  expectTwist(twistFound(drive, testParams(), 0.2), 9.0, 0.1);
+}
+
+TEST(MotionInitialization, FindsNothingWithoutAFirstSweep) {
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  const SyntheticDrive drive;
+  EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
+  initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
+  initialization.reset();
+  EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
+}
+
+TEST(MotionInitialization, FindsNothingWhereNothingStands) {
+  SyntheticDrive drive;
+  drive.twist_cog = planarTwist(10.0, 0.0);
+  drive.scene = {ground(-40.0, -40.0, 40.0, 40.0)};
+  EXPECT_FALSE(twistFound(drive, testParams()).has_value());
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
+  EXPECT_FALSE(initialization.findTwist(CorrectedSweep(), drive.T_cog_lidar, 0.1).has_value());
+}
+
+TEST(MotionInitialization, FindsNothingWhereTheSweepsDoNotOverlap) {
+  SyntheticDrive here, elsewhere;
+  here.scene = {wall(-20.0, -10.0, 20.0, -10.0, 4.0)};
+  elsewhere.scene = {wall(-20.0, 15.0, 20.0, 15.0, 4.0)};
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  initialization.setFirst(here.sweep(0.0, 1), here.T_cog_lidar);
+  EXPECT_FALSE(initialization.findTwist(elsewhere.sweep(0.1, 2), elsewhere.T_cog_lidar, 0.1).has_value());
+}
+
+TEST(MotionInitialization, LooksNoFartherThanItsRange) {
+  MotionInitialization::Params params = testParams();
+  SyntheticDrive drive;
+  drive.scene = {wall(20.0, -10.0, 20.0, 10.0, 4.0)};
+  EXPECT_TRUE(twistFound(drive, params).has_value());
+  params.max_range_m = 15.0;
+  EXPECT_FALSE(twistFound(drive, params).has_value());
+}
+
+TEST(MotionInitialization, FindsNothingWithoutTimeBetween) {
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  const SyntheticDrive drive;
+  initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
+  for (const double dt_s : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 2), drive.T_cog_lidar, dt_s).has_value()) << dt_s;
+  }
+}
+
+TEST(MotionInitialization, ValidatesItsParameters) {
+  const auto rejects = [](auto change) {
+    MotionInitialization::Params params = testParams();
+    change(params);
+    EXPECT_THROW(MotionInitialization(params, kMinRange_m), ParameterError);
+  };
+  EXPECT_NO_THROW(MotionInitialization::Params().validate());
+  rejects([](auto& p) { p.max_speed_mps = -6.0; });
+  rejects([](auto& p) { p.step_mps = 0.0; });
+  rejects([](auto& p) { p.step_yaw_rate_rps = 0.0; });
+  rejects([](auto& p) { p.thinning_m = -1.0; });
+}
+
+}  // namespace
+}  // namespace fail_aware

@@ -1,0 +1,107 @@
+#include "core/integrity/failure_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+namespace {
+
+using State = FailAwareState;
+
+State stateAt(double seconds, std::uint32_t reasons = 0) {
+  const TimeToFailure time = TimeToFailure::fromSeconds(seconds, 60.0);
+  return stateFor(time, time, FailureThresholds{3.0, 10.0}, reasons);
+}
+
+State unknownWith(std::uint32_t reasons) {
+  return stateFor(TimeToFailure::unknown(), TimeToFailure::unknown(), FailureThresholds(), reasons);
+}
+
+TEST(StateFor, ExactlyAtTheBoundaries) {
+  EXPECT_EQ(stateAt(0.0), State::kFailed);
+  EXPECT_EQ(stateAt(std::numeric_limits<double>::min()), State::kFailing);
+  EXPECT_EQ(stateAt(3.0), State::kFailing);
+  EXPECT_EQ(stateAt(std::nextafter(3.0, 4.0)), State::kDegraded);
+  EXPECT_EQ(stateAt(10.0), State::kDegraded);
+  EXPECT_EQ(stateAt(std::nextafter(10.0, 11.0)), State::kOk);
+  EXPECT_EQ(stateAt(1000.0), State::kOk);
+  EXPECT_EQ(unknownWith(0), State::kUnknown);
+}
+
+TEST(StateFor, TheAlarmActsOnItsOwnTimeAndDegradedOnTheFailures) {
+  const auto state = [](double alarm_s, double failure_s) {
+    return stateFor(TimeToFailure::fromSeconds(alarm_s, 60.0), TimeToFailure::fromSeconds(failure_s, 60.0),
+                    FailureThresholds{3.0, 10.0}, 0);
+  };
+  EXPECT_EQ(state(20.0, 11.0), State::kOk);
+  EXPECT_EQ(state(20.0, 10.0), State::kDegraded);
+  EXPECT_EQ(state(20.0, 0.0), State::kDegraded) << "possible by now, not probable";
+  EXPECT_EQ(state(3.0, 1.0), State::kFailing);
+  EXPECT_EQ(state(0.0, 0.0), State::kFailed);
+}
+
+TEST(StateFor, Reasons) {
+  EXPECT_EQ(stateAt(50.0, kReasonStale), State::kFailed);
+  EXPECT_EQ(unknownWith(kReasonStale), State::kFailed);
+  EXPECT_EQ(stateAt(50.0, kReasonFrozenCloud), State::kFailing);
+  EXPECT_EQ(stateAt(0.0, kReasonFrozenCloud), State::kFailed);
+  EXPECT_EQ(unknownWith(kReasonFrozenCloud), State::kFailing);
+  EXPECT_EQ(stateAt(50.0, kReasonPredictionOnly), State::kDegraded);
+  EXPECT_EQ(stateAt(50.0, kReasonTimeFieldRefused), State::kDegraded);
+  EXPECT_EQ(stateAt(2.0, kReasonPredictionOnly), State::kFailing);
+  EXPECT_EQ(unknownWith(kReasonPredictionOnly), State::kUnknown);
+  EXPECT_EQ(stateAt(50.0, kReasonMissingCorners | kReasonEtaThreshold | kReasonCovarianceLimit), State::kOk);
+}
+
+TEST(StateHysteresis, WorseAtOnceBetterOnlyAfterARow) {
+  StateHysteresis hysteresis(3);
+  EXPECT_EQ(hysteresis.state(), State::kUnknown);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kFailing), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kFailing), State::kFailing);  // the row begins anew
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kFailed), State::kFailed);
+}
+
+TEST(StateHysteresis, RecoversToTheWorstOfTheRow) {
+  StateHysteresis hysteresis(3);
+  hysteresis.update(State::kFailed);
+  hysteresis.update(State::kOk);
+  hysteresis.update(State::kDegraded);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kDegraded);
+  hysteresis.update(State::kOk);
+  hysteresis.update(State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+}
+
+TEST(StateHysteresis, Unknown) {
+  StateHysteresis hysteresis(2);
+  EXPECT_EQ(hysteresis.update(State::kFailed), State::kFailed);   // unknown is left at once
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kFailed);  // but does not hide a failure at once
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown);
+  EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown);
+  EXPECT_EQ(hysteresis.update(State::kDegraded), State::kDegraded);
+  EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown) << "not available is worse than degraded";
+  hysteresis.update(State::kFailing);
+  hysteresis.reset();
+  EXPECT_EQ(hysteresis.state(), State::kUnknown);
+}
+
+TEST(FailureState, ParametersAreChecked) {
+  EXPECT_THROW(StateHysteresis(0), ParameterError);
+  EXPECT_THROW((FailureThresholds{5.0, 4.0}.validate()), ParameterError);
+  EXPECT_THROW((FailureThresholds{-1.0, 4.0}.validate()), ParameterError);
+  EXPECT_NO_THROW((FailureThresholds{4.0, 4.0}.validate()));
+}
+
+}  // namespace
+}  // namespace fail_aware
