@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "episode_file.hpp"
 #include "fail_aware_report.hpp"
 #include "fail_aware_run.hpp"
 #include "json.hpp"
@@ -23,6 +24,8 @@ constexpr const char* kName = "evaluate_fail_aware";
 struct Options {
   FailAwareRunOptions runs;
   std::string output;
+  std::vector<std::string> kept;  ///< files of episodes, in place of the runs
+  bool keep_episodes = false;
   FailureEpisode::Params episodes;
   std::optional<double> alert_limit_m;
   ReportOptions report;
@@ -30,8 +33,17 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   addRunOptions(app, options.runs);
-  app.add_option("--output", options.output,
-                 "folder for fail_aware.json and predictions.csv; plot_fail_aware draws them");
+  CLI::Option* run = app.get_option("--run")->required(false);
+  app.get_option("--ground-truth")->required(false);
+  CLI::Option* output =
+      app.add_option("--output", options.output,
+                     "folder for fail_aware.json, predictions.csv and episodes.csv; plot_fail_aware draws them");
+  app.add_flag("--keep-episodes", options.keep_episodes, "write episodes.bin, too: for --episodes")->needs(output);
+  app.add_option("--episodes", options.kept,
+                 "in place of --run: episodes.bin of runs that were judged before, to judge them together; may be "
+                 "repeated. The figures are those over all the runs at once, in the order of the files")
+      ->take_all()
+      ->excludes(run);
   addAlertLimitOption(app, options.alert_limit_m);
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
       ->check(positiveNumber())
@@ -45,29 +57,60 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--seed", options.report.seed, "of the bootstrap")->check(wholeNumber(0))->capture_default_str();
 }
 
-int run(Options options) {
+std::vector<JudgedRun> judgeRuns(Options& options) {
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
+  std::vector<JudgedRun> judged;
+  for (const FailAwareRun& run : runs) {
+    judged.push_back({run.name, options.episodes.alert_limit_m, options.episodes.episode_every_s,
+                      consistencySamples(run),
+                      failAwareEpisodes(run.truth, run.log, run.params.profile.monitor, options.episodes)});
+  }
+  return judged;
+}
+
+std::vector<JudgedRun> readJudgedRuns(const std::vector<std::string>& files) {
+  std::vector<JudgedRun> all;
+  for (const std::string& file : files) {
+    std::vector<JudgedRun> runs = readEpisodeFile(file);
+    for (JudgedRun& run : runs) {
+      if (!all.empty() &&
+          (run.alert_limit_m != all.front().alert_limit_m || run.episode_every_s != all.front().episode_every_s)) {
+        throw InputError(file + ": judged with another --alert-limit or --episode-every than " + files.front());
+      }
+      all.push_back(std::move(run));
+    }
+  }
+  return all;
+}
+
+int run(Options options) {
+  if (options.kept.empty() && options.runs.runs.empty() && options.runs.ground_truths.empty()) {
+    throw InputError("--ground-truth and --run, or --episodes, are needed (see --help)");
+  }
+  std::vector<JudgedRun> runs = options.kept.empty() ? judgeRuns(options) : readJudgedRuns(options.kept);
   const fs::path folder = options.output;
   if (!folder.empty()) makeResultFolder(folder);
+  if (options.keep_episodes) writeEpisodeFile(folder / "episodes.bin", runs);
 
   Json reports;
   std::vector<FailAwareEpisode> all;
-  std::vector<const FailAwareRun*> all_runs;
+  std::vector<const ConsistencySamples*> all_samples;
+  std::vector<std::string> names;
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    std::vector<FailAwareEpisode> episodes =
-        failAwareEpisodes(runs[r].truth, runs[r].log, runs[r].params.profile.monitor, options.episodes);
+    std::vector<FailAwareEpisode>& episodes = runs[r].episodes;
     for (FailAwareEpisode& episode : episodes) episode.run = r;
     std::string name = runs[r].name;
     if (reports.contains(name)) name += "#" + std::to_string(r + 1);
     reports[name] = predictionReport(episodes, options.report);
-    reports[name]["consistency"] = consistencyReport({&runs[r]}, episodes);
+    reports[name]["consistency"] = consistencyReport({&runs[r].samples}, episodes);
     std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
-    all_runs.push_back(&runs[r]);
+    all_samples.push_back(&runs[r].samples);
+    names.push_back(runs[r].name);
   }
   if (runs.size() > 1) {
     reports["pooled"] = predictionReport(all, options.report);
-    reports["pooled"]["consistency"] = consistencyReport(all_runs, all);
+    reports["pooled"]["consistency"] = consistencyReport(all_samples, all);
   }
   printTable(std::cout, reports);
   std::cout << std::flush;
@@ -77,8 +120,11 @@ int run(Options options) {
     json << reports.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     finishFile(json, folder / "fail_aware.json");
     std::ofstream csv = createFile(folder / "predictions.csv");
-    writePredictions(csv, runs, all);
+    writePredictions(csv, names, all);
     finishFile(csv, folder / "predictions.csv");
+    std::ofstream table = createFile(folder / "episodes.csv");
+    writeEpisodes(table, names, all, options.report.early_s);
+    finishFile(table, folder / "episodes.csv");
   }
   return kExitDone;
 }

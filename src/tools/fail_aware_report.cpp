@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 #include <sstream>
+#include <tuple>
 #include <utility>
 
 #include "core/integrity/monitor_replay.hpp"
@@ -228,10 +229,10 @@ void addIfKnown(std::vector<double>& list, const Eigen::VectorXd& error, const M
   if (const std::optional<double> squared = normalisedErrorSquared(error, covariance)) list.push_back(*squared);
 }
 
-using SquaredErrors = std::array<std::vector<double>, std::size(kSources)>;  // one list a source
+static_assert(std::size(kSources) == std::tuple_size_v<ConsistencySamples::PerSource>);
 
 /// Of what each measurement said of the motion since the last estimate.
-void addMeasurementErrors(const FailAwareRun& run, SquaredErrors& squared) {
+void addMeasurementErrors(const FailAwareRun& run, ConsistencySamples::PerSource& squared) {
   std::size_t i = 0;
   for (const MeasuredMotion& measured : run.measurements) {
     while (i < run.log.size() && run.log[i].row < measured.row) ++i;  // both lists in the order of their rows
@@ -256,24 +257,39 @@ Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const Repor
   return json;
 }
 
-Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::vector<FailAwareEpisode>& episodes) {
-  std::vector<double> increments, horizontal_increments, accumulated;
-  std::vector<std::pair<double, double>> since_start;  // s, squared distance in standard deviations
-  SquaredErrors innovations, measured;
-  for (const FailAwareRun* run : runs) {
-    for (std::size_t i = 1; i < run->log.size(); ++i) {
-      const FilterState& state = run->log[i].state;
-      for (std::size_t m = 0; m < state.fusion.nis.size() && m < innovations.size(); ++m) {
-        if (state.fusion.nis[m] >= 0.0) innovations[m].push_back(state.fusion.nis[m]);
-      }
-      if (state.dt_s <= 0.0) continue;
-      const Vector6d error = motionError(run->truth[i - 1].inverse() * run->truth[i], state.T_previous_now);
-      addIfKnown(increments, error, state.increment_covariance);
-      addIfKnown(horizontal_increments, Eigen::Vector3d(error[0], error[1], error[5]),
-                 horizontalBlock(state.increment_covariance));
+ConsistencySamples consistencySamples(const FailAwareRun& run) {
+  ConsistencySamples samples;
+  for (std::size_t i = 1; i < run.log.size(); ++i) {
+    const FilterState& state = run.log[i].state;
+    for (std::size_t m = 0; m < state.fusion.nis.size() && m < samples.innovations.size(); ++m) {
+      if (state.fusion.nis[m] >= 0.0) samples.innovations[m].push_back(state.fusion.nis[m]);
+    }
+    if (state.dt_s <= 0.0) continue;
+    const Vector6d error = motionError(run.truth[i - 1].inverse() * run.truth[i], state.T_previous_now);
+    addIfKnown(samples.increments, error, state.increment_covariance);
+    addIfKnown(samples.horizontal_increments, Eigen::Vector3d(error[0], error[1], error[5]),
+               horizontalBlock(state.increment_covariance));
+  }
+  addMeasurementErrors(run, samples.measured);
+  return samples;
+}
+
+Json consistencyReport(const std::vector<const ConsistencySamples*>& runs,
+                       const std::vector<FailAwareEpisode>& episodes) {
+  ConsistencySamples all;
+  const auto append = [](std::vector<double>& list, const std::vector<double>& more) {
+    list.insert(list.end(), more.begin(), more.end());
+  };
+  for (const ConsistencySamples* run : runs) {
+    append(all.increments, run->increments);
+    append(all.horizontal_increments, run->horizontal_increments);
+    for (std::size_t m = 0; m < std::size(kSources); ++m) {
+      append(all.innovations[m], run->innovations[m]);
+      append(all.measured[m], run->measured[m]);
     }
   }
-  for (const FailAwareRun* run : runs) addMeasurementErrors(*run, measured);
+  std::vector<double> accumulated;
+  std::vector<std::pair<double, double>> since_start;  // s, squared distance in standard deviations
   for (const FailAwareEpisode& episode : episodes) {
     double next_s = 1.0;
     for (const FailAwareSweep& sweep : episode.sweeps) {
@@ -287,8 +303,8 @@ Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::
     }
   }
   Json json;
-  json["increment"] = consistencyJson(increments, 6);
-  json["increment_horizontal"] = consistencyJson(horizontal_increments, 3);
+  json["increment"] = consistencyJson(all.increments, 6);
+  json["increment_horizontal"] = consistencyJson(all.horizontal_increments, 3);
   json["accumulated_position"] = consistencyJson(accumulated, 2);
   for (std::size_t e = 0; e + 1 < std::size(kCoverageEdges_s); ++e) {
     std::vector<double> squared;
@@ -298,10 +314,11 @@ Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::
     json["accumulated_position_since_t1"].push_back(
         {{"from_s", kCoverageEdges_s[e]}, {"consistency", consistencyJson(squared, 2)}});
   }
-  for (std::size_t m = 0; m < innovations.size(); ++m) {
+  for (std::size_t m = 0; m < std::size(kSources); ++m) {
     // nlohmann's null has no value; moving it is fine
-    json["nis"][kSources[m]] = consistencyJson(innovations[m], 6);       // NOLINT(clang-analyzer-core.CallAndMessage)
-    json["measurement"][kSources[m]] = consistencyJson(measured[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
+    json["nis"][kSources[m]] = consistencyJson(all.innovations[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
+    json["measurement"][kSources[m]] =
+        consistencyJson(all.measured[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
   }
   return json;
 }
@@ -385,7 +402,7 @@ void printTable(std::ostream& out, const Json& reports) {
   }
 }
 
-void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
+void writePredictions(std::ostream& out, const std::vector<std::string>& run_names,
                       const std::vector<FailAwareEpisode>& episodes) {
   out << "run,begin_s,failed,since_start_s,remaining_s,combination_s,eta_s,covariance_s,state,reasons,eta,error_m,"
          "protection_level_m,speed_mps\n";
@@ -396,12 +413,28 @@ void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
       if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
       next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
       const MonitorOutput& o = sweep.output;
-      out << runs[episode.run].name << ',' << std::to_string(episode.begin_s) << ',' << (episode.failed ? 1 : 0) << ','
+      out << run_names[episode.run] << ',' << std::to_string(episode.begin_s) << ',' << (episode.failed ? 1 : 0) << ','
           << sweep.since_start_s << ',' << sweep.remaining_s << ',' << o.time_to_failure.seconds << ','
           << o.time_to_failure_indicator.seconds << ',' << o.time_to_failure_covariance.seconds << ','
           << toString(o.state) << ',' << reasonText(o.reasons) << ',' << o.eta << ',' << sweep.error_m.norm() << ','
           << o.protection_level_m << ',' << sweep.speed_mps << '\n';
     }
+  }
+}
+
+void writeEpisodes(std::ostream& out, const std::vector<std::string>& run_names,
+                   const std::vector<FailAwareEpisode>& episodes, double early_s) {
+  out << "run,begin_s,failed,time_s,missed,false_alarms,watched_s,alarm_s,unknown_s,lead_s,lead_speed_mps\n";
+  out << std::setprecision(std::numeric_limits<double>::max_digits10);
+  for (const FailAwareEpisode& episode : episodes) {
+    const AlarmStatistics alarm = alarmStatistics({episode}, early_s);
+    out << run_names[episode.run] << ',' << episode.begin_s << ',' << (episode.failed ? 1 : 0) << ',' << episode.time_s
+        << ',' << alarm.missed << ',' << alarm.false_alarms << ',' << alarm.watched_s << ',' << alarm.alarm_s << ','
+        << alarm.unknown_s << ',';
+    if (!alarm.leads.empty()) out << alarm.leads.front().lead_s;
+    out << ',';
+    if (!alarm.leads.empty()) out << alarm.leads.front().speed_mps;
+    out << '\n';
   }
 }
 

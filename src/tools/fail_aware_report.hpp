@@ -1,8 +1,10 @@
 // The figures of evaluate_fail_aware over any set of episodes, as JSON and as a table.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <ostream>
+#include <string>
 #include <vector>
 
 #include "evaluation/fail_aware_episode.hpp"
@@ -20,14 +22,29 @@ struct ReportOptions {
 /// What is said about the time to failure; the predictors and baselines by name.
 Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options);
 
-/// Covariances against true errors: increments, accumulated position, innovations.
-Json consistencyReport(const std::vector<const FailAwareRun*>& runs, const std::vector<FailAwareEpisode>& episodes);
+/// Squared errors of one run, sweep by sweep, in units of their standard deviations.
+struct ConsistencySamples {
+  using PerSource = std::array<std::vector<double>, 3>;
+  std::vector<double> increments, horizontal_increments;
+  PerSource innovations;  ///< NIS of each measurement
+  PerSource measured;     ///< what each measurement said of the motion since the last estimate, against the truth
+};
+
+ConsistencySamples consistencySamples(const FailAwareRun& run);
+
+/// Covariances against true errors: increments, accumulated position, innovations. The samples run by run.
+Json consistencyReport(const std::vector<const ConsistencySamples*>& runs,
+                       const std::vector<FailAwareEpisode>& episodes);
 
 /// One column a report, in order of `json`'s keys.
 void printTable(std::ostream& out, const Json& reports_by_name);
 
-/// One row a second of every episode: what the plots are made of.
-void writePredictions(std::ostream& out, const std::vector<FailAwareRun>& runs,
+/// One row a second of every episode: what the plots are made of. `run_names[i]`: of the run that the episodes call i.
+void writePredictions(std::ostream& out, const std::vector<std::string>& run_names,
                       const std::vector<FailAwareEpisode>& episodes);
+
+/// One row an episode: what evaluation/alarm_statistics.hpp counts in it.
+void writeEpisodes(std::ostream& out, const std::vector<std::string>& run_names,
+                   const std::vector<FailAwareEpisode>& episodes, double early_s);
 
 }  // namespace fail_aware

@@ -31,6 +31,7 @@ struct Options {
   std::vector<std::string> faults;
   bool no_rolling_shutter = false, no_traffic = false;
   int threads = 1;
+  double beam_errors = 1.0;
   DriveSimulation::Params simulation;
 };
 
@@ -56,6 +57,10 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--no-rolling-shutter", options.no_rolling_shutter,
                "all points from the sweep's middle (and no point times)");
   app.add_flag("--no-traffic", options.no_traffic, "no other vehicles");
+  app.add_option("--beam-errors", options.beam_errors,
+                 "factor on the errors of range and elevation that the beams of a head have")
+      ->check(realNumber(0.0, 10.0))
+      ->capture_default_str();
   app.add_option("--threads", options.threads, "for the ray casting; does not change the result")
       ->check(wholeNumber(1, 256))
       ->capture_default_str();
@@ -133,6 +138,7 @@ void writeNotes(const Options& options, const std::vector<Fault>& faults, std::s
   notes["seed"] = options.simulation.seed;
   notes["rolling_shutter"] = options.simulation.rolling_shutter;
   notes["traffic"] = options.simulation.traffic;
+  notes["beam_errors"] = options.beam_errors;
   notes["speed_mps"] = options.simulation.drive.speed.speed_mps;
   notes["start_speed_mps"] = options.simulation.drive.start_speed_mps;
   notes["faults"] = options.faults;
@@ -144,6 +150,8 @@ void writeNotes(const Options& options, const std::vector<Fault>& faults, std::s
 int run(Options& options) {
   options.simulation.rolling_shutter = !options.no_rolling_shutter;
   options.simulation.traffic = !options.no_traffic;
+  options.simulation.lidar.range_bias_m *= options.beam_errors;
+  options.simulation.lidar.elevation_error_deg *= options.beam_errors;
   options.simulation.validate();
   const std::vector<Fault> faults = parseFaults(options.faults, options.simulation.duration_s);
   DriveSimulation simulation(options.simulation, options.threads);

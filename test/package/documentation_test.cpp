@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<std::string> pages() {
-  std::vector<std::string> pages = {"README.md"};
+  std::vector<std::string> pages = {"README.md", "fleet/README.md"};
   for (const std::string& file : filesBelow("doc")) {
     if (hasEnding(file, ".md")) pages.push_back(file);
   }
@@ -129,7 +129,7 @@ TEST(Documentation, CommitsAreNamedInTheResultsOnly) {
 }
 
 TEST(Documentation, NamedFilesAndProgramsExist) {
-  const std::string folders = "(?:src|include|test|cfg|scripts|launch|examples|msg|doc|rviz|\\.ci)/";
+  const std::string folders = "(?:src|include|test|cfg|scripts|fleet|launch|examples|msg|doc|rviz|\\.ci)/";
   const std::string package = "fail_aware_lidar_odometry ";
   for (const std::string& page : pages()) {
     const std::vector<std::string> lines = linesOf(readText(sourcePath(page)));

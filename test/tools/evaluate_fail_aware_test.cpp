@@ -241,6 +241,45 @@ TEST_F(EvaluateFailAware, RefusedSweepsDoNotShiftTheTruth) {
   EXPECT_EQ(report()["run"]["failing"], all["run"]["failing"]) << "a row of truth off by one is 1 m, and a failure";
 }
 
+/// Runs that are judged one by one and then together have the figures of all at once, to the last digit.
+TEST_F(EvaluateFailAware, KeptEpisodesGiveTheSameFigures) {
+  MadeUpRun good, bad;
+  good.sigma_m = good.said_sigma_m;
+  bad.drift_m = 0.0101;
+  good.write(folder_ / "good");
+  bad.write(folder_ / "bad");
+  const auto output = [&](const char* name) { return " --resamples 20 --output '" + (folder_ / name).string() + "'"; };
+  std::string kept;
+  for (const char* name : {"good", "bad"}) {
+    const std::string result = std::string(name) + "_result";
+    run(options(name) + output(result.c_str()) + " --keep-episodes");
+    ASSERT_EQ(result_.exit_code, 0) << result_.err;
+    kept += " --episodes '" + (folder_ / result / "episodes.bin").string() + "'";
+  }
+  run(options("good") + options("bad") + output("at_once"));
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const std::string table = result_.out;
+  run(kept + output("result"));
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.out, table);
+  for (const char* name : {"fail_aware.json", "predictions.csv", "episodes.csv"}) {
+    EXPECT_EQ(contentOf(folder_ / "result" / name), contentOf(folder_ / "at_once" / name)) << name;
+  }
+  EXPECT_EQ(countOf(contentOf(folder_ / "result/episodes.csv"), "\nbad,"), 8u);
+
+  const fs::path file = folder_ / "bad_result/episodes.bin";
+  const std::string whole = contentOf(file);
+  std::ofstream(file, std::ios::binary) << whole.substr(0, whole.size() / 2);
+  expectRefused(kept, "not a complete file of episodes");
+  std::ofstream(file, std::ios::binary) << "something else";
+  expectRefused(kept, "not a complete file of episodes");
+  fs::remove(file);
+  expectRefused(kept, "episodes.bin: cannot be read");
+  run(options("bad") + output("bad_result") + " --keep-episodes --episode-every 7");
+  expectRefused(kept, "another --alert-limit or --episode-every");
+  expectRefused(kept + options("good"), "--run");
+}
+
 TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
   MadeUpRun made_up;
   made_up.sweeps = 30;
@@ -264,7 +303,7 @@ TEST_F(EvaluateFailAware, HelpListsTheOptions) {
   run("--help");
   EXPECT_EQ(result_.exit_code, 0);
   for (const char* option : {"--ground-truth", "--run", "--calib", "--output", "--set", "--parameters", "--resamples",
-                             "--seed", "--early"}) {
+                             "--seed", "--early", "--keep-episodes", "--episodes"}) {
     EXPECT_NE(result_.out.find(option), std::string::npos) << option;
   }
 }
