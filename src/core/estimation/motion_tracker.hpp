@@ -57,7 +57,7 @@ class MotionTracker {
 
   const MotionDerivatives& motion() const { return motion_; }
   const RoadPlane& roadPlane() const { return road_.plane(); }
-  const DeadReckoning& dead_reckoning() const { return dead_reckoning_; }
+  const DeadReckoning& deadReckoning() const { return dead_reckoning_; }
   /// Whether the last estimate, and the one before it, were more than predictions.
   bool lastMeasured() const { return last_measured_; }
   bool previousMeasured() const { return previous_measured_; }

@@ -148,35 +148,32 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
     };
     double uncertain_yaw = 0.0;
     if (!prediction_.motionKnown()) {
-      // only the speed along the road is unknown
-      const double sigma = params_.initial_speed_sigma_mps * dt;
+      const double sigma = params_.initial_speed_sigma_mps * dt;  // of the distance along the road
       const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
       Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
-    } else if (motion_.dead_reckoning().active()) {
-      const Eigen::Matrix4d uncertain = motion_.dead_reckoning().incrementCovariance(dt);
+    } else if (motion_.deadReckoning().active()) {
+      const Eigen::Matrix4d uncertain = motion_.deadReckoning().incrementCovariance(dt);
       Q.topLeftCorner<3, 3>() += inOdom(uncertain);
       uncertain_yaw = uncertain(3, 3);
     }
     if (prediction_.motionKnown() && interval_sigma_s_ > 0.0) {  // the distance is as uncertain as the interval
-      const Eigen::Vector3d way = R_odom_body * motion_.motion().velocity_body_mps * interval_sigma_s_;
+      const Eigen::Vector3d distance_m = R_odom_body * motion_.motion().velocity_body_mps * interval_sigma_s_;
       const double turn_rad = motion_.motion().rpy_rates_rad_s.z() * interval_sigma_s_;
-      Q.topLeftCorner<3, 3>() += way * way.transpose();
+      Q.topLeftCorner<3, 3>() += distance_m * distance_m.transpose();
       Q(5, 5) += turn_rad * turn_rad;
     }
     process_noise_ = Q;
-    // not in the filter's Q: an uncertain heading would shorten the unscented mean of every step
-    process_noise_(5, 5) += uncertain_yaw;
+    process_noise_(5, 5) += uncertain_yaw;  // in Q it would shorten the unscented mean of every step
     if (prediction_.motionKnown() && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
       const Eigen::Matrix4d driven =
-          motion_.dead_reckoning().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
+          motion_.deadReckoning().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
       Q.topLeftCorner<3, 3>() += inOdom(driven);
       Q(5, 5) += driven(3, 3);
     }
     if (!state_.measurement_applied) {
       // Roll and pitch stay close to the road: P gains at most one step's noise. Accumulated over many sweeps it would
       // shorten the unscented mean of every step by cos(pitch), a tenth of the speed.
-      const Matrix6d& P = ukf_.covariance();
-      for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - P(i, i));
+      for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - ukf_.covariance()(i, i));
     }
     ukf_.predict([&](const Vector6d& x) { return model_.predict(x, motion_.motion(), dt, motion_.roadPlane()); }, Q);
   }
@@ -212,7 +209,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
-    const double factor = motion_.dead_reckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
+    const double factor = motion_.deadReckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
     setIncrementCovariance({params_.increment_floor_m, params_.increment_per_metre_m, params_.increment_floor_deg},
                            process_noise_, params_.increment_scale * factor, prediction_, next);
     const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() &&
@@ -238,14 +235,14 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   state_ = next;
   const bool forget_history = map.begins || next.clock_jump || motion_.velocityObservableAgain();
   motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
-  if (state_.dt_s > 0.0) state_.speed_error = motion_.dead_reckoning().speedError();
+  if (state_.dt_s > 0.0) state_.speed_error = motion_.deadReckoning().speedError();
   state_.motion_status = motionStatus();
   return state_;
 }
 
 MotionStatus PoseFilter::motionStatus() const {
   if (corrected_sweeps_ < 2) return MotionStatus::kUnknown;  // the first sweep defines the start pose
-  const bool observed = state_.measurement_applied && prediction_.motionKnown() && !motion_.dead_reckoning().active();
+  const bool observed = state_.measurement_applied && prediction_.motionKnown() && !motion_.deadReckoning().active();
   return observed ? MotionStatus::kObserved : MotionStatus::kDeadReckoning;
 }
 
@@ -285,7 +282,7 @@ bool PoseFilter::addInflation(const std::vector<FusionInput>& inputs, const Vect
   ConsistencyMonitor::Sweep sweep;
   sweep.dt_s = state.dt_s;
   sweep.undecided_m = state.fusion.undecided_m;
-  sweep.innovation_m = motion_.dead_reckoning().active() ? 0.0 : innovation.head<2>().norm();
+  sweep.innovation_m = motion_.deadReckoning().active() ? 0.0 : innovation.head<2>().norm();
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
   sweep.fitting_ratio = planesFittingRatio(inputs);

@@ -44,7 +44,7 @@ class MotionTrackerTest : public testing::Test {
 TEST_F(MotionTrackerTest, MeasuredSweepsGiveTheSpeed) {
   sweeps(10, 12.0);
   EXPECT_NEAR(tracker.motion().velocity_body_mps.x(), 12.0, 0.05);
-  EXPECT_FALSE(tracker.dead_reckoning().active());
+  EXPECT_FALSE(tracker.deadReckoning().active());
   EXPECT_TRUE(tracker.lastMeasured() && tracker.previousMeasured());
 }
 
@@ -52,10 +52,10 @@ TEST_F(MotionTrackerTest, SpeedCoastsWithoutMeasurement) {
   sweeps(10, 12.0);
   for (int i = 0; i < 5; ++i) sweep(30.0, false);
   EXPECT_NEAR(tracker.motion().velocity_body_mps.x(), 12.0, 0.5) << "predictions tell nothing";
-  EXPECT_TRUE(tracker.dead_reckoning().active());
+  EXPECT_TRUE(tracker.deadReckoning().active());
   EXPECT_FALSE(tracker.lastMeasured());
   sweeps(10, 12.0);
-  EXPECT_FALSE(tracker.dead_reckoning().active());
+  EXPECT_FALSE(tracker.deadReckoning().active());
 }
 
 TEST_F(MotionTrackerTest, SpeedIsLimited) {
