@@ -78,9 +78,9 @@ struct OdometryPipeline::Stages {
         corrector(p.sensor.vertical_angle, p.sensor.azimuth, p.sensor.correctedTiming(), p.profile.sweep_correction,
                   p.profile.vertical_reference),
         estimator(p),
-        front(p.profile.registration, p.sensor.correctedTiming()),
-        multiplex(p.profile.registration.icp_point_to_point),
-        normal_filtered(p.profile.registration.icp_point_to_plane),
+        registration(p.profile.registration, p.sensor.correctedTiming()),
+        icp_point_to_point(p.profile.registration.icp_point_to_point),
+        icp_point_to_plane(p.profile.registration.icp_point_to_plane),
         corner_svd(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                    p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
@@ -102,9 +102,9 @@ struct OdometryPipeline::Stages {
   SweepCheck check;
   SweepCorrector corrector;
   Estimator estimator;
-  LocalMapRegistration front;
-  IcpPointToPoint multiplex;
-  IcpPointToPlane normal_filtered;
+  LocalMapRegistration registration;
+  IcpPointToPoint icp_point_to_point;
+  IcpPointToPlane icp_point_to_plane;
   CornerSvd corner_svd;
   FailAwareMonitor monitor;
   tbb::task_arena arena;
@@ -117,12 +117,13 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
   const RegistrationParameters& use = params.profile.registration;
   const auto point = [&] {
     Stopwatch watch;
-    if (use.use_icp_point_to_point) result.point = exchanged(front.align(multiplex));
+    if (use.use_icp_point_to_point) result.point = exchanged(registration.align(icp_point_to_point));
     result.times.point_ms = watch.lapMs();
   };
   const auto plane = [&] {
     Stopwatch watch;
-    if (use.use_icp_point_to_plane) result.plane = exchanged(front.align(normal_filtered, prediction.sigma_yaw_rad));
+    if (use.use_icp_point_to_plane)
+      result.plane = exchanged(registration.align(icp_point_to_plane, prediction.sigma_yaw_rad));
     result.times.plane_ms = watch.lapMs();
   };
   const auto corners = [&] {
@@ -134,7 +135,7 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
     inParallel(
         [&] {
           Stopwatch thinning;
-          front.prepare(corrected, prediction, T_cog_lidar);
+          registration.prepare(corrected, prediction, T_cog_lidar);
           result.times.correction_ms += thinning.lapMs();
           inParallel(point, plane);
         },
@@ -163,7 +164,7 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
 void OdometryPipeline::Stages::beginDrive() {
   refused_sweeps = 0;
   corrector.reset();
-  front.reset();
+  registration.reset();
   corner_svd.reset();
   monitor.reset();
 }
@@ -186,9 +187,12 @@ SweepCorrectorReport OdometryPipeline::Stages::deskew(Sweep& sweep, const SweepF
 
 void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report,
                                         SweepResult& result) {
-  const FilterState& state = estimator.update(
-      {{kIcpPointToPoint, &result.point}, {kIcpPointToPlane, &result.plane}, {kCornerSvd, &result.corners}},
-      report.middle_s, report.revolution_s);
+  const RegistrationParameters& use = params.profile.registration;
+  const auto ifUsed = [](bool used, const Measurement& measurement) { return used ? &measurement : nullptr; };
+  const FilterState& state = estimator.update({{kIcpPointToPoint, ifUsed(use.use_icp_point_to_point, result.point)},
+                                               {kIcpPointToPlane, ifUsed(use.use_icp_point_to_plane, result.plane)},
+                                               {kCornerSvd, ifUsed(use.use_corner_svd, result.corners)}},
+                                              report.middle_s, report.revolution_s);
   result.odometry_covariance =
       covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_base_cog.inverse());
   result.pose_set = estimator.poseSet();
@@ -234,7 +238,7 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
   estimate(*prediction, report, result);
   result.times.fusion_ms = stage.lapMs();
 
-  front.place(result.state);
+  registration.place(result.state);
   corner_svd.place(result.state);
   result.times.reference_ms = stage.lapMs();
 
@@ -277,6 +281,6 @@ std::string OdometryPipeline::offer(const std::string& source, const ExternalPos
   return stages_->estimator.offer(source, pose);
 }
 
-std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->front.map().points(); }
+std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->registration.map().points(); }
 
 }  // namespace fail_aware

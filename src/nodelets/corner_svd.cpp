@@ -35,7 +35,7 @@ class CornerSvdAlgorithm {
     return measurement;
   }
   void place(const FilterState& state) { corners_.place(state); }
-  void skip(const FilterState&) {}
+  void skip(const FilterState& state) { corners_.skip(state); }
   void reset() { corners_.reset(); }
   void show(const messages::SweepPrediction& sweep) {
     if (markers_.getNumSubscribers() == 0) return;

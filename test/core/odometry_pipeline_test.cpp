@@ -239,6 +239,19 @@ TEST(OdometryPipeline, ASweepWithTooFewPointsIsLikeAnEmptyOne) {
   expectNear(results[8], kDrive.T_odom_base(0.8), 0.05, "after it");
 }
 
+/// The live graph leaves a measurement that is switched off out of the fusion, too.
+TEST(OdometryPipeline, UnusedIcpDoesNotBeginTheDrive) {
+  PipelineParameters params = streetParameters();
+  params.profile.registration.use_icp_point_to_point = false;
+  OdometryPipeline pipeline(params, 1);
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 3);
+  sweeps[0] = emptyAt(sweeps[0].stamp_s);
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_EQ(results[0].status, SweepStatus::kNotStarted);
+  EXPECT_EQ(results[1].status, SweepStatus::kFirst);
+  EXPECT_EQ(results[2].status, SweepStatus::kCorrected);
+}
+
 TEST(OdometryPipeline, LostFirstSweepsDoNotHideTheSpeed) {
   for (const std::vector<std::size_t>& lost : {std::vector<std::size_t>{0}, {0, 1}, {1, 2}, {2}, {0, 2, 3}}) {
     std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 7);

@@ -20,10 +20,14 @@ Measurement CornerSvd::measure(const CorrectedSweep& sweep, const SweepPredictio
 }
 
 void CornerSvd::place(const FilterState& state) {
-  enterOdom(state.odom_reset_count);
-  if (state.map_update == MapUpdate::kRestart) reference_.clear();
+  skip(state);
   // corners do not observe roll and pitch, so a sweep that only corners measured may update the reference
   if (motion_known_ && (state.measurement_applied || state.inMap())) reference_.update(corners_cog_, state.T_odom_cog);
+}
+
+void CornerSvd::skip(const FilterState& state) {
+  enterOdom(state.odom_reset_count);
+  if (state.map_update == MapUpdate::kRestart) reference_.clear();
 }
 
 void CornerSvd::enterOdom(int epoch) {

@@ -27,6 +27,8 @@ class CornerSvd {
 
   Measurement measure(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void place(const FilterState& state);
+  /// In place of place(): the estimate of a sweep that was not measured here.
+  void skip(const FilterState& state);
   void reset();
   /// Valid from the next sweep; the reference stays. Throws ParameterError.
   void setAlignment(const CornerAlignment::Params& params) { alignment_ = CornerAlignment(params); }
