@@ -149,10 +149,15 @@ def aggregate(recordings, results_folder, parameter_files):
         for result in judged:
             by_value[recordings[result["name"]].tags[tag]].append(result)
         tags[tag] = {value: figures(by_value[value]) for value in sorted(by_value)}
-    return {"versions": count(r["version"] for r in judged), "parameters_sha256": count(r["parameters_sha256"] for r in judged),
+    return {"versions": count(version_of(r) for r in judged), "parameters_sha256": count(r["parameters_sha256"] for r in judged),
             "interval_level": intervals.LEVEL, "recordings": len(recordings), "judged": [r["name"] for r in judged],
             "not_judged": not_judged, ALL: figures(judged), "tags": tags,
             "worst": [worst_row(r) for r in sorted(judged, key=lambda r: (badness(r), r["name"]), reverse=True)[:WORST]]}
+
+
+def version_of(result):
+    run, judged = result["version"], result["judged_version"]
+    return run if run == judged else f"{run}, judged by {judged}"
 
 
 def count(values):

@@ -164,6 +164,7 @@ def truth_options(folder):
 def evaluate(arguments):
     """Judges the run; writes result.json."""
     run, done = pathlib.Path(arguments.run), read_json(arguments.odometry)
+    done["judged_version"] = provenance.version()
     folder = pathlib.Path(arguments.done).parent
     with alone(folder / "lock"):
         if done["status"] == OK:
@@ -188,14 +189,13 @@ def _evaluate(run, folder, arguments):
     call(command)
     trajectory = read_json(folder / "evaluation.json")
     fail_aware = read_json(folder / names.FAIL_AWARE)[run.name]
-    faults_s = []
+    faults_s, (begin_s, end_s) = [], _first_and_last_stamp(run / names.TRAJECTORY_TUM)
     if (run / "faults.csv").exists():
-        begin_s = _first_stamp(run / names.TRAJECTORY_TUM)
         with open(run / "faults.csv", newline="") as file:
             faults_s = [begin_s + float(fault[names.FAULT_START]) for fault in csv.DictReader(file)]
     starts = _starts(folder, faults_s)
     return {"parameters_sha256": provenance.checksum([run / names.PARAMETERS] + arguments.parameters),
-            "driven_s": _last_stamp(run / names.TRAJECTORY_TUM) - _first_stamp(run / names.TRAJECTORY_TUM),
+            "driven_s": end_s - begin_s,
             "trajectory": {key: trajectory[key] for key in (names.PATH_LENGTH, names.SEGMENTS, names.TRANSLATION_ERROR,
                                                             names.ROTATION_ERROR, names.ATE_MAX)},
             "starts": starts,
@@ -203,14 +203,10 @@ def _evaluate(run, folder, arguments):
             "reliability": names.inside(fail_aware, names.RELIABILITY) or []}
 
 
-def _first_stamp(path):
+def _first_and_last_stamp(path):
     with open(path) as file:
-        return float(file.readline().split()[0])
-
-
-def _last_stamp(path):
-    with open(path) as file:
-        return float(file.readlines()[-1].split()[0])
+        rows = [line for line in file if line.strip() and not line.startswith("#")]
+    return float(rows[0].split()[0]), float(rows[-1].split()[0])
 
 
 def _starts(folder, faults_s):
