@@ -113,7 +113,8 @@ TEST_F(Fleet, SixDrivesOneOfThemBrokenKilledAndResumed) {
   for (const auto& [name, time] : made_before) {
     EXPECT_EQ(odometry.at(name), time) << name << " was done before the kill and is not made again";
   }
-  EXPECT_TRUE(fs::is_empty(folder_ / "out/drives")) << "made-up drives are removed";
+  const fs::path drives = folder_ / "out/drives";
+  EXPECT_TRUE(!fs::exists(drives) || fs::is_empty(drives)) << "made-up drives are removed";
 
   nlohmann::json found = json("out/aggregate/aggregate.json");
   EXPECT_EQ(found["judged"], nlohmann::json({"town_1", "town_2", "country_3", "country_4", "recorded"}));
