@@ -102,7 +102,7 @@ def reliability(results):
 def figures(results):
     all_starts = [start for r in results for start in r["starts"]]
     total = sums(all_starts)
-    return {"accuracy": accuracy(results),
+    return {"accuracy": accuracy(results), "without_start": [r["name"] for r in results if not r["starts"]],
             "apart": figures_of_starts([start for start in all_starts if start["apart"]]),
             "all_starts": {key: total[key] for key in ("starts", "failed", names.MISSED, names.FALSE_ALARMS, names.WATCHED,
                                                        names.ALARM)} |
@@ -275,7 +275,7 @@ def print_table(arguments):
     with open(arguments.aggregate) as file:
         found = json.load(file)
     text = (f"{found[ALL]['accuracy']['driven_h']:.2f} hours of driving, {found[ALL]['accuracy']['recordings']} drives, version "
-            f"{', '.join(version.split()[0] for version in found['versions'])}.\n\n{table_for_document(found, arguments.tag)}")
+            f"{', '.join(dict.fromkeys(version.split()[0] for version in found['versions']))}.\n\n{table_for_document(found, arguments.tag)}")
     if not arguments.into:
         print(text)
         return

@@ -14,8 +14,11 @@ def write(output, found):
              f"<p>Starts that share no driving; exact {100 * found['interval_level']:.0f} % intervals (Poisson; Clopper and "
              "Pearson), then the number of events.</p>"]
     parts += [markdown_table(aggregate.table_for_document(found, tag)) for tag in list(found["tags"]) or [""]]
+    without = found[aggregate.ALL]["without_start"]
+    if without:
+        parts.append(f"<p>No start, since no motion was observed: {html.escape(', '.join(without))}</p>")
     parts += ["<h2>Accuracy</h2>"] + [accuracy_table(found, tag) for tag in list(found["tags"]) or [""]]
-    parts += ["<h2>Calibration</h2>", f'<img src="coverage.png" alt="coverage">', '<img src="reliability.png" alt="reliability">']
+    parts += ["<h2>Calibration</h2>", '<img src="coverage.png" alt="coverage">', '<img src="reliability.png" alt="reliability">']
     draw_coverage(output / "coverage.png", found)
     draw_reliability(output / "reliability.png", found)
     pooled = found["pooled"]
