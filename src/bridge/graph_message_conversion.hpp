@@ -18,6 +18,7 @@
 #include "core/integrity/monitor.hpp"
 #include "core/pipeline_parameters.hpp"
 #include "core/types/filter_state.hpp"
+#include "core/types/fusion_input.hpp"
 #include "core/types/measurement.hpp"
 #include "core/types/sweep_condition.hpp"
 #include "core/types/sweep_findings.hpp"
@@ -58,7 +59,7 @@ struct SweepAccount {
     std::string name;
     std::optional<Measurement> measurement;  ///< nothing: not arrived by the deadline
     bool awaited = true;                     ///< false: it may come at any time, so its absence means nothing
-    bool external = false;                   ///< not made from the sweep
+    FusionInput::Kind kind = FusionInput::Kind::kPose;
   };
   std::vector<Source> sources;            ///< in the order of the fusion's inputs
   int sweep_points = -1;                  ///< -1: not known

@@ -48,7 +48,8 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
   for (auto& [name, source] : sources_) external_.push_back({name, source.measure(prediction_, T_base_cog_)});
   std::vector<FusionInput> inputs = measurements;
   for (const ExternalMeasurement& external : external_) {
-    inputs.push_back({external.source, external.measurement ? &*external.measurement : nullptr, true});
+    inputs.push_back(
+        {external.source, external.measurement ? &*external.measurement : nullptr, FusionInput::Kind::kExternal});
   }
   const Pose T_odom_cog_previous = filter_.state().T_odom_cog;
   const FilterState& state = filter_.correct(inputs, middle_s);

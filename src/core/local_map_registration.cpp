@@ -76,17 +76,26 @@ Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<
   if (readiness() != MeasurementStatus::kOk) return withoutPose(readiness());
   Measurement measurement =
       icp.align(scan_.cloud.point_points_cog, map(), T_odom_cog_initial_guess(), guess_.covariance, tracks);
-  addFirstMotion(measurement);
-  addOpenCountry(open_country_, params_.above_ground, guess_, measurement);
+  describeGuess(measurement);
   return measurement;
 }
 
 Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma_yaw_rad) const {
   if (readiness() != MeasurementStatus::kOk) return withoutPose(readiness());
   Measurement measurement = icp.align(scan_.cloud.plane_points_cog, map(), T_odom_cog_initial_guess(), sigma_yaw_rad);
-  addFirstMotion(measurement);
-  if (road_speed_.speed) addRoadSpeed(*road_speed_.speed, guess_, T_odom_cog_initial_guess(), measurement);
-  addOpenCountry(open_country_, params_.above_ground, guess_, measurement);
+  describeGuess(measurement);
+  return measurement;
+}
+
+Measurement LocalMapRegistration::roadProfile() const {
+  if (readiness() != MeasurementStatus::kOk || !road_speed_.speed) return Measurement();
+  return roadProfileMeasurement(*road_speed_.speed, guess_, T_odom_cog_initial_guess());
+}
+
+Measurement LocalMapRegistration::aboveGround() const {
+  if (readiness() != MeasurementStatus::kOk || !open_country_.pose) return Measurement();
+  Measurement measurement = aboveGroundMeasurement(*open_country_.pose);
+  measurement.clock_jump_suspected = guess_.clock_jump_suspected;
   return measurement;
 }
 
@@ -95,10 +104,11 @@ MeasurementStatus LocalMapRegistration::readiness() const {
   return guess_.lost ? MeasurementStatus::kNotConverged : MeasurementStatus::kOk;
 }
 
-void LocalMapRegistration::addFirstMotion(Measurement& measurement) const {
+void LocalMapRegistration::describeGuess(Measurement& measurement) const {
   measurement.clock_jump_suspected = guess_.clock_jump_suspected;
   addSearchedMotion(guess_, measurement);
   if (!track_.speedWasObserved()) inflateAlongTrack(guess_, params_.initialization, measurement);
+  if (open_country_.open_country) inflateInOpenCountry(params_.above_ground, guess_, measurement);
 }
 
 void LocalMapRegistration::place(const FilterState& state) {
@@ -129,8 +139,8 @@ void LocalMapRegistration::skip(const FilterState& state) {
   place(state);
 }
 
-void LocalMapRegistration::enterOdom(int epoch) {
-  if (map_.enterOdom(epoch)) road_speed_aid_.clear();
+void LocalMapRegistration::enterOdom(int odom_reset_count) {
+  if (map_.enterOdom(odom_reset_count)) road_speed_aid_.clear();
 }
 
 void LocalMapRegistration::reset() {

@@ -1,7 +1,8 @@
-// Coordinates what the two ICPs share in a sweep: the scan, the local map, the initial guess, the aids.
+// Coordinates what the sources that use the local map share in a sweep: the scan, the map, the initial guess.
 //
 //   prepare: scan -> road speed -> initial guess (initial_guess.hpp) -> redeskew -> open country
-//   align:   one ICP from the start pose, with the aids added
+//   align:   one ICP from the start pose
+//   roadProfile, aboveGround: the partial measurements (aiding/), where there are any
 //   place:   redeskew for the estimated motion -> insert into the map (local_map.hpp)
 //
 // Offline one instance serves both ICPs. On the vehicle each ICP nodelet has its own instance; both instances hold the
@@ -50,6 +51,10 @@ class LocalMapRegistration {
   Measurement align(const IcpPointToPoint& icp, std::vector<SeedTrack>* tracks = nullptr) const;
   Measurement align(const IcpPointToPlane& icp, double sigma_yaw_rad) const;
 
+  /// The partial measurements of the prepared sweep; kNoReference: there is none.
+  Measurement roadProfile() const;
+  Measurement aboveGround() const;
+
   /// Inserts the prepared sweep into the map at the estimate, deskewed for the estimated motion (unless it came
   /// compensated).
   void place(const FilterState& state);
@@ -60,14 +65,15 @@ class LocalMapRegistration {
   void reset();
 
  private:
-  void enterOdom(int epoch);
+  void enterOdom(int odom_reset_count);
   void findRoadSpeed(const CorrectedSweep& sweep, const SweepPrediction& prediction);
   void resolveGuess(const CorrectedSweep& sweep, const SweepPrediction& prediction);
   void applyGuess();
   void findOpenCountry(const SweepPrediction& prediction);
   void refine(const EstimateTrack::Increment& increment);
   MeasurementStatus readiness() const;
-  void addFirstMotion(Measurement& measurement) const;
+  /// Adds what the guess tells of the measurement: its first motion, its doubts, open country.
+  void describeGuess(Measurement& measurement) const;
 
   RegistrationParameters params_;
   RegistrationScanBuilder builder_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -69,6 +70,13 @@ const char* toString(SweepStatus status) {
   return "unknown";
 }
 
+const SourceResult& SweepResult::of(const std::string& source) const {
+  static const SourceResult kNone;
+  const auto found =
+      std::find_if(sources.begin(), sources.end(), [&](const SourceResult& s) { return s.name == source; });
+  return found == sources.end() ? kNone : *found;
+}
+
 struct OdometryPipeline::Stages {
   Stages(const PipelineParameters& p, int threads)
       : params(validated(p)),
@@ -84,8 +92,18 @@ struct OdometryPipeline::Stages {
         corner_svd(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                    p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
-        arena(arenaSize(threads)) {}
+        arena(arenaSize(threads)),
+        sources(makeSources()) {}
 
+  struct Source {
+    const char* name;
+    bool used;
+    FusionInput::Kind kind;
+    bool needs_scan;  ///< measures after LocalMapRegistration::prepare()
+    std::function<Measurement(const SweepPrediction&)> measure;
+  };
+
+  std::vector<Source> makeSources();
   SweepResult step(Sweep& sweep);
   std::optional<SweepPrediction> predict(double stamp_s);
   SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
@@ -108,28 +126,37 @@ struct OdometryPipeline::Stages {
   CornerSvd corner_svd;
   FailAwareMonitor monitor;
   tbb::task_arena arena;
+  std::vector<Source> sources;  ///< in the order of the fusion's inputs
   CorrectedSweep corrected;
   int refused_sweeps = 0;                    ///< since the last accepted sweep
   std::optional<double> start_from_stamp_s;  ///< t1 is requested and not reached yet
 };
 
-void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
+/// A new source: a line here.
+std::vector<OdometryPipeline::Stages::Source> OdometryPipeline::Stages::makeSources() {
   const RegistrationParameters& use = params.profile.registration;
-  const auto point = [&] {
-    Stopwatch watch;
-    if (use.use_icp_point_to_point) result.point = exchanged(registration.align(icp_point_to_point));
-    result.times.point_ms = watch.lapMs();
+  const auto kPose = FusionInput::Kind::kPose, kPartial = FusionInput::Kind::kPartial;
+  return {
+      {kIcpPointToPoint, use.use_icp_point_to_point, kPose, true,
+       [this](const SweepPrediction&) { return registration.align(icp_point_to_point); }},
+      {kIcpPointToPlane, use.use_icp_point_to_plane, kPose, true,
+       [this](const SweepPrediction& p) { return registration.align(icp_point_to_plane, p.sigma_yaw_rad); }},
+      {kCornerSvd, use.use_corner_svd, kPose, false,
+       [this](const SweepPrediction& p) { return corner_svd.measure(corrected, p, T_cog_lidar); }},
+      {kRoadProfile, true, kPartial, true, [this](const SweepPrediction&) { return registration.roadProfile(); }},
+      {kAboveGround, true, kPartial, true, [this](const SweepPrediction&) { return registration.aboveGround(); }},
   };
-  const auto plane = [&] {
-    Stopwatch watch;
-    if (use.use_icp_point_to_plane)
-      result.plane = exchanged(registration.align(icp_point_to_plane, prediction.sigma_yaw_rad));
-    result.times.plane_ms = watch.lapMs();
-  };
-  const auto corners = [&] {
-    Stopwatch watch;
-    if (use.use_corner_svd) result.corners = exchanged(corner_svd.measure(corrected, prediction, T_cog_lidar));
-    result.times.corners_ms = watch.lapMs();
+}
+
+void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepResult& result) {
+  for (const Source& source : sources) result.sources.push_back({source.name, source.kind, source.used, {}, 0.0});
+  const auto measureThose = [&](bool needs_scan) {
+    inParallelFor(sources.size(), [&](std::size_t i) {
+      if (!sources[i].used || sources[i].needs_scan != needs_scan) return;
+      Stopwatch watch;
+      result.sources[i].measurement = exchanged(sources[i].measure(prediction));
+      result.sources[i].duration_ms = watch.lapMs();
+    });
   };
   inArena(arena, [&] {
     inParallel(
@@ -137,15 +164,18 @@ void OdometryPipeline::Stages::measure(const SweepPrediction& prediction, SweepR
           Stopwatch thinning;
           registration.prepare(corrected, prediction, T_cog_lidar);
           result.times.correction_ms += thinning.lapMs();
-          inParallel(point, plane);
+          measureThose(true);
         },
-        corners);
+        [&] { measureThose(false); });
   });
 }
 
 SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings, const SweepResult& result) {
   SweepCondition condition;
-  const RegistrationParameters& use = params.profile.registration;
+  const auto missing = [&](const char* source) {
+    return result.of(source).used && !result.of(source).measurement.ok();
+  };
+  const Measurement& planes = result.of(kIcpPointToPlane).measurement;
   condition.empty = corrected.points_lidar.empty();
   condition.dropped_before = std::exchange(refused_sweeps, 0);
   condition.incomplete = findings.incomplete;
@@ -153,10 +183,10 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   condition.frozen = findings.frozen;
   condition.time_jump = findings.time_jump;
   condition.time_field_refused = result.timing.guessed();
-  condition.point_missing = use.use_icp_point_to_point && !result.point.ok();
-  condition.plane_missing = use.use_icp_point_to_plane && !result.plane.ok();
-  condition.corners_missing = use.use_corner_svd && !result.corners.ok();
-  if (result.plane.ok()) condition.min_information_ratio = result.plane.min_information_ratio;
+  condition.point_missing = missing(kIcpPointToPoint);
+  condition.plane_missing = missing(kIcpPointToPlane);
+  condition.corners_missing = missing(kCornerSvd);
+  if (planes.ok()) condition.min_information_ratio = planes.min_information_ratio;
   return condition;
 }
 
@@ -187,12 +217,11 @@ SweepCorrectorReport OdometryPipeline::Stages::deskew(Sweep& sweep, const SweepF
 
 void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report,
                                         SweepResult& result) {
-  const RegistrationParameters& use = params.profile.registration;
-  const auto ifUsed = [](bool used, const Measurement& measurement) { return used ? &measurement : nullptr; };
-  const FilterState& state = estimator.update({{kIcpPointToPoint, ifUsed(use.use_icp_point_to_point, result.point)},
-                                               {kIcpPointToPlane, ifUsed(use.use_icp_point_to_plane, result.plane)},
-                                               {kCornerSvd, ifUsed(use.use_corner_svd, result.corners)}},
-                                              report.middle_s, report.revolution_s);
+  std::vector<FusionInput> inputs;
+  for (const SourceResult& source : result.sources) {
+    inputs.push_back({source.name, source.used ? &source.measurement : nullptr, source.kind});
+  }
+  const FilterState& state = estimator.update(inputs, report.middle_s, report.revolution_s);
   result.odometry_covariance =
       covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_base_cog.inverse());
   result.pose_set = estimator.poseSet();

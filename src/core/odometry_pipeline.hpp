@@ -1,7 +1,7 @@
 // Runs the odometry sweep by sweep: the stages of the paper's architecture in order. It is the offline counterpart of
 // the nodelets and uses the same objects.
 //
-//   predict -> correct the sweep -> three measurements -> fuse, correct the filter -> update the map -> monitor
+//   predict -> correct the sweep -> measure (a list of sources) -> fuse, correct the filter -> update the map -> monitor
 //
 // Deterministic: the same sweeps give the same bits for any number of threads (the number of threads changes neither
 // what runs in parallel nor the order of summation). Failure is data: SweepResult describes what a sweep gave. From the
@@ -18,6 +18,7 @@
 #include "core/pipeline_parameters.hpp"
 #include "core/preprocessing/vertical_reference.hpp"
 #include "core/types/filter_state.hpp"
+#include "core/types/fusion_input.hpp"
 #include "core/types/measurement.hpp"
 #include "core/types/pose_set.hpp"
 #include "core/types/sweep_condition.hpp"
@@ -30,12 +31,18 @@ namespace fail_aware {
 
 struct StageTimes {
   double correction_ms = 0.0;  ///< prediction, timing, deskew, thinning
-  double point_ms = 0.0;
-  double plane_ms = 0.0;
-  double corners_ms = 0.0;
   double fusion_ms = 0.0;
   double reference_ms = 0.0;
   double total_ms = 0.0;
+};
+
+/// What one source measured in a sweep.
+struct SourceResult {
+  std::string name;
+  FusionInput::Kind kind = FusionInput::Kind::kPose;
+  bool used = true;  ///< false: a parameter leaves the source out, and `measurement` says nothing
+  Measurement measurement;
+  double duration_ms = 0.0;
 };
 
 struct SweepResult {
@@ -44,19 +51,18 @@ struct SweepResult {
   Pose T_odom_base = Pose::Identity();
   Matrix6d odometry_covariance = Matrix6d::Zero();  ///< accumulated, of T_odom_base, geometry/pose.hpp's convention
   PoseSet pose_set;                                 ///< outcome of a pose that was set
-  Measurement point;
-  Measurement plane;
-  Measurement corners;
-  TimingResult timing;       ///< of the sweep's points
-  SweepCondition condition;  ///< the monitor's input beside `state`
+  std::vector<SourceResult> sources;                ///< in the order of the fusion's weights
+  TimingResult timing;                              ///< of the sweep's points
+  SweepCondition condition;                         ///< the monitor's input beside `state`
   MonitorOutput monitor;
   StageTimes times;
+
+  /// Of that source; a result without a pose if there is none of that name.
+  const SourceResult& of(const std::string& source) const;
 };
 
 class OdometryPipeline {
  public:
-  static constexpr std::size_t kPoint = 0, kPlane = 1, kCorners = 2;  ///< order of the fusion's inputs and weights
-
   /// Validates the parameters; throws ParameterError. threads >= 1.
   OdometryPipeline(const PipelineParameters& params, int threads);
   ~OdometryPipeline();

@@ -16,6 +16,7 @@ class CornerSvdAlgorithm {
   using Tuning = CornerSvdTuning;
 
   static const char* name() { return kCornerSvd; }
+  static constexpr std::array<const char*, 0> kPartials{};
 
   CornerSvdAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
@@ -34,6 +35,7 @@ class CornerSvdAlgorithm {
     T_odom_cog_ = measurement.ok() ? measurement.T_odom_cog : task.prediction.T_odom_cog;
     return measurement;
   }
+  std::array<Measurement, 0> partials() const { return {}; }
   void place(const FilterState& state) { corners_.place(state); }
   void skip(const FilterState& state) { corners_.skip(state); }
   void reset() { corners_.reset(); }

@@ -159,7 +159,7 @@ class FusionUkfNodelet : public GraphNodelet {
     account.dropped_before = scheduler_.takeDropped();
     std::vector<FusionInput> inputs;
     for (const SweepAccount::Source& source : account.sources) {
-      inputs.push_back({source.name, source.measurement ? &*source.measurement : nullptr, source.external});
+      inputs.push_back({source.name, source.measurement ? &*source.measurement : nullptr, source.kind});
     }
     const SweepFindings found = account.findings.value_or(SweepFindings());
     estimator_->update(inputs, found.middle_s, found.revolution_s);

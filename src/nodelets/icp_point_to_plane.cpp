@@ -1,4 +1,5 @@
-// Normal-filtered ICP in the live graph (core/registration/icp_point_to_plane.hpp). It also publishes its reference as
+// Normal-filtered ICP in the live graph (core/registration/icp_point_to_plane.hpp), with the partial measurements of
+// core/aiding as sources of their own: measurement/road_profile and measurement/above_ground. It also publishes its reference as
 // `local_map`, once a second of sweep time, relative to the lidar at the previous sweep, whose pose is final. In odom's
 // axes FLOAT32 would shift the points by half a metre if odom has map coordinates (UTM).
 #include "fail_aware_lidar_odometry/IcpPointToPlaneConfig.h"
@@ -20,10 +21,11 @@ class IcpPointToPlaneAlgorithm {
   using Tuning = IcpPointToPlaneTuning;
 
   static const char* name() { return kIcpPointToPlane; }
+  static constexpr std::array<const char*, 2> kPartials{kRoadProfile, kAboveGround};
 
   IcpPointToPlaneAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : local_map_(node.advertise<sensor_msgs::PointCloud2>(topics::kLocalMap, 1)),
-        front_(params.profile.registration, params.sensor.correctedTiming()),
+        registration_(params.profile.registration, params.sensor.correctedTiming()),
         tuning_{params.profile.registration.icp_point_to_plane},
         icp_(tuning_.icp) {}
 
@@ -34,12 +36,13 @@ class IcpPointToPlaneAlgorithm {
   }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
-    front_.prepare(sweep, task.prediction, task.T_cog_lidar);
-    return front_.align(icp_, task.prediction.sigma_yaw_rad);
+    registration_.prepare(sweep, task.prediction, task.T_cog_lidar);
+    return registration_.align(icp_, task.prediction.sigma_yaw_rad);
   }
-  void place(const FilterState& state) { front_.place(state); }
-  void skip(const FilterState& state) { front_.skip(state); }
-  void reset() { front_.reset(); }
+  std::array<Measurement, 2> partials() const { return {registration_.roadProfile(), registration_.aboveGround()}; }
+  void place(const FilterState& state) { registration_.place(state); }
+  void skip(const FilterState& state) { registration_.skip(state); }
+  void reset() { registration_.reset(); }
   void show(const messages::SweepPrediction& sweep) {
     const ros::Time stamp = sweep.previous_stamp;
     const double since_s = secondsFrom(shown_stamp_, stamp);
@@ -49,7 +52,7 @@ class IcpPointToPlaneAlgorithm {
     if (stamp.isZero() || !T_odom_cog || !T_cog_lidar) return;
     shown_stamp_ = stamp;
     const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>();
-    writePoints(front_.map().points(), *T_odom_cog * *T_cog_lidar, *cloud);
+    writePoints(registration_.map().points(), *T_odom_cog * *T_cog_lidar, *cloud);
     cloud->header.stamp = stamp;
     cloud->header.frame_id = sweep.lidar_frame;
     local_map_.publish(sensor_msgs::PointCloud2ConstPtr(cloud));
@@ -60,7 +63,7 @@ class IcpPointToPlaneAlgorithm {
 
   ros::Publisher local_map_;
   ros::Time shown_stamp_;
-  LocalMapRegistration front_;
+  LocalMapRegistration registration_;
   Tuning tuning_;
   IcpPointToPlane icp_;
 };

@@ -17,10 +17,11 @@ class IcpPointToPointAlgorithm {
   using Tuning = IcpPointToPointTuning;
 
   static const char* name() { return kIcpPointToPoint; }
+  static constexpr std::array<const char*, 0> kPartials{};
 
   IcpPointToPointAlgorithm(ros::NodeHandle& node, const PipelineParameters& params)
       : markers_(node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1)),
-        front_(params.profile.registration, params.sensor.correctedTiming()),
+        registration_(params.profile.registration, params.sensor.correctedTiming()),
         tuning_{params.profile.registration.icp_point_to_point},
         icp_(tuning_.icp) {}
 
@@ -31,12 +32,13 @@ class IcpPointToPointAlgorithm {
   }
 
   Measurement measure(const CorrectedSweep& sweep, const SweepTask& task) {
-    front_.prepare(sweep, task.prediction, task.T_cog_lidar);
-    return front_.align(icp_, &tracks_);
+    registration_.prepare(sweep, task.prediction, task.T_cog_lidar);
+    return registration_.align(icp_, &tracks_);
   }
-  void place(const FilterState& state) { front_.place(state); }
-  void skip(const FilterState& state) { front_.skip(state); }
-  void reset() { front_.reset(); }
+  std::array<Measurement, 0> partials() const { return {}; }
+  void place(const FilterState& state) { registration_.place(state); }
+  void skip(const FilterState& state) { registration_.skip(state); }
+  void reset() { registration_.reset(); }
   void show(const messages::SweepPrediction& sweep) {
     if (markers_.getNumSubscribers() == 0) return;
     markers_.publish(boost::make_shared<const visualization_msgs::MarkerArray>(seedMarkers(tracks_, sweep.header)));
@@ -44,7 +46,7 @@ class IcpPointToPointAlgorithm {
 
  private:
   ros::Publisher markers_;
-  LocalMapRegistration front_;
+  LocalMapRegistration registration_;
   Tuning tuning_;
   IcpPointToPoint icp_;
   std::vector<SeedTrack> tracks_;  ///< of the last measurement

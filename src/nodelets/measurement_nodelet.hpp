@@ -1,19 +1,22 @@
 // Base of the three measurement nodelets. In: sweep/points, sweep/prediction, filter_state (exactly the same stamps).
-// Out: measurement/NAME, at most one message a sweep.
+// Out: measurement/NAME, at most one message a sweep; likewise the algorithm's partial measurements.
 //
 // A sweep is measured when its points and its prediction are there and the reference contains the previous sweep at its
 // filter state. The filter state of a measured sweep updates the reference, even if the measurement was late. An
 // overloaded nodelet drops sweeps and continues with the newest.
 // Algorithm: Algorithm(node, const PipelineParameters&), static name(), Config and Tuning (reconfiguration.hpp) with
-// tuning() and tune(tuning), measure(corrected, task), place(state), skip(state), reset(),
+// tuning() and tune(tuning), measure(corrected, task), partials() of the measured sweep, place(state), skip(state),
+// reset(),
 // and show(prediction), which publishes its rviz data after the measurement is published.
 #pragma once
 
 #include <ros/ros.h>
 #include <sensor_msgs/PointCloud2.h>
 
+#include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bridge/graph_message_conversion.hpp"
 #include "bridge/parameter_server.hpp"
@@ -38,7 +41,11 @@ class MeasurementNodelet : public GraphNodelet {
     readPrivateParameters(getPrivateNodeHandle(), none, typename Algorithm::Tuning());
     algorithm_ = std::make_unique<Algorithm>(node, readPipelineParameters(node));
     warnOfOtherValues(getPrivateNodeHandle(), none, algorithm_->tuning());
-    publisher_ = node.advertise<messages::PoseMeasurement>(topics::ofMeasurement(Algorithm::name()), topics::kQueue);
+    const auto advertise = [&](const std::string& source) {
+      return node.advertise<messages::PoseMeasurement>(topics::ofMeasurement(source), topics::kQueue);
+    };
+    publisher_ = advertise(Algorithm::name());
+    for (const char* name : Algorithm::kPartials) partial_publishers_.push_back(advertise(name));
     reconfiguration_ = std::make_unique<Reconfiguration<typename Algorithm::Config, typename Algorithm::Tuning>>(
         getPrivateNodeHandle(), algorithm_->tuning(),
         [this](const typename Algorithm::Tuning& tuning) { algorithm_->tune(tuning); });
@@ -87,7 +94,18 @@ class MeasurementNodelet : public GraphNodelet {
     message->duration = (ros::SteadyTime::now() - begin).toSec();
     record_.add(*message, measurement.status);
     publisher_.publish(messages::PoseMeasurementConstPtr(message));
+    publishPartials(prediction);
     algorithm_->show(prediction);
+  }
+
+  void publishPartials(const messages::SweepPrediction& prediction) {
+    const auto partials = algorithm_->partials();
+    for (std::size_t i = 0; i < partials.size(); ++i) {
+      auto message = boost::make_shared<messages::PoseMeasurement>(
+          toMessage(partials[i], Algorithm::kPartials[i], prediction.header));
+      message->sweep_points = static_cast<std::int32_t>(sweep_.points_lidar.size());
+      partial_publishers_[i].publish(messages::PoseMeasurementConstPtr(message));
+    }
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
@@ -97,6 +115,7 @@ class MeasurementNodelet : public GraphNodelet {
 
   std::unique_ptr<Algorithm> algorithm_;
   ros::Publisher publisher_;
+  std::vector<ros::Publisher> partial_publishers_;
   SweepMatcher matcher_;
   CorrectedSweep sweep_;
   MeasurementRecord record_;

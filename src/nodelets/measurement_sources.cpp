@@ -16,7 +16,15 @@ namespace {
 constexpr std::size_t kSweepsKept = 100;
 constexpr const char* kPoseMeasurement = "PoseMeasurement";
 constexpr const char* kPoseWithCovariance = "PoseWithCovarianceStamped";
-constexpr const char* kBuiltIn[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
+struct BuiltIn {
+  const char* name;
+  FusionInput::Kind kind;
+};
+constexpr BuiltIn kBuiltIn[] = {{kIcpPointToPoint, FusionInput::Kind::kPose},
+                                {kIcpPointToPlane, FusionInput::Kind::kPose},
+                                {kCornerSvd, FusionInput::Kind::kPose},
+                                {kRoadProfile, FusionInput::Kind::kPartial},
+                                {kAboveGround, FusionInput::Kind::kPartial}};
 
 }  // namespace
 
@@ -38,7 +46,7 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
   std::map<std::string, ExtraSourceParams> sources;
   for (const auto& [name, values] : groups) {
     try {
-      if (std::find(std::begin(kBuiltIn), std::end(kBuiltIn), name) != std::end(kBuiltIn)) {
+      if (std::any_of(std::begin(kBuiltIn), std::end(kBuiltIn), [&](const BuiltIn& own) { return own.name == name; })) {
         throw ParameterError("is the name of one of the package's own measurements");
       }
       fromMap(sources[name], values, MissingKeys::kKeep);
@@ -55,10 +63,11 @@ MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
                                        const std::string& odom_frame, Estimator& estimator,
                                        std::function<void()> answered)
     : node_(node), odom_frame_(withoutSlash(odom_frame)), estimator_(estimator), answered_(std::move(answered)) {
-  for (const char* name : kBuiltIn) {
-    Source& source = add(name);
+  for (const BuiltIn& own : kBuiltIn) {
+    Source& source = add(own.name);
     source.built_in = true;
-    source.params.topic = topics::ofMeasurement(name);
+    source.kind = own.kind;
+    source.params.topic = topics::ofMeasurement(own.name);
   }
   for (const auto& [name, params] : extra) {
     Source& source = add(name);
@@ -228,7 +237,7 @@ SweepAccount MeasurementSources::close() {
   for (Source& source : sources_) {
     if (!source.used || !source.exact) continue;
     if (!source.measurement) source.record.miss();
-    account.sources.push_back({source.name, source.measurement, true, !source.built_in});
+    account.sources.push_back({source.name, source.measurement, true, source.kind});
   }
   open_ = ros::Time();
   return account;
@@ -236,7 +245,7 @@ SweepAccount MeasurementSources::close() {
 
 void MeasurementSources::addPoses(const std::vector<ExternalMeasurement>& poses, SweepAccount& account) {
   for (const ExternalMeasurement& pose : poses) {
-    account.sources.push_back({pose.source, pose.measurement, false, true});
+    account.sources.push_back({pose.source, pose.measurement, false, FusionInput::Kind::kExternal});
     const auto source = std::find_if(sources_.begin(), sources_.end(),
                                      [&](const Source& candidate) { return candidate.name == pose.source; });
     if (source == sources_.end() || !pose.measurement) continue;

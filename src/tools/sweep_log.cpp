@@ -20,10 +20,20 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kStatuses = 5;
+constexpr const char* kWhole[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
+constexpr const char* kPartial[] = {kRoadProfile, kAboveGround};
 
 void writeMeasurement(std::ostream& out, const Measurement& m) {
   out << ',' << toString(m.status) << ',' << m.iterations << ',' << m.inlier_ratio << ',' << m.rms_residual_m << ','
       << m.degenerate_directions;
+}
+
+/// 0: not used in this sweep.
+double weightOf(const char* source, const SweepResult& r) {
+  for (std::size_t i = 0; i < r.sources.size() && i < r.state.fusion.weights.size(); ++i) {
+    if (r.sources[i].name == source) return r.state.fusion.weights[i];
+  }
+  return 0.0;
 }
 
 }  // namespace
@@ -46,13 +56,15 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
          "sigma_yaw,sigma_x,sigma_y,protection_level,weight_icp_point_to_point,weight_icp_point_to_plane,"
          "weight_corner_svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_corner_svd,nis_fused,"
          "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference";
-  for (const char* name : {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd}) {
+  for (const char* name : kWhole) {
     for (const char* column : {"status", "iterations", "inlier_ratio", "rms_m", "degenerate_directions"}) {
       out_ << ',' << name << '_' << column;
     }
   }
   out_ << ",seed_spread_m,min_information_ratio,disagreement_m,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw,speed_mps,"
-          "yaw_rate_rps,odom_sigma_x,odom_sigma_y,odom_sigma_z,odom_sigma_roll,odom_sigma_pitch,odom_sigma_yaw\n";
+          "yaw_rate_rps,odom_sigma_x,odom_sigma_y,odom_sigma_z,odom_sigma_roll,odom_sigma_pitch,odom_sigma_yaw";
+  for (const char* name : kPartial) out_ << ",weight_" << name;
+  out_ << '\n';
 }
 
 void SweepLog::add(double stamp_s, const SweepResult& r) {
@@ -68,16 +80,19 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
   for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < nis.size() ? nis[i] : -1.0);
   const StageTimes& t = r.times;
   out_ << ',' << (r.state.measurement_applied ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ','
-       << t.correction_ms << ',' << t.point_ms << ',' << t.plane_ms << ',' << t.corners_ms << ',' << t.fusion_ms << ','
-       << t.reference_ms;
-  for (const Measurement* measurement : {&r.point, &r.plane, &r.corners}) writeMeasurement(out_, *measurement);
-  out_ << ',' << r.point.seed_spread_m << ',' << r.plane.min_information_ratio << ',' << r.state.fusion.disagreement_m;
+       << t.correction_ms;
+  for (const char* name : kWhole) out_ << ',' << r.of(name).duration_ms;
+  out_ << ',' << t.fusion_ms << ',' << t.reference_ms;
+  for (const char* name : kWhole) writeMeasurement(out_, r.of(name).measurement);
+  out_ << ',' << r.of(kIcpPointToPoint).measurement.seed_spread_m << ','
+       << r.of(kIcpPointToPlane).measurement.min_information_ratio << ',' << r.state.fusion.disagreement_m;
   const Matrix6d& c = m.covariance_since_start;
   for (const double entry : {c(0, 0), c(0, 1), c(1, 1), c(2, 2), c(5, 5)}) out_ << ',' << entry;
   const double dt_s = r.state.dt_s;
   out_ << ',' << (dt_s > 0.0 ? r.state.T_previous_now.translation().x() / dt_s : 0.0) << ','
        << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0);
   for (int i = 0; i < 6; ++i) out_ << ',' << std::sqrt(std::max(0.0, r.odometry_covariance(i, i)));
+  for (const char* name : kPartial) out_ << ',' << weightOf(name, r);
   out_ << '\n';
   if (hasPose(r.status)) {
     logSweep(total_ms_.size(), r);
@@ -97,13 +112,11 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
 void SweepLog::logSweep(std::size_t row, const SweepResult& r) {
   monitor_log_ << monitorLogRow({row, r.state, r.condition}) << '\n';
   if (r.state.dt_s <= 0.0) return;
-  const auto log = [&](std::size_t source, const Measurement& measurement) {
-    if (!measurement.ok()) return;
-    measurement_log_ << measurementLogRow(measuredMotion(row, source, measurement, r.state)) << '\n';
-  };
-  log(OdometryPipeline::kPoint, r.point);
-  log(OdometryPipeline::kPlane, r.plane);
-  log(OdometryPipeline::kCorners, r.corners);
+  for (std::size_t i = 0; i < r.sources.size(); ++i) {
+    const SourceResult& source = r.sources[i];
+    if (source.kind == FusionInput::Kind::kPartial || !source.measurement.ok()) continue;
+    measurement_log_ << measurementLogRow(measuredMotion(row, i, source.measurement, r.state)) << '\n';
+  }
 }
 
 Json SweepLog::summary() const {

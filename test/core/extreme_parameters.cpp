@@ -83,7 +83,7 @@ TEST(ExtremeParameters, TheDriveMeasuresBeforeAndAfterItsGap) {
   for (Sweep sweep : shortDrive()) {
     const SweepResult r = pipeline.step(sweep);
     statuses.push_back(r.status);
-    measured.push_back({r.point.ok(), r.plane.ok()});
+    measured.push_back({r.of(kIcpPointToPoint).measurement.ok(), r.of(kIcpPointToPlane).measurement.ok()});
   }
   using S = SweepStatus;
   EXPECT_EQ(statuses, (std::vector<S>{S::kFirst, S::kCorrected, S::kCorrected, S::kCorrected, S::kPredicted,

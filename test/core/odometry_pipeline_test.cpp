@@ -79,7 +79,9 @@ void expectSame(const std::vector<SweepResult>& a, const std::vector<SweepResult
     ASSERT_EQ(a[i].status, b[i].status) << what << ", sweep " << i;
     ASSERT_TRUE(sameBits(a[i].T_odom_base, b[i].T_odom_base)) << what << ", sweep " << i;
     ASSERT_TRUE((a[i].state.covariance.array() == b[i].state.covariance.array()).all()) << what << ", sweep " << i;
-    ASSERT_TRUE((a[i].plane.covariance.array() == b[i].plane.covariance.array()).all()) << what << ", sweep " << i;
+    const Matrix6d &of_a = a[i].of(kIcpPointToPlane).measurement.covariance,
+                   &of_b = b[i].of(kIcpPointToPlane).measurement.covariance;
+    ASSERT_TRUE((of_a.array() == of_b.array()).all()) << what << ", sweep " << i;
     ASSERT_EQ(a[i].monitor.eta, b[i].monitor.eta) << what << ", sweep " << i;
     ASSERT_EQ(a[i].monitor.reasons, b[i].monitor.reasons) << what << ", sweep " << i;
   }
@@ -174,16 +176,16 @@ TEST(OdometryPipeline, FollowsAStreetWithinCentimetres) {
   const std::vector<SweepResult> results = run(pipeline, driveSweeps());
   EXPECT_EQ(results[0].status, SweepStatus::kFirst);
   EXPECT_TRUE(results[0].T_odom_base.isApprox(Pose::Identity(), 1e-12)) << "odom begins at base_link";
-  EXPECT_EQ(results[0].point.status, MeasurementStatus::kNoReference);
+  EXPECT_EQ(results[0].of(kIcpPointToPoint).measurement.status, MeasurementStatus::kNoReference);
   for (int i = 1; i < kSweeps; ++i) {
     const SweepResult& r = results[static_cast<std::size_t>(i)];
     EXPECT_EQ(r.status, SweepStatus::kCorrected) << i;
-    EXPECT_TRUE(r.point.ok() && r.plane.ok()) << i;
+    EXPECT_TRUE(r.of(kIcpPointToPoint).measurement.ok() && r.of(kIcpPointToPlane).measurement.ok()) << i;
     expectNear(r, kDrive.T_odom_base(i * kPeriod_s), 0.05, "sweep " + std::to_string(i));
     EXPECT_NEAR(r.state.T_previous_now.translation().norm(), 1.4, 0.05) << i;
     EXPECT_NEAR(r.state.stamp_s, i * kPeriod_s, 1e-12);
-    EXPECT_EQ(r.state.fusion.weights.size(), 3u);
-    EXPECT_GT(r.state.fusion.weights[OdometryPipeline::kPlane], 0.0) << i;
+    EXPECT_EQ(r.state.fusion.weights.size(), r.sources.size());
+    EXPECT_GT(r.state.fusion.weights[1], 0.0) << i;
     EXPECT_EQ(r.monitor.time_to_failure.isKnown(), i > 1) << i << ": t1 is the first sweep whose motion is observed";
     EXPECT_EQ((r.monitor.reasons & kReasonMotionUnknown) != 0, i <= 1);
     EXPECT_GE(r.times.total_ms, 0.0);
@@ -341,7 +343,8 @@ TEST(OdometryPipeline, AStampThatDoesNotAdvanceIsRefused) {
       EXPECT_EQ(r.status, SweepStatus::kStampNotAdvancing);
       EXPECT_TRUE(sameBits(r.T_odom_base, results.back().T_odom_base)) << "the pose is the last one";
       EXPECT_EQ(r.state.stamp_s, sweeps[5].stamp_s);
-      EXPECT_FALSE(r.point.ok() || r.plane.ok() || r.corners.ok());
+      EXPECT_FALSE(r.of(kIcpPointToPoint).measurement.ok() || r.of(kIcpPointToPlane).measurement.ok() ||
+                   r.of(kCornerSvd).measurement.ok());
     }
   }
   EXPECT_EQ(results[5].condition.dropped_before, 0);
@@ -530,13 +533,13 @@ TEST(OdometryPipeline, MeasurementsCanBeLeftOut) {
   };
   const SweepResult plane = lastWith(false, true, false);
   EXPECT_EQ(plane.status, SweepStatus::kCorrected);
-  EXPECT_FALSE(plane.point.ok() || plane.corners.ok());
-  EXPECT_EQ(plane.state.fusion.weights[OdometryPipeline::kPoint], 0.0);
+  EXPECT_FALSE(plane.of(kIcpPointToPoint).measurement.ok() || plane.of(kCornerSvd).measurement.ok());
+  EXPECT_EQ(plane.state.fusion.weights[0], 0.0);
   EXPECT_EQ(plane.monitor.reasons & (kReasonMissingIcpPoint | kReasonMissingCorners), 0u)
       << "not asked for, not missed";
   const SweepResult point = lastWith(true, false, true);
   EXPECT_EQ(point.status, SweepStatus::kCorrected);
-  EXPECT_FALSE(point.plane.ok());
+  EXPECT_FALSE(point.of(kIcpPointToPlane).measurement.ok());
   EXPECT_EQ(point.monitor.reasons & kReasonMissingIcpPlane, 0u);
 }
 

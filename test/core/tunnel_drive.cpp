@@ -65,8 +65,8 @@ TEST(Tunnel, EnteredAtAKnownSpeedItIsCoastedThrough) {
   EXPECT_LT(error_m, 2.0 * last.sigma_m);
   EXPECT_GT(last.sigma_m, 1.0) << "it says that it does not know the place along the tunnel";
   EXPECT_LT(std::sqrt(last.result.state.fusion.R(1, 1)), 0.1) << "but across";
-  EXPECT_GT(last.result.plane.degenerate_directions, 0);
-  EXPECT_GT(last.result.point.degenerate_directions, 0);
+  EXPECT_GT(last.result.of(kIcpPointToPlane).measurement.degenerate_directions, 0);
+  EXPECT_GT(last.result.of(kIcpPointToPoint).measurement.degenerate_directions, 0);
   EXPECT_LT(last.result.T_odom_base.translation().tail<2>().norm(), 0.5);
 }
 

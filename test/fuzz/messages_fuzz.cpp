@@ -245,7 +245,7 @@ SweepAccount account(FieldSource& source, const SweepPrediction& prediction, con
     }
     account.sources.push_back(answer);
   }
-  SweepAccount::Source external{"gps", std::nullopt, false, true};
+  SweepAccount::Source external{"gps", std::nullopt, false, FusionInput::Kind::kExternal};
   if (prediction.motionKnown() && source.input().flag()) {
     auto message = source.message<geometry_msgs::PoseWithCovarianceStamped>();
     message.pose.pose = nearOrAny(source, message.pose.pose, prediction.T_odom_cog * T_base_cog.inverse());
@@ -294,7 +294,7 @@ void drive(FieldSource& source) {
     const SweepAccount sweep = account(source, task.prediction, T_base_cog);
     std::vector<FusionInput> inputs;
     for (const SweepAccount::Source& one : sweep.sources) {
-      inputs.push_back({one.name, one.measurement ? &*one.measurement : nullptr, one.external});
+      inputs.push_back({one.name, one.measurement ? &*one.measurement : nullptr, one.kind});
     }
     const Pose T_odom_cog_previous = filter.state().T_odom_cog;
     const FilterState& state = filter.correct(inputs, sweep.findings ? sweep.findings->middle_s : 0.0);

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/parameters/check.hpp"
-#include "core/robust_kernel.hpp"
 #include "core/registration/plane_pairs.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 
@@ -39,15 +39,16 @@ struct Fit {
 };
 
 // Gauss-Newton's equations for x, y and yaw about the vehicle; a place weighs 1 at most.
-Fit fitted(const AboveGroundPoints& standing, const std::vector<bool>& has_vote, const VoxelMap& kept,
+Fit fitted(const AboveGroundPoints& above_ground, const std::vector<bool>& has_vote, const VoxelMap& kept,
            const Pose& T_odom_cog, double kernel_m) {
   Fit fit;
   VoxelMap::PointMatch match;
-  for (const StandingPoint& point : standing.points) {
+  for (const AboveGroundPoint& point : above_ground.points) {
     if (!has_vote[point.place]) continue;
     const Eigen::Vector3d arm = T_odom_cog.linear() * point.position;
     if (!kept.findNearest(arm + T_odom_cog.translation(), kFarthestInKernels * kernel_m, match)) continue;
-    const double weight = gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m) / standing.counts[point.place];
+    const double weight =
+        gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m) / above_ground.counts[point.place];
     Eigen::Matrix<double, 2, 3> J;
     J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
     fit.votes += weight;
@@ -58,7 +59,7 @@ Fit fitted(const AboveGroundPoints& standing, const std::vector<bool>& has_vote,
 }
 
 // The best place along the way; who has a vote.
-std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const AboveGroundPoints& standing,
+std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const AboveGroundPoints& above_ground,
                                 const AboveGroundReference& reference, const Pose& T_odom_cog_predicted,
                                 std::vector<bool>& has_vote) {
   const double distance_m = (T_odom_cog_predicted.translation() - reference.T_odom_cog().translation()).norm();
@@ -68,10 +69,10 @@ std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const 
   const auto tried = [&](int i) { return movedAlong(T_odom_cog_predicted, i * params.step_m); };
   std::vector<std::vector<double>> profile;
   for (int i = -beyond; i <= beyond; ++i) {
-    profile.push_back(votesOfPlaces(standing, reference.map(), tried(i), kWideKernel * params.kernel_m));
+    profile.push_back(votesOfPlaces(above_ground, reference.map(), tried(i), kWideKernel * params.kernel_m));
   }
-  has_vote.assign(standing.places, false);
-  for (std::size_t place = 0; place < standing.places; ++place) {
+  has_vote.assign(above_ground.places, false);
+  for (std::size_t place = 0; place < above_ground.places; ++place) {
     const auto less = [&](const std::vector<double>& a, const std::vector<double>& b) { return a[place] < b[place]; };
     const auto [least, most] = std::minmax_element(profile.begin(), profile.end(), less);
     has_vote[place] = (*most)[place] - (*least)[place] >= params.min_contrast;
@@ -81,7 +82,7 @@ std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const 
   for (int i = -steps; i <= steps; ++i) {
     double sum = 0.0;
     const std::vector<double>& all = profile[static_cast<std::size_t>(i + beyond)];
-    for (std::size_t place = 0; place < standing.places; ++place) sum += has_vote[place] ? all[place] : 0.0;
+    for (std::size_t place = 0; place < above_ground.places; ++place) sum += has_vote[place] ? all[place] : 0.0;
     if (sum > best_votes) {
       best_votes = sum;
       best = i;
@@ -135,12 +136,12 @@ double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& poi
 // The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.
 AboveGroundPoints AboveGroundMatcher::select(const std::vector<Eigen::Vector3f>& points_cog) const {
   const double range_m = params_.max_range_m - params_.max_distance_m - params_.window_m - params_.contrast_m;
-  return findStandingPoints(pointsWithin(points_cog, range_m), params_.points(), kMatched);
+  return findAboveGroundPoints(pointsWithin(points_cog, range_m), params_.points(), kMatched);
 }
 
-std::optional<StandingPose> AboveGroundMatcher::find(const AboveGroundPoints& above_ground_cog,
-                                                     const AboveGroundReference& reference,
-                                                     const Pose& T_odom_cog_predicted) const {
+std::optional<AboveGroundPose> AboveGroundMatcher::find(const AboveGroundPoints& above_ground_cog,
+                                                        const AboveGroundReference& reference,
+                                                        const Pose& T_odom_cog_predicted) const {
   if (reference.map().empty()) return std::nullopt;
   std::vector<bool> has_vote;
   std::optional<Pose> T = searchAlong(params_, above_ground_cog, reference, T_odom_cog_predicted, has_vote);
@@ -156,7 +157,7 @@ std::optional<StandingPose> AboveGroundMatcher::find(const AboveGroundPoints& ab
   if (at.votes < params_.min_places || !isFinite(*T)) return std::nullopt;
   const Eigen::Matrix3d covariance = params_.sigma_m * params_.sigma_m * at.H.inverse();
   if (!covariance.allFinite()) return std::nullopt;
-  return StandingPose{*T, covariance};
+  return AboveGroundPose{*T, covariance};
 }
 
 }  // namespace fail_aware

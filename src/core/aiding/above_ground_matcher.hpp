@@ -27,7 +27,7 @@
 
 namespace fail_aware {
 
-struct StandingPose {
+struct AboveGroundPose {
   Pose T_odom_cog;             ///< roll and pitch as predicted, z too but for the way along the vehicle's axis
   Eigen::Matrix3d covariance;  ///< x, y, m, and yaw, rad, odom's axes
 };
@@ -63,7 +63,7 @@ class AboveGroundMatcher {
     }
     void validate() const;
 
-    StandingPointsParams points() const { return {cell_m, column_m, min_height_m}; }
+    AboveGroundPointsParams points() const { return {cell_m, column_m, min_height_m}; }
     AboveGroundReference::Params reference() const {
       return {enabled, points(), max_range_m, max_above_ground_ratio, max_distance_m, max_age_s};
     }
@@ -72,15 +72,15 @@ class AboveGroundMatcher {
   /// `planes`: which pairs count, and how much. Throws ParameterError.
   AboveGroundMatcher(const Params& params, const IcpPointToPlane::Params& planes);
 
-  /// The share of their information that the planes hold of the weakest horizontal direction; 0 without planes.
+  /// The ratio of their information that the planes hold of the weakest horizontal direction; 0 without planes.
   double ratioOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                        const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const;
 
   /// What stands within range, less the way that a kept sweep may lie behind.
   AboveGroundPoints select(const std::vector<Eigen::Vector3f>& points_cog) const;
 
-  std::optional<StandingPose> find(const AboveGroundPoints& above_ground_cog, const AboveGroundReference& reference,
-                                   const Pose& T_odom_cog_predicted) const;
+  std::optional<AboveGroundPose> find(const AboveGroundPoints& above_ground_cog, const AboveGroundReference& reference,
+                                      const Pose& T_odom_cog_predicted) const;
 
   const Params& params() const { return params_; }
 

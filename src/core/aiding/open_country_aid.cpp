@@ -1,12 +1,8 @@
 #include "core/aiding/open_country_aid.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/geometry/degree.hpp"
-#include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
-#include "core/registration/measurement_update.hpp"
 
 namespace fail_aware {
 
@@ -27,16 +23,16 @@ OpenCountryAid::Result OpenCountryAid::find(const RegistrationScan& scan, const 
   if (!params.enabled) return result;
   const double slack = open_sweeps_left_ > 0 ? kStaysOpen : 1.0;
   open_sweeps_left_ = std::max(0, open_sweeps_left_ - 1);
-  const double share = match_.ratioOfPlanes(scan.cloud.plane_points_cog, map.map(), guess.T_odom_cog, sigma_yaw_rad);
-  nearly_open_ = share <= kStaysOpen * params.max_information_ratio;
-  if (share > slack * params.max_information_ratio) return result;
-  const AboveGroundPoints standing = match_.select(scan.cloud.map_points_cog);
-  result.open_country = standing.share <= params.max_above_ground_ratio;
+  const double ratio = match_.ratioOfPlanes(scan.cloud.plane_points_cog, map.map(), guess.T_odom_cog, sigma_yaw_rad);
+  nearly_open_ = ratio <= kStaysOpen * params.max_information_ratio;
+  if (ratio > slack * params.max_information_ratio) return result;
+  const AboveGroundPoints above_ground = match_.select(scan.cloud.map_points_cog);
+  result.open_country = above_ground.ratio <= params.max_above_ground_ratio;
   if (!result.open_country) return result;
-  if (share <= params.max_information_ratio && standing.share <= kClearlyOpen * params.max_above_ground_ratio) {
+  if (ratio <= params.max_information_ratio && above_ground.ratio <= kClearlyOpen * params.max_above_ground_ratio) {
     open_sweeps_left_ = kOpenSweeps;
   }
-  result.pose = match_.find(standing, map.standing(), guess.T_odom_cog);
+  result.pose = match_.find(above_ground, map.aboveGround(), guess.T_odom_cog);
   return result;
 }
 
@@ -45,27 +41,27 @@ void OpenCountryAid::reset() {
   nearly_open_ = true;
 }
 
-void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params,
-                    const InitialGuess& guess, Measurement& measurement) {
-  if (!found.open_country || !measurement.ok()) return;
+void inflateInOpenCountry(const AboveGroundMatcher::Params& params, const InitialGuess& guess,
+                          Measurement& measurement) {
+  if (!measurement.ok()) return;
   // what travels with the sensor causes an error of at most the distance driven
   const double distance_m = guess.twist_cog.head<3>().norm() * guess.dt_s;
   const double surface_sigma_m = std::min(params.surface_sigma_m, 0.5 * distance_m);
   const double surface_sigma_rad = params.surface_sigma_deg * kDegree * surface_sigma_m / params.surface_sigma_m;
   measurement.covariance.diagonal().head<2>().array() += surface_sigma_m * surface_sigma_m;
   measurement.covariance(5, 5) += surface_sigma_rad * surface_sigma_rad;
-  if (!found.pose) return;
-  const Pose& T = found.pose->T_odom_cog;
-  const auto eigen = symmetricEigen(found.pose->covariance);
-  for (int i = 0; i < 3; ++i) {  // along the eigenvectors the errors are independent
-    Vector6d direction = Vector6d::Zero();
-    direction.head<2>() = eigen.eigenvectors().col(i).head<2>();
-    direction[5] = eigen.eigenvectors()(2, i);
-    Vector6d offset;
-    offset << T.translation() - measurement.T_odom_cog.translation(),
-        logSo3(T.linear() * measurement.T_odom_cog.linear().transpose());
-    addOffset(direction, direction.dot(offset), std::sqrt(std::max(eigen.eigenvalues()[i], 0.0)), measurement);
+}
+
+Measurement aboveGroundMeasurement(const AboveGroundPose& pose) {
+  Measurement measurement;
+  measurement.status = MeasurementStatus::kOk;
+  measurement.T_odom_cog = pose.T_odom_cog;
+  measurement.covariance = kUnobservedVariance * Matrix6d::Identity();
+  constexpr int kObserved[] = {0, 1, 5};  // x, y, yaw
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) measurement.covariance(kObserved[i], kObserved[j]) = pose.covariance(i, j);
   }
+  return measurement;
 }
 
 }  // namespace fail_aware

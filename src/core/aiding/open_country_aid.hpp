@@ -1,9 +1,11 @@
-// Detects open country and adds the above-ground match (above_ground_matcher.hpp) to both ICPs there. Not in the paper.
+// Detects open country and matches the points above the ground there (above_ground_matcher.hpp): the source
+// above_ground, a partial measurement of horizontal position and heading. Not in the paper.
 //
 // Open country begins where planes hold little information and almost nothing stands above the ground. It ends with a
 // delay: in a sweep with a little more structure the planes determine the heading precisely and often wrongly. In open
-// country both ICPs start at the matched pose, inflate the covariance of what surfaces observe badly, and add the
-// match. The match and the ICPs share the points and the deskew.
+// country both ICPs start at the matched pose, and the covariance of what surfaces observe badly is inflated.
+// The match shares the points and the deskew with every other source and the initial guess with the ICPs, but not their
+// map: it is matched with one kept sweep.
 // Cost: that of above_ground_matcher.hpp.
 #pragma once
 
@@ -20,7 +22,7 @@ class OpenCountryAid {
  public:
   struct Result {
     bool open_country = false;
-    std::optional<StandingPose> pose;  ///< from the above-ground match
+    std::optional<AboveGroundPose> pose;  ///< from the above-ground match
   };
 
   OpenCountryAid(const AboveGroundMatcher::Params& params, const IcpPointToPlane::Params& planes)
@@ -40,8 +42,11 @@ class OpenCountryAid {
   bool nearly_open_ = true;   ///< the last sweep's planes held little information
 };
 
-/// Surfaces determine height, roll and pitch; in open country the rest gets a larger covariance, whatever R says.
-void addOpenCountry(const OpenCountryAid::Result& found, const AboveGroundMatcher::Params& params,
-                    const InitialGuess& guess, Measurement& measurement);
+/// In open country surfaces determine height, roll and pitch; the rest gets a larger covariance, whatever R says.
+void inflateInOpenCountry(const AboveGroundMatcher::Params& params, const InitialGuess& guess,
+                          Measurement& measurement);
+
+/// Observes x, y and yaw; the rest has kUnobservedVariance.
+Measurement aboveGroundMeasurement(const AboveGroundPose& pose);
 
 }  // namespace fail_aware

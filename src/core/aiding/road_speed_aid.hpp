@@ -1,8 +1,10 @@
-// Adds the speed from the road profile (road_profile_odometry.hpp) to the point-to-plane measurement during dead
-// reckoning. Not in the paper.
+// The source road_profile: the distance driven since the last estimate, by the speed from the road profile
+// (road_profile_odometry.hpp), during dead reckoning. A partial measurement: it observes one direction. Not in the
+// paper.
 //
 // Input: every sweep, deskewed for the prediction. The first speed may show that the sweeps in the map were inserted at
-// a wrong speed. The speed and the measurement share the points and the predicted deskew.
+// a wrong speed. It shares the points and the predicted deskew with every other source, but not the map: heights of the
+// last sweeps are compared, by the headings of the estimates.
 // Cost: a few ms, only during dead reckoning.
 #pragma once
 
@@ -40,9 +42,9 @@ class RoadSpeedAid {
   std::bitset<8> eighths_seen_;  ///< eighths of the azimuth with points in the last sweep
 };
 
-/// Adds the distance driven since the last estimate, along the vehicle's mean heading between that estimate and the
-/// start pose of registration.
-void addRoadSpeed(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
-                  const Pose& T_odom_cog_initial_guess, Measurement& measurement);
+/// Observes the vehicle's mean heading between the last estimate and the initial guess; the rest is that of the guess,
+/// with kUnobservedVariance. kNoReference without a last estimate.
+Measurement roadProfileMeasurement(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
+                                   const Pose& T_odom_cog_initial_guess);
 
 }  // namespace fail_aware

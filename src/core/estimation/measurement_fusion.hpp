@@ -17,7 +17,11 @@
 // One inside its gate that is outnumbered in this way, by those of greater weight, counts by its weight.
 // Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are: their
 // sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
-// An external one abstains as long as its covariance bears the other out (FusionInput::external).
+// An external one abstains as long as its covariance bears the other out.
+//
+// Partial measurements (FusionInput::Kind::kPartial) come after the others: inside their gate (the distance to the
+// prediction under P~ + R) each adds its whole information to R and z. Without another measurement they are not used.
+// They share the sweep's points and deskew with the registrations, so they neither confirm nor contradict any.
 //
 // Failure: `has_measurement` false (nothing usable, all gated out, prediction unusable); z, R are then the prediction
 // (zero and identity where that is unusable).
@@ -28,6 +32,7 @@
 #include <string>
 #include <vector>
 
+#include "core/estimation/measurement_agreement.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/types/fusion_input.hpp"
 #include "core/types/fusion_result.hpp"
@@ -63,6 +68,11 @@ class MeasurementFusion {
                     const std::vector<FusionInput>& inputs) const;
 
  private:
+  void weigh(const std::vector<FusionCandidate>& candidates, const Vector6d& predicted_state, const Matrix6d& P,
+             FusionResult* result) const;
+  void addPartial(const std::vector<FusionCandidate>& partial, const Vector6d& predicted_state, const Matrix6d& P,
+                  FusionResult* result) const;
+
   Params params_;
 };
 

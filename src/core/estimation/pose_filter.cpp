@@ -163,7 +163,7 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
       Q(5, 5) += turn_rad * turn_rad;
     }
     process_noise_ = Q;
-    process_noise_(5, 5) += uncertain_yaw;  // in Q it would shorten the unscented mean of every step
+    process_noise_(5, 5) += uncertain_yaw;                    // in Q it would shorten the unscented mean of every step
     if (prediction_.motionKnown() && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
       const Eigen::Matrix4d driven =
           motion_.deadReckoning().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
@@ -265,7 +265,7 @@ FilterState PoseFilter::stateAsDriven() const {
 bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   const auto doubts = [](const FusionInput& input) {
     return input.measurement != nullptr && input.measurement->ok() && input.measurement->clock_jump_suspected &&
-           !input.external;
+           input.kind != FusionInput::Kind::kExternal;
   };
   const auto doubting = std::find_if(inputs.begin(), inputs.end(), doubts);
   if (doubting == inputs.end()) return false;
@@ -273,7 +273,7 @@ bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   if (error.head<3>().norm() > kFarthestOff_m) return false;
   ukf_.reset(ukf_.state(), ukf_.covariance() + error * error.transpose());
   for (FusionInput& input : inputs) {
-    if (!input.external && !doubts(input)) input.measurement = nullptr;
+    if (input.kind != FusionInput::Kind::kExternal && !doubts(input)) input.measurement = nullptr;
   }
   return true;
 }

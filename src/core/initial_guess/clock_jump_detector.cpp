@@ -72,7 +72,7 @@ std::optional<Pose> ClockJumpDetector::findOther(const Interval& interval, const
     const double clearly_m = follows ? kMaxMoved_m : reach_m;
     if (isRight(place, reach_m, clearly_m, by_the_stamps, interval.T_odom_cog_predicted)) other = place;
   }
-  if (other.share > 0.0) return other.T_odom_cog;
+  if (other.ratio > 0.0) return other.T_odom_cog;
   if (!follows && is_doubtful) return std::nullopt;
 
   intervals_s_.add(dt_s);
@@ -93,13 +93,13 @@ ClockJumpDetector::Place ClockJumpDetector::placeFrom(const Pose& T_odom_cog, co
 bool ClockJumpDetector::isRight(const Place& place, double reach_m, double clearly_m,
                                 const std::optional<Place>& by_the_stamps, const Pose& T_odom_cog_predicted) const {
   if (!usual_.observed || !place.observed || place.moved_m > reach_m) return false;
-  const double share = place.share / usual_.share, information = place.information / usual_.information;
-  if (!by_the_stamps || by_the_stamps->share <= 0.0) {
-    if (share < kRatio) return false;
-    return (share + kInformationWeight * std::min(information, 1.0) >= kAlone && information >= kInformationAlone) ||
+  const double ratio = place.ratio / usual_.ratio, information = place.information / usual_.information;
+  if (!by_the_stamps || by_the_stamps->ratio <= 0.0) {
+    if (ratio < kRatio) return false;
+    return (ratio + kInformationWeight * std::min(information, 1.0) >= kAlone && information >= kInformationAlone) ||
            (by_the_stamps && information >= kInformationNothingFits);
   }
-  if (share < kRatio || information < kInformation) return false;
+  if (ratio < kRatio || information < kInformation) return false;
   if (distance_m(place.T_odom_cog, by_the_stamps->T_odom_cog) < kSamePlace_m) {
     return distance_m(place.T_odom_cog, T_odom_cog_predicted) > place.moved_m + clearly_m;
   }

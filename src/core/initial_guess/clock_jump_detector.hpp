@@ -56,7 +56,7 @@ class ClockJumpDetector {
 
  private:
   struct Place {
-    double share = 0.0;        ///< inlier ratio; 0: no pose found
+    double ratio = 0.0;        ///< inlier ratio; 0: no pose found
     double information = 0.0;  ///< likewise, of the points that inform on the weakest horizontal direction
     bool observed = false;     ///< in all directions
     double moved_m = 0.0;      ///< from the start pose to the registered pose

@@ -62,7 +62,7 @@ void raise(PlanGrid& grid, int x, int y, std::uint8_t value) {
 }
 
 PlanGrid gridOf(const VoxelMap& map, const Eigen::Vector3d& centre_odom, double half_m) {
-  StandingPointsParams standing;
+  AboveGroundPointsParams above_ground;
   PlanGrid grid(half_m, kCell_m);
   std::vector<float> lowest(grid.cells().size(), 1e9f), highest(grid.cells().size(), -1e9f);
   for (const Eigen::Vector3d& p : map.points()) {
@@ -77,7 +77,7 @@ PlanGrid gridOf(const VoxelMap& map, const Eigen::Vector3d& centre_odom, double 
     for (int x = 0; x < grid.size(); ++x) {
       const auto cell = static_cast<std::size_t>(y * grid.size() + x);
       if (lowest[cell] > highest[cell]) continue;
-      const bool stands = static_cast<double>(highest[cell] - lowest[cell]) >= standing.min_height_m;
+      const bool stands = static_cast<double>(highest[cell] - lowest[cell]) >= above_ground.min_height_m;
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) raise(grid, x + dx, y + dy, stands ? kNear : kSeen);
       }
@@ -100,7 +100,7 @@ PlanGrid coarser(const PlanGrid& fine) {
 struct Candidate {
   double turn_rad = 0.0;
   Eigen::Vector2d shift_m = Eigen::Vector2d::Zero();
-  double share = 0.0, value = 0.0;
+  double ratio = 0.0, value = 0.0;
 };
 
 // Ratio of above-ground points that fit; 0..1.
@@ -135,7 +135,7 @@ class Judge {
   double reachRad(double most) const { return std::min(most, std::max(kMinReach_rad, kSigmas * sigma_rad_)); }
   double value(const Candidate& c) const {
     const double turn = c.turn_rad / sigma_rad_;
-    return c.share - kPriorRatio * (c.shift_m.dot(information_ * c.shift_m) + turn * turn);
+    return c.ratio - kPriorRatio * (c.shift_m.dot(information_ * c.shift_m) + turn * turn);
   }
 
  private:
@@ -153,7 +153,7 @@ void tryAround(const Candidate& centre, double step_m, double step_rad, int shif
     for (int y = -shifts; y <= shifts; ++y) {
       for (int x = -shifts; x <= shifts; ++x) {
         candidate.shift_m = centre.shift_m + step_m * Eigen::Vector2d(x, y);
-        candidate.share = ratioOf(of, grid, candidate.shift_m);
+        candidate.ratio = ratioOf(of, grid, candidate.shift_m);
         candidate.value = judge.value(candidate);
         tried.push_back(candidate);
       }
@@ -170,11 +170,11 @@ std::vector<Eigen::Vector2d> aboveGroundPoints(const std::vector<Eigen::Vector3f
   for (const Eigen::Vector3f& p : points_cog) {
     if (p.norm() <= static_cast<float>(range_m)) level.push_back(R * p);
   }
-  const AboveGroundPoints standing = findStandingPoints(level, StandingPointsParams(), kEnough);
+  const AboveGroundPoints above_ground = findAboveGroundPoints(level, AboveGroundPointsParams(), kEnough);
   std::vector<Eigen::Vector2d> points;
-  if (standing.places < kMinPlaces) return points;
-  points.reserve(standing.points.size());
-  for (const StandingPoint& point : standing.points) points.push_back(point.position.head<2>());
+  if (above_ground.places < kMinPlaces) return points;
+  points.reserve(above_ground.points.size());
+  for (const AboveGroundPoint& point : above_ground.points) points.push_back(point.position.head<2>());
   return points;
 }
 
@@ -215,8 +215,8 @@ bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, con
   }
   // the first of the best, so that the choice among equal ones does not depend on the library
   const Candidate& best = *std::min_element(refined.begin(), refined.end(), better);
-  if (best.share < params_.min_ratio) return true;
-  found = Found{T_odom_cog_predicted, best.share};
+  if (best.ratio < params_.min_ratio) return true;
+  found = Found{T_odom_cog_predicted, best.ratio};
   found->T_odom_cog.translation().head<2>() += best.shift_m;
   found->T_odom_cog.linear() =
       Eigen::AngleAxisd(best.turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix() * T_odom_cog_predicted.linear();

@@ -41,7 +41,7 @@ class CorrelativeSearch {
 
   struct Found {
     Pose T_odom_cog = Pose::Identity();
-    double share = 0.0;  ///< ratio of above-ground points that fit: min_ratio ... 1
+    double ratio = 0.0;  ///< of above-ground points that fit: min_ratio ... 1
   };
 
   /// Throws ParameterError.

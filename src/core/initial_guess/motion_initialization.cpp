@@ -71,7 +71,7 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
                                                         double dt_s, double* places_met) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
   constexpr std::size_t kEnough = 2000;
-  const AboveGroundPoints standing = findStandingPoints(
+  const AboveGroundPoints standing = findAboveGroundPoints(
       thinned(sweep, T_cog_lidar), {params_.cell_m, params_.column_m, params_.min_height_m}, kEnough);
   Vector6d best = Vector6d::Zero();
   double best_votes = 0.0;

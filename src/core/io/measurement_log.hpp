@@ -16,8 +16,8 @@
 namespace fail_aware {
 
 struct MeasuredMotion {
-  std::size_t row = 0;     ///< of the sweep in the run's trajectory, counted from 0
-  std::size_t source = 0;  ///< its index among the fusion's inputs: OdometryPipeline's kPoint, kPlane, kCorners
+  std::size_t row = 0;                     ///< of the sweep in the run's trajectory, counted from 0
+  std::size_t source = 0;                  ///< its index among the fusion's inputs (SweepResult::sources)
   Pose T_previous_now = Pose::Identity();  ///< of the centre of gravity, from the last estimate to the measured pose
   Matrix6d covariance = Matrix6d::Identity();  ///< R, geometry/pose.hpp's convention, in the axes of the last estimate
 };

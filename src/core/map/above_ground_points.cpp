@@ -8,8 +8,8 @@
 
 namespace fail_aware {
 
-AboveGroundPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
-                                     std::size_t enough) {
+AboveGroundPoints findAboveGroundPoints(const std::vector<Eigen::Vector3f>& points,
+                                        const AboveGroundPointsParams& params, std::size_t enough) {
   const auto cellOf = [](const Eigen::Vector3f& p, double size_m) {
     return packVoxel(fastFloor(static_cast<double>(p.x()) / size_m), fastFloor(static_cast<double>(p.y()) / size_m), 0);
   };
@@ -18,23 +18,24 @@ AboveGroundPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points,
     const auto [it, added] = lowest.try_emplace(cellOf(p, params.column_m), p.z());
     if (!added) it->second = std::min(it->second, p.z());
   }
-  std::vector<std::size_t> standing;
+  std::vector<std::size_t> above_ground;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f& p = points[i];
-    if (static_cast<double>(p.z() - lowest[cellOf(p, params.column_m)]) >= params.min_height_m) standing.push_back(i);
+    if (static_cast<double>(p.z() - lowest[cellOf(p, params.column_m)]) >= params.min_height_m)
+      above_ground.push_back(i);
   }
-  const std::size_t stride = 1 + standing.size() / enough;
+  const std::size_t stride = 1 + above_ground.size() / enough;
   std::unordered_map<VoxelKey, std::size_t, VoxelHash> numbers;
   AboveGroundPoints result;
-  for (std::size_t k = 0; k < standing.size(); k += stride) {
-    const Eigen::Vector3f& p = points[standing[k]];
+  for (std::size_t k = 0; k < above_ground.size(); k += stride) {
+    const Eigen::Vector3f& p = points[above_ground[k]];
     const auto number = numbers.try_emplace(cellOf(p, params.cell_m), numbers.size()).first->second;
     result.points.push_back({p.cast<double>(), number});
   }
   result.places = numbers.size();
   result.counts.assign(result.places, 0.0);
-  for (const StandingPoint& point : result.points) result.counts[point.place] += 1.0;
-  if (!points.empty()) result.share = static_cast<double>(standing.size()) / static_cast<double>(points.size());
+  for (const AboveGroundPoint& point : result.points) result.counts[point.place] += 1.0;
+  if (!points.empty()) result.ratio = static_cast<double>(above_ground.size()) / static_cast<double>(points.size());
   return result;
 }
 
@@ -48,15 +49,15 @@ std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& po
   return within;
 }
 
-std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T,
+std::vector<double> votesOfPlaces(const AboveGroundPoints& above_ground, const VoxelMap& map, const Pose& T,
                                   double kernel_m) {
-  std::vector<double> votes(standing.places, 0.0);
+  std::vector<double> votes(above_ground.places, 0.0);
   VoxelMap::PointMatch match;
-  for (const StandingPoint& point : standing.points) {
+  for (const AboveGroundPoint& point : above_ground.points) {
     if (!map.findNearest(T * point.position, kFarthestInKernels * kernel_m, match)) continue;
     votes[point.place] += gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m);
   }
-  for (std::size_t place = 0; place < standing.places; ++place) votes[place] /= standing.counts[place];
+  for (std::size_t place = 0; place < above_ground.places; ++place) votes[place] /= above_ground.counts[place];
   return votes;
 }
 

@@ -15,34 +15,34 @@
 
 namespace fail_aware {
 
-struct StandingPoint {
+struct AboveGroundPoint {
   Eigen::Vector3d position;  ///< m
   std::size_t place;         ///< 0 ... places - 1
 };
 
 struct AboveGroundPoints {
-  std::vector<StandingPoint> points;
+  std::vector<AboveGroundPoint> points;
   std::size_t places = 0;
   std::vector<double> counts;  ///< of the points, each place
-  double share = 0.0;          ///< of the input that stands, whether listed or not
+  double ratio = 0.0;          ///< of the input that is above the ground, whether listed or not
 };
 
-struct StandingPointsParams {
+struct AboveGroundPointsParams {
   double cell_m = 3.0;    ///< side of a place
   double column_m = 0.5;  ///< side of the columns in which height is measured
   double min_height_m = 0.4;
 };
 
 /// At most about `enough` of them, every n-th.
-AboveGroundPoints findStandingPoints(const std::vector<Eigen::Vector3f>& points, const StandingPointsParams& params,
-                                     std::size_t enough);
+AboveGroundPoints findAboveGroundPoints(const std::vector<Eigen::Vector3f>& points,
+                                        const AboveGroundPointsParams& params, std::size_t enough);
 
 /// Those no farther than range_m.
 std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& points, double range_m);
 
 /// Each place's mean weight, 0 ... 1: how near its points, moved by T, are to those of `map` (Geman-McClure kernel, none
 /// beyond kFarthestInKernels of it).
-std::vector<double> votesOfPlaces(const AboveGroundPoints& standing, const VoxelMap& map, const Pose& T,
+std::vector<double> votesOfPlaces(const AboveGroundPoints& above_ground, const VoxelMap& map, const Pose& T,
                                   double kernel_m);
 
 constexpr double kFarthestInKernels = 3.0;

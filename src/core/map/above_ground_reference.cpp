@@ -27,12 +27,12 @@ void AboveGroundReference::keep(const std::vector<Eigen::Vector3f>& points_cog, 
   map_.clear();
   T_odom_cog_ = T_odom_cog;
   stamp_s_ = stamp_s;
-  const AboveGroundPoints standing =
-      findStandingPoints(pointsWithin(points_cog, params_.max_range_m), params_.points, kKept);
-  if (standing.share > params_.max_above_ground_ratio) return;
+  const AboveGroundPoints above_ground =
+      findAboveGroundPoints(pointsWithin(points_cog, params_.max_range_m), params_.points, kKept);
+  if (above_ground.ratio > params_.max_above_ground_ratio) return;
   std::vector<Eigen::Vector3f> points;
-  points.reserve(standing.points.size());
-  for (const StandingPoint& point : standing.points) points.push_back(point.position.cast<float>());
+  points.reserve(above_ground.points.size());
+  for (const AboveGroundPoint& point : above_ground.points) points.push_back(point.position.cast<float>());
   map_.insert(points, T_odom_cog);
 }
 

@@ -20,7 +20,7 @@ class AboveGroundReference {
  public:
   struct Params {
     bool enabled = true;  ///< false: nothing is ever kept
-    StandingPointsParams points;
+    AboveGroundPointsParams points;
     double max_range_m = 100.0;
     double max_above_ground_ratio = 0.1;  ///< of the points
     double max_distance_m = 10.0;         ///< since a sweep was kept; then it is another one

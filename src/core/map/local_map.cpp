@@ -10,12 +10,12 @@ constexpr double kOtherReference_s = 0.02;  // between the sweeps' middles; a dr
 
 }  // namespace
 
-LocalMap::LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& standing)
-    : reference_(map), above_ground_(standing) {}
+LocalMap::LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& above_ground)
+    : reference_(map), above_ground_(above_ground) {}
 
-bool LocalMap::enterOdom(int epoch) {
-  if (epoch == odom_reset_count_) return false;
-  odom_reset_count_ = epoch;
+bool LocalMap::enterOdom(int odom_reset_count) {
+  if (odom_reset_count == odom_reset_count_) return false;
+  odom_reset_count_ = odom_reset_count;
   clear();
   return true;
 }

@@ -17,10 +17,10 @@ namespace fail_aware {
 
 class LocalMap {
  public:
-  LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& standing);
+  LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& above_ground);
 
   /// True: odom was reset and the map was cleared.
-  bool enterOdom(int epoch);
+  bool enterOdom(int odom_reset_count);
 
   /// Empties the map for a restart; the next sweep becomes the first one.
   void clear();
@@ -39,7 +39,7 @@ class LocalMap {
 
   bool empty() const { return map().empty(); }
   const VoxelMap& map() const { return reference_.map(); }
-  const AboveGroundReference& standing() const { return above_ground_; }
+  const AboveGroundReference& aboveGround() const { return above_ground_; }
 
   struct Sweep {
     double time_s = 0.0;

@@ -56,8 +56,6 @@ std::uint32_t VoxelMap::findOrAdd(const Eigen::Vector3i& at) {
 }
 
 void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_odom_points) {
-  const auto max_points = static_cast<std::size_t>(params_.max_points);
-  const auto spacing2 = static_cast<float>(params_.min_point_spacing_m * params_.min_point_spacing_m);
   const auto max_samples = static_cast<float>(params_.max_samples);
   const Eigen::Matrix3d R = T_odom_points.linear();
   const Eigen::Vector3d t = T_odom_points.translation();
@@ -79,42 +77,40 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
     if (i == Neighborhood::kNone) continue;
     const Eigen::Vector3d p = placed(k);
     Voxel& voxel = voxels_[i];
-    Statistics& s = voxel.statistics;
-    if (s.n >= max_samples) continue;
+    if (voxel.statistics.n >= max_samples) continue;
     const Eigen::Vector3f local = (p - centreOf(voxel.at)).cast<float>();
-    s.n += 1.0f;
-    s.sum += local;
-    s.xx += local.x() * local.x();
-    s.xy += local.x() * local.y();
-    s.xz += local.x() * local.z();
-    s.yy += local.y() * local.y();
-    s.yz += local.y() * local.z();
-    s.zz += local.z() * local.z();
+    voxel.statistics.add(local);
     if (!voxel.touched) {
       voxel.touched = true;
       touched_.push_back(i);
     }
-    const std::size_t count = point_counts_[i];
-    if (count < max_points) {
-      float* const xs = &points_[3 * slots_ * i];
-      float *const ys = xs + slots_, *const zs = ys + slots_;
-      bool spaced = true;
-      for (std::size_t kept = 0; kept < count && spaced; ++kept) {
-        spaced = (Eigen::Vector3f(xs[kept], ys[kept], zs[kept]) - local).squaredNorm() >= spacing2;
-      }
-      if (spaced) {
-        xs[count] = local.x();
-        ys[count] = local.y();
-        zs[count] = local.z();
-        ++point_counts_[i];
-      }
-    }
+    keepPoint(i, local);
   }
+  refitPlanes();
+}
+
+void VoxelMap::keepPoint(std::uint32_t i, const Eigen::Vector3f& local) {
+  const std::size_t count = point_counts_[i];
+  if (count >= static_cast<std::size_t>(params_.max_points)) return;
+  const auto spacing2 = static_cast<float>(params_.min_point_spacing_m * params_.min_point_spacing_m);
+  float* const xs = &points_[3 * slots_ * i];
+  float *const ys = xs + slots_, *const zs = ys + slots_;
+  for (std::size_t kept = 0; kept < count; ++kept) {
+    if ((Eigen::Vector3f(xs[kept], ys[kept], zs[kept]) - local).squaredNorm() < spacing2) return;
+  }
+  xs[count] = local.x();
+  ys[count] = local.y();
+  zs[count] = local.z();
+  ++point_counts_[i];
+}
+
+void VoxelMap::refitPlanes() {
   for (const std::uint32_t i : touched_) {
     Voxel& voxel = voxels_[i];
     voxel.touched = false;
     Statistics& s = voxel.statistics;
-    if (s.n >= static_cast<float>(params_.min_plane_samples) && (s.n >= 1.25f * s.fitted_n || s.n >= max_samples)) {
+    const bool full = s.n >= static_cast<float>(params_.max_samples);
+    if (s.n >= static_cast<float>(params_.min_plane_samples) && (s.n >= 1.25f * s.fitted_n || full)) {
       planes_[i] = fitPlane(s);
       s.fitted_n = s.n;
     }

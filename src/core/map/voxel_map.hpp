@@ -146,6 +146,17 @@ class VoxelMap {
     float fitted_n = 0.0f;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+
+    void add(const Eigen::Vector3f& p) {
+      n += 1.0f;
+      sum += p;
+      xx += p.x() * p.x();
+      xy += p.x() * p.y();
+      xz += p.x() * p.z();
+      yy += p.y() * p.y();
+      yz += p.y() * p.z();
+      zz += p.z() * p.z();
+    }
   };
   struct Voxel {
     VoxelKey key;
@@ -155,6 +166,8 @@ class VoxelMap {
   };
 
   std::uint32_t findOrAdd(const Eigen::Vector3i& at);
+  void keepPoint(std::uint32_t voxel, const Eigen::Vector3f& local);
+  void refitPlanes();
   std::uint32_t lookUp(std::uint32_t place, Neighborhood& neighborhood) const;
   PlanePatch fitPlane(const Statistics& statistics) const;
   template <class Value>

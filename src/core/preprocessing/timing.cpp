@@ -152,6 +152,31 @@ SweepTiming::Clock SweepTiming::clockOf(double first_s, double last_s, double st
   return near(stamp_s, clock_ == Clock::kStamp ? 2.0 * limit_s : limit_s) ? Clock::kStamp : Clock::kOther;
 }
 
+/// From the sweep's times to times relative to the stamp; also sets the result's references.
+double SweepTiming::fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, TimingResult& result) {
+  const double origin_s = sweep.time_field.origin_s;
+  const Clock clock = clockOf(origin_s + range.first_s, origin_s + range.last_s, sweep.stamp_s, limit_s);
+  if (!clock_ || clock != Clock::kOther) clock_ = clock;
+  if (clock == Clock::kSweep) {
+    const StampReference zero = referenceFromSign(range.first_s, range.last_s);
+    result.field_reference = zero;
+    result.reference = referenceOr(zero);
+    return origin_s + (positionInSweep(zero) - positionInSweep(result.reference)) * result.period_s;
+  }
+  if (clock == Clock::kStamp) {
+    const double offset_s = origin_s - sweep.stamp_s;
+    result.field_reference = referenceFromSign(range.first_s + offset_s, range.last_s + offset_s);
+    result.reference = referenceOr(*result.field_reference);
+    return offset_s;
+  }
+  if (clock_ == Clock::kOther) {
+    result.reference = referenceOr(StampReference::kStart);
+    return -range.first_s - positionInSweep(result.reference) * result.period_s;
+  }
+  result.reference = last_reference_;
+  return last_first_s_ - range.first_s;
+}
+
 TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) {
   const auto refuse = [&](TimeField why, const std::string& text) {
     result.refusal =
@@ -175,40 +200,14 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
     return refuse(TimeField::kBadScale, "its values are too coarse: 32 bits hold them to " + inMs(resolution_s));
   }
 
-  const double origin_s = sweep.time_field.origin_s;
-  double offset = 0.0;  // from the sweep's times to times relative to the stamp
-  const Clock clock = clockOf(origin_s + range->first_s, origin_s + range->last_s, sweep.stamp_s, limit);
-  if (!clock_ || clock != Clock::kOther) clock_ = clock;
-  switch (clock) {
-    case Clock::kSweep: {
-      const StampReference zero = referenceFromSign(range->first_s, range->last_s);
-      result.field_reference = zero;
-      result.reference = referenceOr(zero);
-      offset = origin_s + (positionInSweep(zero) - positionInSweep(result.reference)) * result.period_s;
-      break;
-    }
-    case Clock::kStamp:
-      offset = origin_s - sweep.stamp_s;
-      result.field_reference = referenceFromSign(range->first_s + offset, range->last_s + offset);
-      result.reference = referenceOr(*result.field_reference);
-      break;
-    case Clock::kOther:
-      if (clock_ == Clock::kOther) {
-        result.reference = referenceOr(StampReference::kStart);
-        offset = -range->first_s - positionInSweep(result.reference) * result.period_s;
-      } else {
-        result.reference = last_reference_;
-        offset = last_first_s_ - range->first_s;
-      }
-      break;
-  }
+  const double offset_s = fieldOffset_s(sweep, *range, limit, result);
   times_s.resize(size);
   for (std::size_t i = 0; i < size; ++i) {
     const bool usable = range->contains(sweep.times_s[i]);
-    times_s[i] = usable ? static_cast<float>(sweep.times_s[i] + offset) : std::numeric_limits<float>::quiet_NaN();
+    times_s[i] = usable ? static_cast<float>(sweep.times_s[i] + offset_s) : std::numeric_limits<float>::quiet_NaN();
     if (!usable) ++result.outliers;
   }
-  last_first_s_ = range->first_s + offset;
+  last_first_s_ = range->first_s + offset_s;
   last_reference_ = result.reference;
   held_.keep(sweep, times_s, last_first_s_, result.period_s);
   return TimeField::kUsed;

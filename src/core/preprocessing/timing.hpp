@@ -70,6 +70,8 @@ struct SweepTimingParams {
 void timesByAzimuth(const SweepTimingParams& params, const std::vector<Eigen::Vector3f>& points_lidar,
                     double zero_position, double period_s, std::vector<float>& times_s);
 
+struct TimeRange;  // point_times.hpp
+
 class SweepTiming {
  public:
   using Params = SweepTimingParams;
@@ -86,6 +88,7 @@ class SweepTiming {
 
  private:
   TimeField assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s);
+  double fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, TimingResult& result);
   StampReference referenceOr(StampReference automatic) const;
 
   enum class Clock { kSweep, kStamp, kOther };

@@ -8,9 +8,15 @@
 namespace fail_aware {
 
 struct FusionInput {
+  enum class Kind {
+    kPose,     ///< a whole pose from the sweep
+    kPartial,  ///< from the sweep; observes some directions only: kUnobservedVariance in the others
+    kExternal  ///< a whole pose from elsewhere: disagrees with another input only beyond both covariances (3 sigma)
+  };
+
   std::string name;
   const Measurement* measurement = nullptr;  ///< null or not ok(): absent. Not owned
-  bool external = false;  ///< not from the sweep: disagrees with another input only beyond both covariances (3 sigma)
+  Kind kind = Kind::kPose;
 };
 
 }  // namespace fail_aware

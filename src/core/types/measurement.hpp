@@ -13,6 +13,12 @@ namespace fail_aware {
 inline constexpr const char* kIcpPointToPoint = "icp_point_to_point";
 inline constexpr const char* kIcpPointToPlane = "icp_point_to_plane";
 inline constexpr const char* kCornerSvd = "corner_svd";
+/// The partial measurements (types/fusion_input.hpp), which observe some directions only.
+inline constexpr const char* kRoadProfile = "road_profile";
+inline constexpr const char* kAboveGround = "above_ground";
+
+/// The variance of a direction that a partial measurement does not observe: 100 m, 100 rad.
+inline constexpr double kUnobservedVariance = 1e4;
 
 enum class MeasurementStatus {
   kOk,            ///< pose and covariance may be used

@@ -66,7 +66,7 @@ struct KeptMatch {
   AboveGroundMatcher match;
   AboveGroundReference reference;
 
-  std::optional<StandingPose> find(const Points& points_cog, const Pose& T_odom_cog_predicted) const {
+  std::optional<AboveGroundPose> find(const Points& points_cog, const Pose& T_odom_cog_predicted) const {
     return match.find(match.select(points_cog), reference, T_odom_cog_predicted);
   }
 };
@@ -91,30 +91,30 @@ TEST(AboveGroundPoints, OnASlopeAPostStandsAndTheGroundDoesNot) {
   }
   const std::size_t ground = points.size();
   for (int i = 1; i <= 10; ++i) points.emplace_back(5.02f, 0.02f, 1.05f + 0.2f * static_cast<float>(i));
-  const AboveGroundPoints standing = findStandingPoints(points, {4.0, 0.5, 0.4}, 1000);
+  const AboveGroundPoints standing = findAboveGroundPoints(points, {4.0, 0.5, 0.4}, 1000);
   ASSERT_EQ(standing.points.size(), 9u);  // from 0.4 m above the lowest of the column, 1 m high there
-  for (const StandingPoint& point : standing.points) EXPECT_NEAR(point.position.x(), 5.02, 1e-5);
+  for (const AboveGroundPoint& point : standing.points) EXPECT_NEAR(point.position.x(), 5.02, 1e-5);
   EXPECT_EQ(standing.places, 1u);
   EXPECT_EQ(standing.counts, std::vector<double>{9.0});
-  EXPECT_NEAR(standing.share, 9.0 / static_cast<double>(ground + 10), 1e-12);
+  EXPECT_NEAR(standing.ratio, 9.0 / static_cast<double>(ground + 10), 1e-12);
 }
 
 TEST(AboveGroundPoints, EnoughAreEveryNth) {
   Points points;
   for (int place = 0; place < 10; ++place) addPost(10.0 * place, 0.0, points);
-  const AboveGroundPoints all = findStandingPoints(points, {}, 1000), few = findStandingPoints(points, {}, 40);
+  const AboveGroundPoints all = findAboveGroundPoints(points, {}, 1000), few = findAboveGroundPoints(points, {}, 40);
   EXPECT_EQ(all.places, 10u);
   EXPECT_GT(all.points.size(), 100u);
   EXPECT_LE(few.points.size(), 40u);
   EXPECT_EQ(few.places, 10u);
-  EXPECT_DOUBLE_EQ(few.share, all.share);
-  EXPECT_TRUE(findStandingPoints({}, {}, 10).points.empty());
+  EXPECT_DOUBLE_EQ(few.ratio, all.ratio);
+  EXPECT_TRUE(findAboveGroundPoints({}, {}, 10).points.empty());
 }
 
 TEST(AboveGroundMatcher, PostsTellPositionAndHeading) {
   const KeptMatch match = matchAgainst(posts());
   const Pose truth = planarPose(4.0, 0.3, 2.0 * kDegree), predicted = planarPose(4.7, 0.4, 1.7 * kDegree);
-  const std::optional<StandingPose> found = match.find(seenAt(truth, posts()), predicted);
+  const std::optional<AboveGroundPose> found = match.find(seenAt(truth, posts()), predicted);
   ASSERT_TRUE(found);
   EXPECT_LT((found->T_odom_cog.translation() - truth.translation()).norm(), 0.02);
   EXPECT_LT(logSo3(found->T_odom_cog.linear().transpose() * truth.linear()).norm(), 0.05 * kDegree);
@@ -129,7 +129,7 @@ TEST(AboveGroundMatcher, HeightRollAndPitchStayAsPredicted) {
   Vector6d v;
   v << 4.5, 0.0, 0.1, 0.01, 0.0, 0.0;
   const Pose predicted = poseFromVector(v);
-  const std::optional<StandingPose> found = match.find(seenAt(planarPose(4.0, 0.0, 0.0), posts()), predicted);
+  const std::optional<AboveGroundPose> found = match.find(seenAt(planarPose(4.0, 0.0, 0.0), posts()), predicted);
   ASSERT_TRUE(found);
   EXPECT_DOUBLE_EQ(found->T_odom_cog.translation().z(), 0.1);
   const Eigen::Vector3d down = found->T_odom_cog.linear().row(2), down_predicted = predicted.linear().row(2);
@@ -144,7 +144,7 @@ TEST(AboveGroundMatcher, AFenceAlongTheRoadTellsNothing) {
 TEST(AboveGroundMatcher, BesideAFencePostsStillTell) {
   const Points scene = joined(fence(), posts());
   const KeptMatch match = matchAgainst(scene);
-  const std::optional<StandingPose> found =
+  const std::optional<AboveGroundPose> found =
       match.find(seenAt(planarPose(4.0, 0.0, 0.0), scene), planarPose(4.5, 0.0, 0.0));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->T_odom_cog.translation().x(), 4.0, 0.05);
@@ -157,7 +157,8 @@ TEST(AboveGroundMatcher, CarAheadIsNoProofOfStandstill) {
   const KeptMatch alone = matchAgainst(car);
   EXPECT_FALSE(alone.find(car, truth));
   const KeptMatch match = matchAgainst(joined(car, posts()));
-  const std::optional<StandingPose> found = match.find(joined(car, seenAt(truth, posts())), planarPose(3.6, 0.0, 0.0));
+  const std::optional<AboveGroundPose> found =
+      match.find(joined(car, seenAt(truth, posts())), planarPose(3.6, 0.0, 0.0));
   ASSERT_TRUE(found);
   EXPECT_NEAR(found->T_odom_cog.translation().x(), 4.0, 0.03);
 }

@@ -38,27 +38,23 @@ TEST(OpenCountryAid, InARoomThereIsNone) {
 
 TEST(OpenCountryAid, OnAFieldSurfacesAreTrustedLess) {
   const AboveGroundMatcher::Params params;
-  OpenCountryAid::Result found;
   Measurement measurement = sureMeasurement();
-  addOpenCountry(found, params, drivingGuess(), measurement);
-  EXPECT_EQ(measurement.covariance(0, 0), 1e-6);
-  found.open_country = true;
-  addOpenCountry(found, params, drivingGuess(), measurement);
+  inflateInOpenCountry(params, drivingGuess(), measurement);
   EXPECT_NEAR(std::sqrt(measurement.covariance(0, 0)), params.surface_sigma_m, 1e-3);
   EXPECT_NEAR(std::sqrt(measurement.covariance(5, 5)), params.surface_sigma_deg * kDegree, 1e-3);
   EXPECT_EQ(measurement.covariance(2, 2), 1e-6);
 }
 
-TEST(OpenCountryAid, TheMatchTakesOver) {
-  OpenCountryAid::Result found;
-  found.open_country = true;
-  StandingPose pose{Pose::Identity(), 1e-4 * Eigen::Matrix3d::Identity()};
+TEST(OpenCountryAid, TheMatchObservesPositionAndHeading) {
+  AboveGroundPose pose{Pose::Identity(), 1e-4 * Eigen::Matrix3d::Identity()};
+  pose.covariance(0, 2) = pose.covariance(2, 0) = 2e-5;
   pose.T_odom_cog.translation().x() = 0.5;
-  found.pose = pose;
-  Measurement measurement = sureMeasurement();
-  addOpenCountry(found, AboveGroundMatcher::Params(), drivingGuess(), measurement);
-  EXPECT_NEAR(measurement.T_odom_cog.translation().x(), 0.5, 0.01);
-  EXPECT_LT(measurement.covariance(0, 0), 2e-4);
+  const Measurement measurement = aboveGroundMeasurement(pose);
+  ASSERT_TRUE(measurement.ok());
+  EXPECT_EQ(measurement.T_odom_cog.translation().x(), 0.5);
+  EXPECT_EQ(measurement.covariance(1, 1), 1e-4);
+  EXPECT_EQ(measurement.covariance(0, 5), 2e-5);
+  for (const int i : {2, 3, 4}) EXPECT_EQ(measurement.covariance(i, i), kUnobservedVariance);
 }
 
 }  // namespace

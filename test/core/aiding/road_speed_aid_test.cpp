@@ -46,20 +46,24 @@ TEST(RoadSpeedAid, WhereTheSpeedIsObservedNothingIsLookedFor) {
   EXPECT_FALSE(drivenThroughTunnel(track).speed);
 }
 
-TEST(RoadSpeedAid, TheWayComesFromTheSpeed) {
+TEST(RoadSpeedAid, TheDistanceComesFromTheSpeed) {
   RoadProfileOdometry::Speed speed;
   speed.speed_mps = 10.0;
   speed.acceleration_mps2 = 2.0;
   speed.sigma_mps = 0.01;
   InitialGuess guess;
   guess.dt_s = 0.1;
-  Measurement measurement;
-  measurement.status = MeasurementStatus::kOk;
-  measurement.covariance = Matrix6d::Identity();
-  addRoadSpeed(speed, guess, guess.T_odom_cog, measurement);
-  EXPECT_NEAR(measurement.T_odom_cog.translation().x(), 0.99, 1e-5);  // it was slower before
-  EXPECT_LT(measurement.covariance(0, 0), 2e-6);
-  EXPECT_EQ(measurement.covariance(1, 1), 1.0);
+  guess.T_odom_cog.translation().x() = 0.5;
+  const Measurement measurement = roadProfileMeasurement(speed, guess, guess.T_odom_cog);
+  ASSERT_TRUE(measurement.ok());
+  EXPECT_NEAR(measurement.T_odom_cog.translation().x(), 0.99, 1e-9);  // it was slower before
+  EXPECT_NEAR(measurement.covariance(0, 0), 1e-6, 1e-9);
+  EXPECT_EQ(measurement.covariance(1, 1), kUnobservedVariance);
+  EXPECT_EQ(measurement.covariance(5, 5), kUnobservedVariance);
+}
+
+TEST(RoadSpeedAid, WithoutALastEstimateNothingIsMeasured) {
+  EXPECT_FALSE(roadProfileMeasurement(RoadProfileOdometry::Speed(), InitialGuess(), Pose::Identity()).ok());
 }
 
 }  // namespace

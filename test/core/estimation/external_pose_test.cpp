@@ -94,7 +94,8 @@ TEST(ExternalPose, ARotationThatWasNotMeasuredIsThePredictedOne) {
   Vector6d predicted = vectorFromPose(T_odom_cog);
   predicted[0] += 0.3;
   predicted[5] += 0.01;
-  const FusionResult fused = MeasurementFusion(MeasurementFusion::Params()).fuse(predicted, P, {{"gps", &m, true}});
+  const FusionResult fused =
+      MeasurementFusion(MeasurementFusion::Params()).fuse(predicted, P, {{"gps", &m, FusionInput::Kind::kExternal}});
   EXPECT_EQ(fused.valid_inputs, 1);
   EXPECT_GT(fused.weights[0], 0.5);
   EXPECT_NEAR(fused.z[0], 3.0, 1e-6);
@@ -110,8 +111,12 @@ TEST(ExternalPose, DisagreesOnlyBeyondBothCovariances) {
                                         Vector6d::Zero(), Pose::Identity());
   const MeasurementFusion fusion{MeasurementFusion::Params()};
   const Matrix6d P = 1e-4 * Matrix6d::Identity();
-  EXPECT_EQ(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &near, true}}).disagreement_m, 0.0);
-  EXPECT_NEAR(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &far, true}}).disagreement_m, 5.0, 1e-9);
+  EXPECT_EQ(
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &near, FusionInput::Kind::kExternal}}).disagreement_m,
+      0.0);
+  EXPECT_NEAR(
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &far, FusionInput::Kind::kExternal}}).disagreement_m,
+      5.0, 1e-9);
   EXPECT_NEAR(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &near}}).disagreement_m, 0.9, 1e-9);
 }
 
@@ -123,12 +128,12 @@ TEST(ExternalPose, HasNoVoteAgainstWhatItsCovarianceBearsOut) {
   const Measurement icp = at(0.0, 0.02), second = at(1.0, 0.02), rough = at(0.0, 0.5), fine = at(0.0, 0.02);
   const MeasurementFusion fusion{MeasurementFusion::Params()};
   const Matrix6d P = 1e-4 * Matrix6d::Identity();
-  const FusionResult undecided =
-      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &rough, true}});
+  const FusionResult undecided = fusion.fuse(
+      Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &rough, FusionInput::Kind::kExternal}});
   EXPECT_NEAR(undecided.undecided_m, 1.0, 1e-9);
   EXPECT_FALSE(undecided.confirmed);
-  const FusionResult outvoted =
-      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &fine, true}});
+  const FusionResult outvoted = fusion.fuse(
+      Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &fine, FusionInput::Kind::kExternal}});
   EXPECT_NEAR(outvoted.undecided_m, 0.0, 1e-9);
   EXPECT_TRUE(outvoted.confirmed);
 }
@@ -141,8 +146,10 @@ TEST(ExternalPose, ConfirmsOnlyIfItKnowsWhereItIs) {
   const Measurement icp = at(0.0, 0.02), rough = at(0.1, 1.0), fine = at(0.1, 0.05);
   const MeasurementFusion fusion{MeasurementFusion::Params()};
   const Matrix6d P = 1e-2 * Matrix6d::Identity();
-  EXPECT_FALSE(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &rough, true}}).confirmed);
-  EXPECT_TRUE(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &fine, true}}).confirmed);
+  EXPECT_FALSE(
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &rough, FusionInput::Kind::kExternal}}).confirmed);
+  EXPECT_TRUE(
+      fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &fine, FusionInput::Kind::kExternal}}).confirmed);
 }
 
 TEST(ExternalPoseBuffer, GivesTheNearestWithinTolerance) {

@@ -371,6 +371,59 @@ TEST(MeasurementFusion, AbsentAndUnusableInputs) {
   EXPECT_FALSE(defaultFusion().fuse(Vector6d::Zero(), good, {}).has_measurement);
 }
 
+// --- partial measurements
+
+/// Observes x, with a sigma of 0.1 m.
+Measurement alongAt(double x_m) {
+  Matrix6d C = kUnobservedVariance * Matrix6d::Identity();
+  C(0, 0) = 0.01;
+  return measurementAt(vector6(x_m, 0, 0, 0, 0, 0), C);
+}
+
+constexpr auto kPartial = FusionInput::Kind::kPartial;
+
+TEST(MeasurementFusionPartial, AddsWhatItObserves) {
+  Matrix6d open = diagonal(1e-4, 1e-4, 1e-6);
+  open(0, 0) = 1.0;
+  const Measurement a = measurementAt(vector6(0.0, 0.02, 0, 0, 0, 0), open), along = alongAt(0.5);
+  const Matrix6d P = diagonal(1.0, 0.01, 0.01);
+  const FusionResult without = defaultFusion().fuse(Vector6d::Zero(), P, {{"a", &a}, {"b", &a}});
+  const FusionResult with =
+      defaultFusion().fuse(Vector6d::Zero(), P, {{"a", &a}, {"b", &a}, {"along", &along, kPartial}});
+  EXPECT_NEAR(with.z[0], 0.5 / 1.01, 1e-6);
+  EXPECT_NEAR(with.R(0, 0), 0.01 / 1.01, 1e-6);
+  EXPECT_NEAR(with.z[1], without.z[1], 1e-6);
+  EXPECT_NEAR(with.R(1, 1), without.R(1, 1), 1e-9);  // it does not dilute what the others observe
+  EXPECT_GT(with.weights[2], 0.0);
+}
+
+TEST(MeasurementFusionPartial, IsNoAgreementAndNoDisagreement) {
+  const Matrix6d good = diagonal(1e-4, 1e-4, 1e-6);
+  const Measurement a = measurementAt(Vector6d::Zero(), good), along = alongAt(0.25);
+  const FusionResult r =
+      defaultFusion().fuse(Vector6d::Zero(), diagonal(0.1, 0.1, 0.1), {{"a", &a}, {"along", &along, kPartial}});
+  EXPECT_FALSE(r.confirmed);
+  EXPECT_EQ(r.disagreement_m, 0.0);
+}
+
+TEST(MeasurementFusionPartial, AloneIsNoMeasurement) {
+  const Measurement along = alongAt(0.1);
+  EXPECT_FALSE(
+      defaultFusion().fuse(Vector6d::Zero(), diagonal(0.1, 0.1, 0.1), {{"along", &along, kPartial}}).has_measurement);
+}
+
+TEST(MeasurementFusionPartial, OutsideItsGateIsLeftOut) {
+  const Matrix6d good = diagonal(1e-4, 1e-4, 1e-6);
+  const Measurement a = measurementAt(Vector6d::Zero(), good);
+  for (const auto& [x_m, used] : {std::pair{0.29, true}, std::pair{0.35, false}}) {
+    const Measurement along = alongAt(x_m);
+    const FusionResult r =
+        defaultFusion().fuse(Vector6d::Zero(), diagonal(1e-6, 0.1, 0.1), {{"a", &a}, {"along", &along, kPartial}});
+    EXPECT_EQ(r.weights[1] > 0.0, used) << x_m;
+    EXPECT_EQ(r.z[0] > 0.0, used) << x_m;
+  }
+}
+
 TEST(MeasurementFusion, AnUnusablePredictionGivesNoMeasurement) {
   const Matrix6d good = diagonal(0.01, 0.01, 0.01);
   Matrix6d bad = good;

@@ -182,7 +182,7 @@ TEST(PoseFilter, APoseFromElsewhereDoubtsNoInterval) {
   ASSERT_TRUE(filter.predict(time, prediction));
   EXPECT_EQ(prediction.set_back_s, 0.3);
   const Measurement usual = measured(drive.at(9));
-  const FilterState& state = filter.correct({{"m", &usual}, {"elsewhere", &elsewhere, true}});
+  const FilterState& state = filter.correct({{"m", &usual}, {"elsewhere", &elsewhere, FusionInput::Kind::kExternal}});
   EXPECT_FALSE(state.clock_jump || state.fusion.prediction_overruled);
   EXPECT_EQ(state.set_back_s, 0.3);
   EXPECT_GT(state.fusion.weights[0], 0.0);

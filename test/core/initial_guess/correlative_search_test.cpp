@@ -41,7 +41,7 @@ TEST(CorrelativeSearch, FindsAPlaceMetresAndTensOfDegreesAway) {
       EXPECT_LT(error.head<2>().norm(), 0.6) << "a cell's size";
       EXPECT_NEAR(error.z(), (T_true * off).translation().z(), 1e-9) << "height is the prediction's";
       EXPECT_LT(rotationErrorDeg(found->T_odom_cog, T_true), 2.0);
-      EXPECT_GT(found->share, 0.8);
+      EXPECT_GT(found->ratio, 0.8);
     }
   }
 }

@@ -49,27 +49,27 @@ TEST(LocalMap, AnotherOdomEmptiesIt) {
   map.insert(cloudAt(0.0), placeAt(0.0), 0.0, true);
   EXPECT_FALSE(map.enterOdom(0));
   EXPECT_FALSE(map.empty());
-  EXPECT_FALSE(map.standing().map().empty());
+  EXPECT_FALSE(map.aboveGround().map().empty());
   EXPECT_TRUE(map.enterOdom(1));
   EXPECT_FALSE(map.enterOdom(1));
   EXPECT_TRUE(map.empty());
-  EXPECT_TRUE(map.standing().map().empty());
+  EXPECT_TRUE(map.aboveGround().map().empty());
 }
 
 TEST(LocalMap, ARestartLeavesWhatStands) {
   LocalMap map = makeLocalMap();
   map.insert(cloudAt(0.0), placeAt(0.0), 0.0, true);
   map.restart();
-  EXPECT_FALSE(map.standing().map().empty());
+  EXPECT_FALSE(map.aboveGround().map().empty());
 }
 
 TEST(LocalMap, WhatStandsIsKeptOnlyIfWantedAndDue) {
   LocalMap map = makeLocalMap();
   map.insert(cloudAt(0.0), placeAt(0.0), 0.0, false);
-  EXPECT_TRUE(map.standing().map().empty());
+  EXPECT_TRUE(map.aboveGround().map().empty());
   map.insert(cloudAt(0.1), placeAt(2.0), 0.1, true);
   map.insert(cloudAt(0.2), placeAt(4.0), 0.2, true);
-  EXPECT_EQ(map.standing().T_odom_cog().translation().x(), 2.0);
+  EXPECT_EQ(map.aboveGround().T_odom_cog().translation().x(), 2.0);
 }
 
 TEST(LocalMap, TheFirstSweepIsRedeskewedWhileItIsAlone) {
@@ -102,7 +102,7 @@ TEST(LocalMap, AResetForgetsTheSweepsAndNotTheNumbers) {
   map.insert(cloudAt(0.0), placeAt(0.0), 0.0, true);
   map.reset();
   EXPECT_TRUE(map.empty());
-  EXPECT_TRUE(map.standing().map().empty());
+  EXPECT_TRUE(map.aboveGround().map().empty());
   EXPECT_FALSE(map.enterOdom(3));
 }
 

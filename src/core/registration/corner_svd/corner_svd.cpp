@@ -30,9 +30,9 @@ void CornerSvd::skip(const FilterState& state) {
   if (state.map_update == MapUpdate::kRestart) reference_.clear();
 }
 
-void CornerSvd::enterOdom(int epoch) {
-  if (epoch == odom_reset_count_) return;
-  odom_reset_count_ = epoch;
+void CornerSvd::enterOdom(int odom_reset_count) {
+  if (odom_reset_count == odom_reset_count_) return;
+  odom_reset_count_ = odom_reset_count;
   reference_.clear();
 }
 

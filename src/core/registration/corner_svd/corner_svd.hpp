@@ -37,7 +37,7 @@ class CornerSvd {
   const std::vector<Corner>& referenceOdom() const { return reference_.corners(); }
 
  private:
-  void enterOdom(int epoch);
+  void enterOdom(int odom_reset_count);
 
   CornerExtractor extractor_;
   CornerReference reference_;
