@@ -48,7 +48,8 @@ void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const Sweep
   if (!scan_.usable) return;
   // after a failed search for the first motion the next searches would fail too: this sweep becomes the first one
   const double since_first_s = secondsBetween(map_.first().time_s, prediction.time_s());
-  if (!prediction.motionKnown() && since_first_s > kMaxSearchTime_s) map_.restart();
+  const bool can_search = resolver_.searchesFrom(map_.first()) && since_first_s <= kMaxSearchTime_s;
+  if (!prediction.motionKnown() && !can_search) map_.restart();
   guess_ = resolver_.resolve(sweep, scan_, map_, track_, prediction);
 }
 

@@ -80,8 +80,7 @@ const SourceResult& SweepResult::of(const std::string& source) const {
 struct OdometryPipeline::Stages {
   Stages(const PipelineParameters& p, int threads)
       : params(validated(p)),
-        T_base_cog(p.vehicle.T_base_cog()),
-        T_cog_lidar(quaternionRoundTrip(T_base_cog.inverse() * p.sensor.T_base_lidar())),
+        T_cog_lidar(quaternionRoundTrip(T_cog_base() * p.sensor.T_base_lidar())),
         check(p.sensor.check),
         corrector(p.sensor.vertical_angle, p.sensor.azimuth, p.sensor.correctedTiming(), p.profile.sweep_correction,
                   p.profile.vertical_reference),
@@ -104,6 +103,7 @@ struct OdometryPipeline::Stages {
   };
 
   std::vector<Source> makeSources();
+  Pose T_cog_base() const { return params.vehicle.T_base_cog().inverse(); }
   SweepResult step(Sweep& sweep);
   std::optional<SweepPrediction> predict(double stamp_s);
   SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
@@ -115,7 +115,6 @@ struct OdometryPipeline::Stages {
   SweepCondition condition(const SweepFindings& findings, const SweepResult& result);
 
   PipelineParameters params;
-  Pose T_base_cog;
   Pose T_cog_lidar;
   SweepCheck check;
   SweepCorrector corrector;
@@ -222,11 +221,10 @@ void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const
     inputs.push_back({source.name, source.used ? &source.measurement : nullptr, source.kind});
   }
   const FilterState& state = estimator.update(inputs, report.middle_s, report.revolution_s);
-  result.odometry_covariance =
-      covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_base_cog.inverse());
+  result.odometry_covariance = covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_cog_base());
   result.pose_set = estimator.poseSet();
   result.state = exchanged(state);
-  result.T_odom_base = state.T_odom_cog * T_base_cog.inverse();
+  result.T_odom_base = state.T_odom_cog * T_cog_base();
   result.status = !state.started              ? SweepStatus::kNotStarted
                   : !(prediction.dt_s > 0.0)  ? SweepStatus::kFirst
                   : state.measurement_applied ? SweepStatus::kCorrected
@@ -238,7 +236,7 @@ SweepResult OdometryPipeline::Stages::refused() {
   SweepResult result;
   result.status = SweepStatus::kStampNotAdvancing;
   result.state = exchanged(estimator.state());
-  result.T_odom_base = estimator.state().T_odom_cog * T_base_cog.inverse();
+  result.T_odom_base = estimator.state().T_odom_cog * T_cog_base();
   return result;
 }
 

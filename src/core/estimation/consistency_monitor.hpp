@@ -16,6 +16,7 @@
 
 #include <optional>
 
+#include "core/estimation/lost_motion.hpp"
 #include "core/moving_median.hpp"
 
 namespace fail_aware {
@@ -46,6 +47,7 @@ class ConsistencyMonitor {
     double innovation_m = 0.0;            ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
     double turn_rad = 0.0;                ///< rotation part of the innovation; 0 likewise
     std::optional<double> fitting_ratio;  ///< inlier ratio of point-to-plane; none: it did not measure
+    bool dead_reckoned = false;           ///< the speed before this sweep was not observed
     double time_sigma_m = 0.0;            ///< sigma of the prediction due to the uncertain interval between sweeps
   };
 
@@ -55,6 +57,7 @@ class ConsistencyMonitor {
     bool unbelievable = false;  ///< agreement between the measurements confirms nothing in this sweep
     /// Almost nothing fits the map, although it did before: the measurement only repeats the prediction.
     bool velocity_unobservable = false;
+    bool motion_lost = false;  ///< the map is useless after dead reckoning (lost_motion.hpp)
   };
 
   explicit ConsistencyMonitor(const Params& params);
@@ -70,6 +73,7 @@ class ConsistencyMonitor {
 
   Params params_;
   MovingMedian undecided_m_{5}, innovation_m_{10}, fitting_ratio_{3};
+  LostMotion lost_motion_;
   bool fitted_ = false;            ///< most of the sweeps fitted the map at least once
   int sweeps_without_planes_ = 0;  ///< consecutive
 };

@@ -48,6 +48,17 @@ bool showsOtherThings(const std::vector<FusionInput>& inputs) {
 
 }  // namespace
 
+bool canBegin(const std::vector<FusionInput>& measurements) {
+  const auto is_icp = [](const FusionInput& input) {
+    return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane;
+  };
+  const auto has_points = [](const FusionInput& input) {
+    return isOfAnIcp(input) && input.measurement->status != MeasurementStatus::kTooFewPoints;
+  };
+  return std::none_of(measurements.begin(), measurements.end(), is_icp) ||
+         std::any_of(measurements.begin(), measurements.end(), has_points);
+}
+
 MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& measurements, const Sweep& sweep) {
   Decision decision;
   decision.begins = !started_ || (!sweep.motion_known && haveNoReference(measurements, isThere));
@@ -64,7 +75,7 @@ MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& m
   const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isOfAnIcp);
   const bool spoilt = held_sweeps_ >= kMaxHeldSweeps;
   if (spoilt || icps_began) held_sweeps_ = 0;
-  if (decision.out_of_sight || spoilt || icps_began) decision.update = MapUpdate::kRestart;
+  if (decision.out_of_sight || spoilt || icps_began || sweep.motion_lost) decision.update = MapUpdate::kRestart;
   started_ = true;
   pose_set_ = false;
   return decision;

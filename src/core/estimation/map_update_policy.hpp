@@ -9,6 +9,7 @@
 // Restart, at an estimate whose error stays in every later pose:
 // - after consecutive sweeps that were registered and fitted nowhere: the reference is out of sight;
 // - after consecutive sweeps in which the velocity was unobservable: the inserted ones spoil the reference;
+// - when the motion is lost (lost_motion.hpp): the sweeps inserted during dead reckoning spoil the reference;
 // - when both ICPs have no reference, unless a pose was set: setting a pose moves odom, and both ICPs must begin again.
 //   If only one ICP has no reference, its nodelet was restarted.
 // Skip: every other sweep.
@@ -22,12 +23,17 @@
 
 namespace fail_aware {
 
+/// Whether a drive can begin with these measurements' sweep. False for an empty sweep or without an answer from the ICPs:
+/// the next sweep would have nothing to register against.
+bool canBegin(const std::vector<FusionInput>& measurements);
+
 class MapUpdatePolicy {
  public:
   struct Sweep {
     bool motion_known = false;           ///< SweepPrediction::motionKnown()
     bool observed = false;               ///< corrected by a measurement that observes roll and pitch
     bool velocity_unobservable = false;  ///< ConsistencyMonitor::Inflation's, of the last corrected sweep
+    bool motion_lost = false;            ///< ConsistencyMonitor::Inflation's
     bool follows = false;                ///< the last sweep was measured, and the interval to it is not long
   };
 

@@ -38,16 +38,14 @@ std::optional<double> planesFittingRatio(const std::vector<FusionInput>& inputs)
   return planes->measurement->inlier_ratio;
 }
 
-// False for an empty sweep or without an answer from the ICPs: the next sweep would have nothing to register against.
-bool isUsableStart(const std::vector<FusionInput>& inputs) {
-  const auto is_icp = [](const FusionInput& input) {
-    return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane;
-  };
-  const auto has_points = [&](const FusionInput& input) {
-    return is_icp(input) && input.measurement != nullptr &&
-           input.measurement->status != MeasurementStatus::kTooFewPoints;
-  };
-  return std::none_of(inputs.begin(), inputs.end(), is_icp) || std::any_of(inputs.begin(), inputs.end(), has_points);
+FilterState stateFrom(const SweepPrediction& prediction) {
+  FilterState state;
+  state.stamp_s = prediction.stamp_s;
+  state.stamp_error_s = prediction.stamp_error_s;
+  state.dt_s = prediction.dt_s;
+  state.set_back_s = prediction.set_back_s;
+  state.odom_reset_count = prediction.odom_reset_count;
+  return state;
 }
 
 /// The covariance P of the state `from` after odom is turned by R_new_old; then the same body has the state `to`.
@@ -186,13 +184,8 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
 
 const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements, double middle_s) {
   const Pose T_odom_cog_previous = state_.T_odom_cog;
-  FilterState next;
-  next.stamp_s = prediction_.stamp_s;
-  next.stamp_error_s = prediction_.stamp_error_s;
-  next.dt_s = prediction_.dt_s;
-  next.set_back_s = prediction_.set_back_s;
-  next.odom_reset_count = state_.odom_reset_count;
-  next.started = started_ || isUsableStart(measurements);
+  FilterState next = stateFrom(prediction_);
+  next.started = started_ || canBegin(measurements);
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
   const Vector6d predicted = ukf_.state();
@@ -207,6 +200,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.T_odom_cog = poseFromVector(ukf_.state());
   next.covariance = ukf_.covariance();
   next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
+  ConsistencyMonitor::Inflation inflation;
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
     const double factor = motion_.deadReckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
@@ -215,7 +209,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() &&
                              next.dt_s <= kLongInterval_s && (motion_.lastMeasured() || motion_.previousMeasured());
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
-    motion_.setVelocityUnobservable(addInflation(inputs, innovation, next), next.measurement_applied);
+    inflation = addInflation(inputs, innovation, next);
+    motion_.setVelocityUnobservable(inflation.velocity_unobservable, next.measurement_applied);
   }
   if (!next.started) {
     state_ = next;
@@ -227,9 +222,11 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   sweep.follows = motion_.lastMeasured() && next.dt_s <= kLongInterval_s;
   sweep.observed = next.measurement_applied && observesTilt(next.fusion, predicted_P);
   sweep.velocity_unobservable = motion_.velocityUnobservable();
+  sweep.motion_lost = inflation.motion_lost;
   const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
   next.map_update = map.update;
-  if (map.out_of_sight) consistency_.clear();
+  if (map.out_of_sight || inflation.motion_lost) consistency_.clear();
+  if (inflation.motion_lost) corrected_sweeps_ = 0;
   const bool measured = next.measurement_applied || map.begins;
   started_ = true;
   state_ = next;
@@ -278,7 +275,8 @@ bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   return true;
 }
 
-bool PoseFilter::addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state) {
+ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionInput>& inputs,
+                                                       const Vector6d& innovation, FilterState& state) {
   ConsistencyMonitor::Sweep sweep;
   sweep.dt_s = state.dt_s;
   sweep.undecided_m = state.fusion.undecided_m;
@@ -286,6 +284,7 @@ bool PoseFilter::addInflation(const std::vector<FusionInput>& inputs, const Vect
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
   sweep.fitting_ratio = planesFittingRatio(inputs);
+  sweep.dead_reckoned = prediction_.motion_status == MotionStatus::kDeadReckoning;
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
   // after a gap the accumulated covariance would otherwise restart from the R of confirmed measurements
   if (inflation.unbelievable) state.fusion.confirmed = false;
@@ -293,7 +292,7 @@ bool PoseFilter::addInflation(const std::vector<FusionInput>& inputs, const Vect
     covariance->diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;
     (*covariance)(5, 5) += inflation.sigma_yaw_rad * inflation.sigma_yaw_rad;
   }
-  return inflation.velocity_unobservable;
+  return inflation;
 }
 
 }  // namespace fail_aware

@@ -96,7 +96,8 @@ class PoseFilter {
  private:
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
-  bool addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation, FilterState& state);
+  ConsistencyMonitor::Inflation addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
+                                             FilterState& state);
 
   Params params_;
   VehicleModel model_;
@@ -110,7 +111,7 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   double interval_sigma_s_ = 0.0;                  ///< SweepTime::interval_sigma_s of the last prediction
   bool started_ = false;
-  int corrected_sweeps_ = 0;
+  int corrected_sweeps_ = 0;  ///< since the start, or since the motion was lost
 };
 
 }  // namespace fail_aware

@@ -76,9 +76,9 @@ SweepClock::SweepClock(double given_period_s) : given_period_s_(given_period_s) 
 // Revolutions and times count from the last sweep.
 void SweepClock::setPeriod(double period_s, double sigma_s) {
   line_.restart(period_s, sigma_s);
-  turn_ = time_s_ = 0.0;
+  last_.turn = last_.time_s = 0.0;
   set_at_turn_ = -kTurnsBetweenSets;
-  line_.add(turn_, time_s_, noise_s());
+  line_.add(last_.turn, last_.time_s, noise_s());
   deviations_.clear();
 }
 
@@ -92,9 +92,9 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   SweepTime sweep(stamp_s);
   sweep.set_back_s = set_back_s;
   if (!std::isfinite(stamp_s)) return sweep;
-  if (last_stamp_s_) {
-    const double stamps_apart_s = secondsBetween(*last_stamp_s_, stamp_s);
-    double since_s = stamps_apart_s + last_error_s_ - offset_s_, apart_s = stamps_apart_s;
+  if (last_.stamp_s) {
+    const double stamps_apart_s = secondsBetween(*last_.stamp_s, stamp_s);
+    double since_s = stamps_apart_s + last_.error_s - offset_s_, apart_s = stamps_apart_s;
     if (set_back_s > 0.0 && wasSetBack(since_s, set_back_s)) {
       offset_s_ -= set_back_s + line_.period_s();
       since_s += set_back_s + line_.period_s();
@@ -104,15 +104,15 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
     }
     ++intervals_;
     const Interval found = interval(since_s, apart_s);
-    sweep.error_s = last_error_s_ + stamps_apart_s - found.seconds;
+    sweep.error_s = last_.error_s + stamps_apart_s - found.seconds;
     if (found.seconds == since_s) sweep.error_s = offset_s_;
     sweep.interval_sigma_s = found.sigma_s;
   } else if (line_.empty()) {
-    line_.add(turn_, time_s_, noise_s());
+    line_.add(last_.turn, last_.time_s, noise_s());
   }
   sweep.period_s = period_s().value_or(0.0);
-  last_stamp_s_ = stamp_s;
-  last_error_s_ = sweep.error_s;
+  last_.stamp_s = stamp_s;
+  last_.error_s = sweep.error_s;
   return sweep;
 }
 
@@ -132,38 +132,38 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
     turns_per_cloud_ = std::min(1.0, turnsPerCloud(stamps_apart_s, new_revolution_s_));
     followRevolution(new_revolution_s_);
   }
-  const double stamp_s = time_s_ + since_s;
+  const double stamp_s = last_.time_s + since_s;
   if (!hasPeriod()) {
     jitter_.add(stamps_apart_s);
-    line_.add(turn_ + 1.0, stamp_s, noise_s());
+    line_.add(last_.turn + 1.0, stamp_s, noise_s());
     return advance(1.0, since_s);
   }
-  const double turns = std::min(turnsIn(stamp_s - line_.at(turn_)), turnsIn(stamps_apart_s));
+  const double turns = std::min(turnsIn(stamp_s - line_.at(last_.turn)), turnsIn(stamps_apart_s));
   if (turns == 1.0) {
     jitter_.add(stamps_apart_s);
   } else {
     jitter_.interrupt();
   }
-  const double deviation_s = stamp_s - line_.at(turn_ + turns);
+  const double deviation_s = stamp_s - line_.at(last_.turn + turns);
   if (std::abs(deviation_s) > tolerance_s(turns)) {
     if (turns < kTurnsOfGap) return withoutStamp({deviation_s, turns});
     setPeriod(line_.period_s(), line_.periodSigma_s());
     return {since_s, 0.0};
   }
   deviations_.clear();
-  line_.add(turn_ + turns, stamp_s, noise_s());
+  line_.add(last_.turn + turns, stamp_s, noise_s());
   return advance(turns, isTrusted(deviation_s) ? std::optional<double>(since_s) : std::nullopt);
 }
 
 // Only intervals matter. A correction of the phase also applies to earlier times, so it is applied gradually.
 SweepClock::Interval SweepClock::advance(double turns, std::optional<double> trusted_s) {
-  turn_ += turns;
+  last_.turn += turns;
   const double turning_s = turns * line_.period_s();
-  const double behind_s = line_.at(turn_) - time_s_ - turning_s;
+  const double behind_s = line_.at(last_.turn) - last_.time_s - turning_s;
   const Interval interval = trusted_s ? Interval{*trusted_s, 0.0}
                                       : Interval{wholeMicroseconds(turning_s + kPhaseFollowed * behind_s),
                                                  line_.periodSigma_s() + kTurnNoise_s};
-  time_s_ += interval.seconds;
+  last_.time_s += interval.seconds;
   return interval;
 }
 
@@ -201,7 +201,7 @@ double SweepClock::noise_s() const { return std::max(jitter_.sigma_s().value_or(
 double SweepClock::tolerance_s(double turns) const {
   const double most_s = kMostTolerance * line_.period_s();
   if (!jitter_.sigma_s() && !period_sure_) return most_s;
-  const double sigmas_s = kToleranceSigmas * noise_s() * line_.predictionFactor(turn_ + turns);
+  const double sigmas_s = kToleranceSigmas * noise_s() * line_.predictionFactor(last_.turn + turns);
   return std::min(std::max(sigmas_s, kLeastTolerance_s), most_s);
 }
 
@@ -214,8 +214,8 @@ bool SweepClock::isTrusted(double deviation_s) const {
 SweepClock::Interval SweepClock::withoutStamp(const Deviation& deviation) {
   ++outliers_;
   const double turning_s = wholeMicroseconds(deviation.turns * line_.period_s());
-  turn_ += deviation.turns;
-  time_s_ += turning_s;
+  last_.turn += deviation.turns;
+  last_.time_s += turning_s;
   deviations_.push_back(deviation);
   if (followsAnotherLine()) return {turning_s, 0.0};
   return {turning_s, std::sqrt(kRightAfterAll) * std::abs(deviation.seconds)};
@@ -230,11 +230,11 @@ bool SweepClock::followsAnotherLine() {
   if (std::all_of(deviations_.end() - kLine, deviations_.end(), agrees)) {
     offset_s_ += mean_s;
     jitter_.interrupt();
-    if (!period_sure_ && turn_ - set_at_turn_ < kTurnsBetweenSets) {
+    if (!period_sure_ && last_.turn - set_at_turn_ < kTurnsBetweenSets) {
       setPeriod(0.0, 0.0);
     } else {
       deviations_.clear();
-      set_at_turn_ = turn_;
+      set_at_turn_ = last_.turn;
     }
     return true;
   }

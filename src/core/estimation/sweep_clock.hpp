@@ -81,6 +81,12 @@ class SweepClock {
     double turns = 1.0;  ///< since the previous sweep
   };
 
+  struct LastSweep {
+    std::optional<double> stamp_s{};
+    double error_s = 0.0;
+    double turn = 0.0, time_s = 0.0;  ///< on the line
+  };
+
   bool wasSetBack(double since_s, double set_back_s) const;
   Interval interval(double since_s, double stamps_apart_s);
   void followRevolution(double revolution_s);
@@ -95,13 +101,11 @@ class SweepClock {
   bool followsAnotherLine();
 
   double given_period_s_;
-  std::optional<double> last_stamp_s_;
-  double last_error_s_ = 0.0;
-  double offset_s_ = 0.0;             ///< of the stamps' clock, since the clock was set
-  TurnLine line_;                     ///< its period is 0 while none is known
-  double turn_ = 0.0, time_s_ = 0.0;  ///< of the last sweep, on the line
-  double set_at_turn_ = -1e9;         ///< when the clock was set
-  bool period_sure_ = false;          ///< given, or known from the points' times
+  LastSweep last_;
+  double offset_s_ = 0.0;      ///< of the stamps' clock, since the clock was set
+  TurnLine line_;              ///< its period is 0 while none is known
+  double set_at_turn_ = -1e9;  ///< when the clock was set
+  bool period_sure_ = false;   ///< given, or known from the points' times
   StampJitter jitter_;
   std::vector<Deviation> deviations_;  ///< of the last stamps, if they were left out
   double turns_per_cloud_ = 0.0;       ///< 0: not known

@@ -46,6 +46,7 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
                                                                    double time_s, const InitialGuess& guess) {
   if (map.empty()) {
     first_motion_.setFirst(sweep, scan.T_cog_lidar);
+    first_time_s_ = time_s;
     return std::nullopt;
   }
   const double since_first_s = secondsBetween(map.first().time_s, time_s);
@@ -120,6 +121,7 @@ InitialGuessResolver::Better InitialGuessResolver::refineDeskew(const Registrati
 
 void InitialGuessResolver::reset() {
   first_motion_.reset();
+  first_time_s_.reset();
   clock_jump_detector_.reset();
 }
 

@@ -59,6 +59,9 @@ class InitialGuessResolver {
   InitialGuess resolve(const CorrectedSweep& sweep, const RegistrationScan& scan, const LocalMap& map,
                        const EstimateTrack& track, const SweepPrediction& prediction);
 
+  /// The search for the first motion begins at the map's first sweep.
+  bool searchesFrom(const LocalMap::Sweep& first) const { return first_time_s_ == first.time_s; }
+
   void reset();
 
  private:
@@ -73,6 +76,7 @@ class InitialGuessResolver {
                       const InitialGuess& guess) const;
 
   MotionInitialization first_motion_;
+  std::optional<double> first_time_s_;  ///< time of the sweep that first_motion_ holds
   Relocalization relocalization_;
   ClockJumpDetector clock_jump_detector_;
   DeskewRefinement deskew_refinement_;

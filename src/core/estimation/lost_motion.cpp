@@ -1,0 +1,34 @@
+#include "core/estimation/lost_motion.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr int kLongDeadReckoning = 10;  // sweeps; in a shorter time the speed hardly changes
+constexpr int kWatched = 50;            // sweeps after dead reckoning: false minima may fit well at first
+constexpr double kUsualRatio = 0.85;    // in town and country, before it is known from the drive
+// Of the usual ratio. With a speed that was nearly right it is above 0.9 within five sweeps after a tunnel or fog; in
+// false minima it is 0.4 to 0.7.
+constexpr double kLost = 0.65;
+
+}  // namespace
+
+bool LostMotion::add(bool dead_reckoned, const std::optional<double>& fitting_ratio) {
+  if (!fitting_ratio) {
+    dead_reckoned_sweeps_ = watched_sweeps_ = 0;
+    recent_ratio_.clear();
+    return false;
+  }
+  dead_reckoned_sweeps_ = dead_reckoned ? dead_reckoned_sweeps_ + 1 : 0;
+  if (dead_reckoned_sweeps_ >= kLongDeadReckoning) {
+    watched_sweeps_ = kWatched;
+  } else if (watched_sweeps_ > 0) {
+    --watched_sweeps_;
+  }
+  recent_ratio_.add(*fitting_ratio);
+  if (!dead_reckoned && watched_sweeps_ == 0) usual_ratio_.add(*fitting_ratio);
+  const double usual = usual_ratio_.isFull() ? usual_ratio_.median() : kUsualRatio;
+  return watched_sweeps_ > 0 && recent_ratio_.isFull() && recent_ratio_.median() < kLost * usual;
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,33 @@
+// Tells when the local map has become useless while the speed was dead-reckoned. Not in the paper.
+//
+// Where measurements do not observe the speed (a tunnel, thick fog), the sweeps are inserted at dead-reckoned poses.
+// When the speed can be observed again and is far from the dead-reckoned one, the sweeps do not fit the map: registration
+// converges to nearby minima, which differ with the last digits, and the speed taken from them diverges. The inlier
+// ratio shows it: it stays far below the usual one. Then the motion is unknown, as at the start of a drive: the map
+// begins anew and the motion is searched for. The error of the pose stays as large as it was.
+// After a gap (no measurement) relocalization.hpp searches in the map instead.
+// Failure: none. Cost: under 1 us a sweep.
+#pragma once
+
+#include <optional>
+
+#include "core/moving_median.hpp"
+
+namespace fail_aware {
+
+class LostMotion {
+ public:
+  /// `dead_reckoned`: the speed before this sweep was not observed. `fitting_ratio`: inlier ratio of point-to-plane; none:
+  /// it did not measure. Returns whether the motion is lost.
+  bool add(bool dead_reckoned, const std::optional<double>& fitting_ratio);
+
+  void clear() { *this = LostMotion(); }
+
+ private:
+  MovingMedian usual_ratio_{20};  ///< while the speed was observed
+  MovingMedian recent_ratio_{5};
+  int dead_reckoned_sweeps_ = 0;  ///< consecutive, measured
+  int watched_sweeps_ = 0;        ///< left, in which the map may prove useless
+};
+
+}  // namespace fail_aware
