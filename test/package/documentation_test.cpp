@@ -128,6 +128,23 @@ TEST(Documentation, CommitsAreNamedInTheResultsOnly) {
   }
 }
 
+/// README's table is the results' one without profile `paper`: one command makes both.
+TEST(Documentation, ReadmesFiguresAreThoseOfTheResults) {
+  const std::regex row(R"(^\| (\w+) \| (\d[^|]*) \| (?:(\d[^|]*) \| )?(\d[^|]*) \| ([^|]*) \|$)");
+  const auto rowsOf = [&](const std::string& page) {
+    std::set<std::string> rows;
+    for (const std::string& line : proseOf(page)) {
+      std::smatch cell;
+      if (!std::regex_search(line, cell, row) || line.find(" % ") == std::string::npos) continue;
+      EXPECT_EQ(cell[3].matched, page != "README.md") << page << ": " << line;
+      rows.insert(cell[1].str() + '|' + cell[2].str() + '|' + cell[4].str() + '|' + cell[5].str());
+    }
+    return rows;
+  };
+  EXPECT_GE(rowsOf("README.md").size(), 8u);
+  EXPECT_EQ(rowsOf("README.md"), rowsOf("doc/results.md"));
+}
+
 TEST(Documentation, NamedFilesAndProgramsExist) {
   const std::string folders = "(?:src|include|test|cfg|scripts|fleet|launch|examples|msg|doc|rviz|\\.ci)/";
   const std::string package = "fail_aware_lidar_odometry ";

@@ -96,6 +96,7 @@ TEST(RepeatedFacts, VerticalAngleOfKitti) {
       {"README.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"doc/recorded_data.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"doc/recorded_data.md", "\\| `vertical_angle_deg` \\| " + number},
+      {"doc/kitti.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"doc/results.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"cfg/sensors/hdl64e.yaml", "KITTI's scans need " + number},
       {"src/core/preprocessing/vertical_angle_correction.hpp", number + " deg too low"},

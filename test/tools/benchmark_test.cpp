@@ -97,6 +97,24 @@ TEST_F(Benchmark, KittiScoresEverySequenceBesideTheArticle) {
   }
 }
 
+TEST_F(Benchmark, PageHasBothProfilesAndLeavesTheReadme) {
+  const fs::path sequence = root() / "sequences/04", page = root() / "results.md";
+  fs::copy_file(root() / "poses/04.txt", sequence / "poses.txt", fs::copy_options::overwrite_existing);
+  const std::string readme = contentOf(SCRIPTS "/../README.md");
+  const ToolRun outcome = run(kScript, "page " + sequence.string() + " --lengths 3,5 --step 1 --page " + page.string() +
+                                           " --output " + (root() / "page").string());
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  const nlohmann::json row = readJson(root() / "page/results.json")["sequences"]["04"];
+  for (const char* profile : {"default", "paper"}) {
+    char cell[64];
+    std::snprintf(cell, sizeof(cell), "| %.2f %% %.4f (", row[profile]["t_err_percent"].get<double>(),
+                  row[profile]["r_err_deg_per_m"].get<double>());
+    EXPECT_NE(contentOf(page).find(cell), std::string::npos) << cell << contentOf(page);
+  }
+  EXPECT_NE(contentOf(page).find("scripts/benchmark page --lengths 3,5"), std::string::npos);
+  EXPECT_EQ(contentOf(SCRIPTS "/../README.md"), readme) << "the page is somewhere else";
+}
+
 TEST_F(Benchmark, KittiGoesOnOverASequenceThatFails) {
   const ToolRun outcome =
       run(kScript, "kitti " + root().string() + " --profile default --variants all --set no.such.key=1 --output " +
