@@ -83,7 +83,10 @@ TEST_F(ProfileFilesTest, EveryFileOfThePackageLoads) {
   for (const char* needed : {"default", "paper"}) {
     EXPECT_EQ(std::count(profiles.begin(), profiles.end(), needed), 1) << needed;
   }
-  ASSERT_FALSE(vehicles.empty() || sensors.empty());
+  for (const char* needed : {"hdl64e", "velodyne", "ouster", "hesai"}) {
+    EXPECT_EQ(std::count(sensors.begin(), sensors.end(), needed), 1) << needed;
+  }
+  ASSERT_FALSE(vehicles.empty());
   for (const std::string& profile : profiles) EXPECT_EQ(refusal({kCfg.string(), profile, "passat_b6", "hdl64e"}), "");
   for (const std::string& vehicle : vehicles) EXPECT_EQ(refusal({kCfg.string(), "default", vehicle, "hdl64e"}), "");
   for (const std::string& sensor : sensors) EXPECT_EQ(refusal({kCfg.string(), "default", "passat_b6", sensor}), "");
