@@ -42,6 +42,12 @@ def within(kind, low, high=math.inf):
     return parse
 
 
+def progress(done, total, what):
+    """One line on stderr, drawn over the one before; nothing if stderr is not a terminal."""
+    if sys.stderr.isatty():
+        print(f"\r{done} of {total} {what}", end="\n" if done >= total else "", file=sys.stderr, flush=True)
+
+
 def last_line(text):
     lines = text.strip().splitlines()
     return lines[-1] if lines else "no message"

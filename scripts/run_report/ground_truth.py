@@ -1,5 +1,6 @@
 """The true trajectory of base_link, from a file or from the run itself."""
 import os
+import sys
 
 import numpy as np
 
@@ -24,6 +25,9 @@ def read(path, calib, run):
     if rows.shape[1] == 8:
         return poses.from_tum_rows(rows)
     T = poses.from_kitti_rows(rows)
+    if not calib and poses.move_like_a_camera(T):
+        print(f"report: warning: {path} moves along its z axis, as KITTI's poses of the camera do: give --calib calib.txt",
+              file=sys.stderr)
     if calib:
         T_camera_lidar = poses.read_lidar_to_camera(calib)
         T = np.linalg.inv(T_camera_lidar) @ T @ T_camera_lidar

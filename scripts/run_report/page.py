@@ -1,6 +1,7 @@
 """The page: one HTML file, pictures inside."""
 import html
 
+from offline_tools import progress
 from . import (comparison as comparisons, figure_error, figure_indicator, figure_measurements, figure_stage_times,
                figure_time_to_failure, figure_timeline, figure_trajectory, style, summary)
 from .run import NotAvailable
@@ -52,7 +53,8 @@ def build(run, trajectory):
     parts = ["<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Odometry report</title>",
              f"<style>{STYLE}</style></head><body>", "<h1>Fail-aware lidar odometry: report of a run</h1>",
              _table(table)]
-    for key, title, draw, text in SECTIONS:
+    for drawn, (key, title, draw, text) in enumerate(SECTIONS):
+        progress(drawn, len(SECTIONS), "pictures")
         parts.append(f'<section id="{key}"><h2>{html.escape(title)}</h2>')
         try:
             picture = style.png_base64(draw(run, comparison))
@@ -61,6 +63,7 @@ def build(run, trajectory):
         except NotAvailable as why:
             parts.append(f'<p class="why">No picture: {html.escape(str(why))}.</p>')
         parts.append("</section>")
+    progress(len(SECTIONS), len(SECTIONS), "pictures")
     parts.append("</body></html>\n")
     return table, "\n".join(parts)
 

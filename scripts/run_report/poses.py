@@ -46,6 +46,12 @@ def distance(T):
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
+def move_like_a_camera(T):
+    """Along their own z axis more than across it, as KITTI's poses of the camera do."""
+    steps = np.einsum("nji,nj->ni", T[:-1, :3, :3], np.diff(T[:, :3, 3], axis=0))
+    return np.abs(steps[:, 2]).sum() > np.linalg.norm(steps[:, :2], axis=1).sum()
+
+
 def at_stamps(trajectory, stamp_s, tolerance_s=0.15):
     """The poses at these stamps, interpolated; and which stamps the trajectory covers."""
     order = np.argsort(trajectory.stamp_s, kind="stable")

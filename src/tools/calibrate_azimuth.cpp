@@ -89,6 +89,9 @@ int run(const Options& options) {
                      " deg): it is how the lidar is mounted, to be told by tf or sensor.lidar_in_base");
   }
   printAndKeep(formatYaml({{kKey, angle_deg}}), options.output);
+  std::cerr << kName << ": next: offline_odometry --parameters "
+            << (options.output.empty() ? "FILE (--output FILE keeps it)" : options.output)
+            << "; on the vehicle: the same angle in the sensor file or, added to the lidar's yaw, in tf" << std::endl;
   return kExitDone;
 }
 

@@ -19,6 +19,8 @@ using namespace fail_aware;
 
 constexpr const char* kName = "calibrate_fail_aware";
 constexpr double kSmallestAlarmConfidence = 0.3;
+constexpr std::size_t kMostReplays =
+    25;  // as the runs are, and a dozen for each confidence: see fail_aware_calibration
 
 struct Options {
   FailAwareRunOptions runs;
@@ -49,12 +51,20 @@ int run(Options options) {
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   ParameterList list;
+  std::vector<std::string> notes;
+  ProgressBar progress(kMostReplays * runs.size());
+  std::size_t replayed = 0;
+  const auto replay = [&](const auto& change) {
+    std::vector<FailAwareEpisode> episodes = episodesOf(runs, options.episodes, change);
+    progress.update(replayed += runs.size());
+    return episodes;
+  };
   const auto add = [&](const char* key, const std::optional<double>& value, const char* why_not) {
     if (value) list.emplace_back(key, *value);
-    if (!value) std::cerr << kName << ": " << key << " left as it is: " << why_not << '\n';
+    if (!value) notes.push_back(key + std::string(" left as it is: ") + why_not);
     return value;
   };
-  const std::vector<FailAwareEpisode> as_is = episodesOf(runs, options.episodes, [](MonitorParameters&) {});
+  const std::vector<FailAwareEpisode> as_is = replay([](MonitorParameters&) {});
   const std::optional<double> threshold =
       add("monitor.indicator.threshold",
           options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
@@ -64,7 +74,7 @@ int run(Options options) {
       add("monitor.predictor.confidence",
           confidenceForLateRatio(
               [&](double tried) {
-                return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
+                return replay([&](MonitorParameters& m) {
                   m.predictor.confidence = tried;
                   m.predictor.alarm_confidence = std::min(m.predictor.alarm_confidence, tried);
                 });
@@ -77,7 +87,7 @@ int run(Options options) {
   const double largest = confidence.value_or(given.confidence);
   std::optional<double> alarm = confidenceForAlarmRatio(
       [&](double tried) {
-        return episodesOf(runs, options.episodes, [&](MonitorParameters& m) {
+        return replay([&](MonitorParameters& m) {
           if (threshold) m.indicator.threshold = *threshold;
           m.predictor.confidence = largest;
           m.predictor.alarm_confidence = tried;
@@ -86,12 +96,23 @@ int run(Options options) {
       options.alarm_ratio, std::min(kSmallestAlarmConfidence, largest), largest);
   if (!alarm && given.alarm_confidence > largest) {
     alarm = largest;
-    std::cerr << kName << ": monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm "
-              << "is up too long whatever it is\n";
+    notes.push_back(
+        "monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm is up too long "
+        "whatever it is");
   }
   add("monitor.predictor.alarm_confidence", alarm, "every episode failed, or the alarm is up too long whatever it is");
-  if (list.empty()) return kExitFailed;
+  progress.update(kMostReplays * runs.size());  // most bisections end before
+  progress.finish();
+  for (const std::string& note : notes) std::cerr << kName << ": " << note << '\n';
+  if (list.empty()) return reportError(kName, "nothing could be fitted: give more runs", kExitFailed);
   printAndKeep(formatYaml(list), options.output);
+  const auto failed = static_cast<std::size_t>(
+      std::count_if(as_is.begin(), as_is.end(), [](const FailAwareEpisode& episode) { return episode.failed; }));
+  reportVerdict(kName,
+                std::to_string(list.size()) + " parameters fitted to " + std::to_string(as_is.size()) + " starts, " +
+                    std::to_string(failed) + " of which fail",
+                "judge it on other runs: evaluate_fail_aware --parameters " +
+                    (options.output.empty() ? "FILE (--output FILE keeps it)" : options.output));
   return kExitDone;
 }
 

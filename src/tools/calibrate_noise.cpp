@@ -45,15 +45,20 @@ int run(const Options& options) {
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   std::vector<IncrementSample> increments;
   std::vector<DriftRun> drives;
+  ProgressBar progress(runs.size() + 2);  // the runs, and two fits
   for (const FailAwareRun& run : runs) {
     const std::vector<IncrementSample> of_run = incrementSamples(run.truth, run.log, run.params.profile.filter);
     increments.insert(increments.end(), of_run.begin(), of_run.end());
     drives.push_back({run.truth, run.log});
+    progress.update(drives.size());
   }
   const ProfileParameters& given = runs.front().params.profile;
   ProfileParameters fitted = given;
   fitted.filter = fitIncrementNoise(increments, fitted.filter);
+  progress.update(runs.size() + 1);
   fitted.monitor.drift = fitDrift(drives, fitted.monitor.drift);
+  progress.update(runs.size() + 2);
+  progress.finish();
 
   ParameterList all = toList(fitted), list;
   keepWhatWasNotSeen(toList(given), all);
@@ -61,6 +66,10 @@ int run(const Options& options) {
     if (isOfIncrement(key) || isOfDrift(key)) list.emplace_back(key, value);
   }
   printAndKeep(formatYaml(list), options.output);
+  reportVerdict(
+      kName, "fitted to " + std::to_string(increments.size()) + " motions of " + std::to_string(runs.size()) + " runs",
+      "judge it on other runs: evaluate_fail_aware --parameters " +
+          (options.output.empty() ? "FILE (--output FILE keeps it)" : options.output));
   return kExitDone;
 }
 
@@ -71,7 +80,8 @@ int main(int argc, char** argv) {
     CLI::App app(
         "Fits filter.increment_* and of monitor.drift measured_ratio, position_ and heading_per_root_metre, "
         "heading_bias and scale_bias to recorded runs with ground truth, by (Gaussian) maximum likelihood. The "
-        "part of the error that passes (transient_*), unobserved_ratio, the tilt and the predictor's degrees_of_freedom stay as they are: choose them by the "
+        "part of the error that passes (transient_*), unobserved_ratio, the tilt and the predictor's "
+        "degrees_of_freedom stay as they are: choose them by the "
         "coverage that evaluate_fail_aware shows. Use runs on which the odometry was not lost, and judge the result on "
         "others: evaluate_fail_aware --parameters FILE shows the drift's effect at once; the increments' is seen after "
         "offline_odometry ran anew.\n"

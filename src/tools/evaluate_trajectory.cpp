@@ -1,5 +1,6 @@
 // Compares an estimated trajectory with the true one: JSON on stdout; with --output also files.
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -222,6 +223,20 @@ void writeCsv(const fs::path& path, const Trajectories& in, const AbsoluteTrajec
   finishFile(file, path);
 }
 
+std::string verdict(const Json& json) {
+  char text[160];
+  const double length_m = json["path_length_m"];
+  if (json["segments"] == 0) {
+    std::snprintf(text, sizeof(text), "%.1f m are too short for the shortest segment: no error in %%", length_m);
+  } else {
+    std::snprintf(text, sizeof(text), "off by %.2f %% and %.4f deg/m over %.0f m", json["t_err_percent"].get<double>(),
+                  json["r_err_deg_per_m"].get<double>(), length_m);
+  }
+  const Json& episodes = json["episodes"];
+  return text + std::string("; ") + std::to_string(episodes["failed"].get<std::size_t>()) + " of " +
+         std::to_string(episodes["total"].get<std::size_t>()) + " episodes pass the alert limit";
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Compares an estimated trajectory with the true one: KITTI metric, absolute error, time to failure.",
                kName);
@@ -246,6 +261,9 @@ int run(int argc, char** argv) {
     finishFile(file, folder / "evaluation.json");
     writeCsv(folder / "trajectory.csv", in, ate, ate_aligned);
   }
+  reportVerdict(kName, verdict(json),
+                folder.empty() ? "the same with --output DIR, for plot_trajectory"
+                               : "rosrun fail_aware_lidar_odometry plot_trajectory " + options.output);
   return kExitDone;
 }
 

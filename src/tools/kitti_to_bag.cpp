@@ -125,6 +125,8 @@ int run(const Options& options) {
   if (bad_scans == static_cast<std::size_t>(last - options.first)) {
     return reportError(kName, "no scan of " + options.directory + " could be used", kExitFailed);
   }
+  std::cerr << kName << ": next: roslaunch fail_aware_lidar_odometry kitti_replay.launch bag:="
+            << std::filesystem::absolute(options.bag).string() << std::endl;
   return kExitDone;
 }
 

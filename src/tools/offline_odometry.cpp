@@ -219,8 +219,7 @@ int run(const Options& options) {
   if (results.allUnusable()) {
     return reportError(kName, "no scan of " + drive_name + " could be used", kExitFailed);
   }
-  std::cerr << kName << ": " << results.verdict() << "\n"
-            << kName << ": next: rosrun fail_aware_lidar_odometry report " << options.output << std::endl;
+  reportVerdict(kName, results.verdict(), "rosrun fail_aware_lidar_odometry report " + options.output);
   return kExitDone;
 }
 

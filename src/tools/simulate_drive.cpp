@@ -174,6 +174,12 @@ int run(Options& options) {
   if (written == 0) return reportError(kName, "the faults leave no sweep", kExitUsage);
   output->finish();
   writeNotes(options, faults, written);
+  std::ostringstream verdict;
+  verdict << options.output << ": " << options.simulation.scene << ", " << options.simulation.duration_s << " s, "
+          << written << " sweeps, faults: " << faults.size();
+  reportVerdict(kName, verdict.str(),
+                std::string("rosrun fail_aware_lidar_odometry offline_odometry ") +
+                    (isBag(options.output) ? "--bag " : "--kitti ") + options.output + " --output OUT");
   return kExitDone;
 }
 

@@ -22,6 +22,10 @@ int reportError(const std::string& name, std::string message, int exit_code) {
   return exit_code;
 }
 
+void reportVerdict(const std::string& name, const std::string& verdict, const std::string& next) {
+  std::cerr << name << ": " << verdict << '\n' << name << ": next: " << next << std::endl;
+}
+
 namespace {
 
 /// "from LOW on" or "from LOW to HIGH".

@@ -1,4 +1,4 @@
-// Shared by the command line tools: exit codes, one-line errors, a progress bar.
+// Shared by the command line tools: exit codes, one-line errors, the closing verdict, a progress bar.
 //
 // Exit codes: 0 the work is done, 1 it failed, 2 the arguments or the input are unusable.
 #pragma once
@@ -22,6 +22,9 @@ constexpr int kExitUsage = 2;
 
 /// One line "NAME: error: MESSAGE" on stderr; line breaks in the message become spaces. Returns `exit_code`.
 int reportError(const std::string& name, std::string message, int exit_code);
+
+/// The two lines that close a run, on stderr: "NAME: VERDICT" and "NAME: next: NEXT".
+void reportVerdict(const std::string& name, const std::string& verdict, const std::string& next);
 
 /// Runs `work` (returns an exit code) and turns exceptions into a line and an exit code.
 template <class Work>

@@ -42,6 +42,7 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   run(CALIBRATE_NOISE, options("run") + " --output '" + yaml.string() + "'");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(result_.err.find("per_root_metre"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("evaluate_fail_aware --parameters " + yaml.string()), std::string::npos) << result_.err;
   EXPECT_EQ(result_.out, contentOf(yaml));
   ProfileParameters fitted;
   loadYaml(yaml.string(), fitted, MissingKeys::kKeep);

@@ -48,7 +48,8 @@ TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   bad.write(folder_ / "bad");
   run(options("good") + options("bad") + " --resamples 50 --output '" + (folder_ / "result").string() + "'");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  EXPECT_EQ(result_.err, "");
+  EXPECT_EQ(result_.err.rfind("evaluate_fail_aware: 16 starts, 7 fail; missed ", 0), 0u) << result_.err;
+  EXPECT_NE(result_.err.find("plot_fail_aware " + (folder_ / "result").string()), std::string::npos) << result_.err;
   const nlohmann::json json = report();
   EXPECT_EQ(json["good"]["episodes"], 8);
   EXPECT_EQ(json["good"]["failing"], 0);

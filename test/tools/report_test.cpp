@@ -168,6 +168,22 @@ TEST_F(Report, TruthMayBeLongerThanTheRunAndInTumRows) {
   EXPECT_NE(page.find("0.98 m horizontal"), std::string::npos);
 }
 
+TEST_F(Report, WarnsOfATruthInTheCameraFrame) {
+  std::ostringstream camera;  // x right, y down, z ahead
+  for (int i = 0; i < kSweeps; ++i) camera << "1 0 0 0 0 1 0 0 0 0 1 " << i << "\n";
+  write("camera.txt", camera.str());
+  write("calib.txt", "Tr: 0 -1 0 0 0 0 -1 0 1 0 0 0\n");
+  const std::string arguments =
+      path("run") + " --output " + path("page.html") + " --ground-truth " + path("camera.txt");
+  run(arguments);
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_EQ(result_.err.rfind("report: warning: " + path("camera.txt") + " moves along its z axis", 0), 0u)
+      << result_.err;
+  EXPECT_EQ(countOf(result_.err, "\n"), 1u) << result_.err;
+  const std::string page = runForPage("--ground-truth " + path("camera.txt") + " --calib " + path("calib.txt"));
+  EXPECT_NE(page.find("0.98 m horizontal"), std::string::npos) << "as with the same truth in the lidar's frame";
+}
+
 TEST_F(Report, RefusesFilesOfTwoRunsAndAnUnfinishedOne) {
   write("run/trajectory_tum.txt", contentOf(folder_ / "run/trajectory_tum.txt") + "6.0 61.2 0 0 0 0 0 1\n");
   expectRefused(path("run"), "trajectory_tum.txt is not the file that run r0123456789abcdef of summary.json wrote");

@@ -71,7 +71,9 @@ TEST_F(SimulateDrive, SameArgumentsSameBytes) {
 }
 
 TEST_F(SimulateDrive, TheOdometryFollowsIt) {
-  ASSERT_EQ(simulate("drive", "--scene town --duration 3 --seed 2").exit_code, 0);
+  const ToolRun made = simulate("drive", "--scene town --duration 3 --seed 2");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_NE(made.err.find("town, 3 s, 30 sweeps, faults: 0\nsimulate_drive: next: "), std::string::npos) << made.err;
   ASSERT_EQ(odometry("drive").exit_code, 0);
   const auto truth = readKittiTrajectory(path("drive/poses.txt"));
   const auto estimate = readKittiTrajectory(path("drive_out/trajectory_kitti.txt"));
