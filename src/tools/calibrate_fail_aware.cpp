@@ -134,16 +134,16 @@ int main(int argc, char** argv) {
         ->check(positiveNumber())
         ->capture_default_str();
     app.add_option("--eta-passed-by", options.eta_passed_by,
-                   "share of the episodes without a failure that may pass eta's threshold")
+                   "ratio of the episodes without a failure that may pass eta's threshold")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
     app.add_option("--eta-failed-by", options.eta_failed_by,
-                   "instead: share of the episodes that failed by eta's threshold (0.5: the article's meaning)")
+                   "instead: ratio of the episodes that failed by eta's threshold (0.5: the article's meaning)")
         ->check(realNumber(0.0, 1.0));
-    app.add_option("--late", options.late_ratio, "share of late predictions that is borne")
+    app.add_option("--late", options.late_ratio, "ratio of late predictions that is borne")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
-    app.add_option("--alarm", options.alarm_ratio, "share of the time without a failure that the alarm may be up")
+    app.add_option("--alarm", options.alarm_ratio, "ratio of the time without a failure that the alarm may be up")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
     if (!parseArguments(app, argc, argv)) return kExitDone;
