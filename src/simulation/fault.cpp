@@ -35,12 +35,12 @@ std::string number(double value) {
 const std::vector<FaultTraits>& faultTraits() {
   static const std::vector<FaultTraits> table = {
       {FaultKind::kBlankedSector, "blanked_sector", "nothing in a sector ahead; its width in deg", 180, 1, 360, 5},
-      {FaultKind::kLostRings, "lost_rings", "beams that are dead; share of all", 0.75, 0, 1, 5},
+      {FaultKind::kLostRings, "lost_rings", "dead beams; ratio of all", 0.75, 0, 1, 5},
       {FaultKind::kRangeCap, "range_cap", "fog: nothing beyond this range in m", 10, 1, 120, 5},
       {FaultKind::kNoise, "noise", "noise on each coordinate; standard deviation in m", 0.2, 0, 10, 5},
-      {FaultKind::kGhostPoints, "ghost_points", "false returns (rain, spray); share of the true ones", 0.3, 0, 1, 5},
+      {FaultKind::kGhostPoints, "ghost_points", "false returns (rain, spray); ratio to the true ones", 0.3, 0, 1, 5},
       {FaultKind::kFrozenCloud, "frozen_cloud", "the points of the last sweep before, with new stamps", 1, 1, 1, 3},
-      {FaultKind::kHalfSweep, "half_sweep", "the sweep ends early; share that is left", 0.5, 0, 1, 5},
+      {FaultKind::kHalfSweep, "half_sweep", "the sweep ends early; ratio that is left", 0.5, 0, 1, 5},
       {FaultKind::kDropped, "dropped", "sweeps that never arrive; share", 1, 0, 1, 1},
       {FaultKind::kDuplicated, "duplicated", "sweeps that arrive twice, same stamp; share", 1, 0, 1, 3},
       {FaultKind::kReordered, "reordered", "pairs of sweeps swapped; share", 1, 0, 1, 3},
@@ -54,7 +54,7 @@ const std::vector<FaultTraits>& faultTraits() {
       {FaultKind::kDenseTraffic, "dense_traffic", "vehicles close around that move with the car; their number", 12, 1,
        60, 20},
       {FaultKind::kEmptyCloud, "empty_cloud", "clouds without a point", 1, 1, 1, 2},
-      {FaultKind::kNan, "nan", "coordinates that are NaN; share of the points", 1, 0, 1, 2},
+      {FaultKind::kNan, "nan", "coordinates that are NaN; ratio of the points", 1, 0, 1, 2},
   };
   return table;
 }
