@@ -49,7 +49,8 @@ struct Options {
 
 void addOptions(CLI::App& app, Options& options) {
   [[maybe_unused]] CLI::Option* kitti = app.add_option(
-      "--kitti", options.kitti, "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32");
+      "--kitti", options.kitti,
+      "folder with velodyne/NNNNNN.bin, optional times.txt, stamps/NNNNNN.f32, rings/NNNNNN.u16; or of KITTI raw");
 #ifdef FAIL_AWARE_WITH_BAGS
   CLI::Option* bag =
       app.add_option("--bag", options.bags,
