@@ -8,26 +8,26 @@ from .run import NotAvailable
 
 SECTIONS = [
     ("trajectory", "Trajectory", figure_trajectory.draw,
-     "From above; odometry and truth laid on each other at t1, in position and heading. In an ellipse the odometry "
-     "expects to be with 95 % probability, by its own covariance since t1."),
+     "From above; odometry and truth are aligned at t1, in position and heading. An ellipse contains the true position "
+     "with a probability of 95 %, by the odometry's own covariance since t1."),
     ("error", "Error over distance", figure_error.draw,
-     "Against the truth, since t1. The bands are what the odometry expects of itself: a calibrated one stays within "
-     "1 sigma for about two thirds of the way, hardly ever beyond 3."),
+     "Against the truth, since t1. The bands are the odometry's own covariance. If it is calibrated, the error is within "
+     "1 sigma for about two thirds of the distance, and rarely beyond 3 sigma."),
     ("indicator", "Fail-aware indicator", figure_indicator.draw,
-     "The article's figure: (a) heading uncertainty of the filter, (b) the indicator eta summed up from it, which "
-     "predicts when it reaches its threshold, (c) the true horizontal error."),
+     "The article's figure: (a) heading uncertainty of the filter, (b) the indicator eta, the sum of its changes, with its "
+     "threshold, (c) the true horizontal error."),
     ("time_to_failure", "Time to failure", figure_time_to_failure.draw,
-     "Predicted against true. A prediction above the truth is late (unsafe), one below it early. At the top edge: "
-     "beyond the horizon. Gaps: unknown. Where the alert limit was not passed before the end, the truth is more than the "
-     "time left to the end (dotted)."),
+     "Predicted against true. A prediction above the truth is late (unsafe), one below it is early. At the top edge: "
+     "beyond the horizon. Gaps: unknown. If the error does not pass the alert limit before the end, the true time is not "
+     "known; it is longer than the dotted line, the time that is left to the end."),
     ("timeline", "States, reasons, faults", figure_timeline.draw,
-     "What the planner was told, sweep by sweep, and why; below, the faults that were put in."),
+     "State and reasons in the message to the planner, sweep by sweep; below them, the simulated faults."),
     ("weights", "Weights of the measurements", figure_measurements.draw_weights,
-     "1: as predicted. Gated out: a pose was there, but too far from the prediction. No pose: the algorithm said why in "
-     "its status."),
+     "1: the measurement equals the prediction. Gated out: the pose is too far from the prediction. No pose: the status of "
+     "the measurement gives the reason."),
     ("nis", "Normalised innovations", figure_measurements.draw_nis,
-     "How far each measurement was from the prediction, in units of the uncertainty that both claim. Below the band: "
-     "they claim too much of it; above: too little."),
+     "Distance of each measurement from the prediction, in units of their joint covariance. Below the band: the covariance "
+     "is too large; above: too small."),
     ("stage_times", "Time of the stages", figure_stage_times.draw,
      "Offline: computing time, without reading files. Live: see the labels."),
 ]
