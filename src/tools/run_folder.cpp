@@ -209,7 +209,7 @@ std::size_t firstTruthRow(const RunRows& rows, std::size_t truth_rows, const std
   if (truth_rows >= rows.scans && truth_rows - rows.scans >= rows.first) return rows.first;
   throw InputError(truth + " has " + std::to_string(truth_rows) + " poses, " + run + " read " +
                    std::to_string(rows.scans) + " scans from scan " + std::to_string(rows.first) +
-                   " on: they do not belong together");
+                   " on: they do not belong together; the ground truth needs a row for each scan of the drive");
 }
 
 }  // namespace fail_aware

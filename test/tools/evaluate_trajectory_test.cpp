@@ -197,6 +197,9 @@ TEST_F(EvaluateTrajectory, PlotScriptDrawsTheOutput) {
   for (const char* name : {"trajectory.png", "error_per_length.png", "position_error.png"}) {
     EXPECT_GT(fs::file_size(out / name), 1000u) << name;
   }
+  const ToolRun nothing = runProgram(SCRIPTS "/plot_trajectory", "'" + folder_.string() + "'", folder_);
+  EXPECT_EQ(nothing.exit_code, 2);
+  expectOneErrorLine(nothing, "plot_trajectory", "evaluate_trajectory --output " + folder_.string());
 }
 
 }  // namespace
