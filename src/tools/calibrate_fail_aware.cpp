@@ -53,6 +53,7 @@ int run(Options options) {
   ParameterList list;
   std::vector<std::string> notes;
   ProgressBar progress(kMostReplays * runs.size());
+  progress.update(0);
   std::size_t replayed = 0;
   const auto replay = [&](const auto& change) {
     std::vector<FailAwareEpisode> episodes = episodesOf(runs, options.episodes, change);

@@ -46,6 +46,7 @@ int run(const Options& options) {
   std::vector<IncrementSample> increments;
   std::vector<DriftRun> drives;
   ProgressBar progress(runs.size() + 2);  // the runs, and two fits
+  progress.update(0);
   for (const FailAwareRun& run : runs) {
     const std::vector<IncrementSample> of_run = incrementSamples(run.truth, run.log, run.params.profile.filter);
     increments.insert(increments.end(), of_run.begin(), of_run.end());

@@ -63,6 +63,7 @@ std::vector<JudgedRun> judgeRuns(Options& options) {
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   std::vector<JudgedRun> judged;
   ProgressBar progress(runs.size());
+  progress.update(0);  // a long run takes minutes
   for (const FailAwareRun& run : runs) {
     judged.push_back({run.name, options.episodes.alert_limit_m, options.episodes.episode_every_s,
                       consistencySamples(run),
@@ -118,6 +119,7 @@ int run(Options options) {
   std::vector<const ConsistencySamples*> all_samples;
   std::vector<std::string> names;
   ProgressBar progress(runs.size() + 1);
+  progress.update(0);
   for (std::size_t r = 0; r < runs.size(); ++r) {
     std::vector<FailAwareEpisode>& episodes = runs[r].episodes;
     for (FailAwareEpisode& episode : episodes) episode.run = r;
