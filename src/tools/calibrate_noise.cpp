@@ -67,10 +67,10 @@ int run(const Options& options) {
     if (isOfIncrement(key) || isOfDrift(key)) list.emplace_back(key, value);
   }
   printAndKeep(formatYaml(list), options.output);
-  reportVerdict(
-      kName, "fitted to " + std::to_string(increments.size()) + " motions of " + std::to_string(runs.size()) + " runs",
-      "judge it on other runs: evaluate_fail_aware --parameters " +
-          (options.output.empty() ? "FILE (--output FILE keeps it)" : options.output));
+  reportVerdict(kName,
+                "fitted to " + std::to_string(increments.size()) + " motions; runs: " + std::to_string(runs.size()),
+                "judge it on other runs: evaluate_fail_aware --parameters " +
+                    (options.output.empty() ? "FILE (--output FILE keeps it)" : options.output));
   return kExitDone;
 }
 
