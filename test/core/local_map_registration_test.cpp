@@ -407,6 +407,26 @@ TEST(LocalMapRegistration, FailedSearchBeginsAnew) {
   EXPECT_LT(rotationErrorDeg(front.T_odom_cog_initial_guess(), T_1500_1600), 0.5);
 }
 
+TEST(LocalMapRegistration, UnknownMotionUnderWayIsSearchedAnew) {
+  LocalMapRegistration front = makeFront(true);
+  const SyntheticDrive drive = curve();
+  placeFirst(front, drive);
+  const Pose T_100 = drive.pose(0.1), T_200 = drive.pose(0.2), T_300 = drive.pose(0.3);
+  SweepPrediction known = predictionOf(0.1, 0.1, Pose::Identity(), T_100, true);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), known, drive.T_cog_lidar));
+  FilterState restarted = stateOf(known, T_100, true);
+  restarted.map_update = MapUpdate::kRestart;
+  front.place(restarted);
+  // the map's only sweep is 0.1 s old, but the search does not know it
+  const SweepPrediction unknown = predictionOf(0.2, 0.1, T_100, Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.2, 3), unknown, drive.T_cog_lidar));
+  EXPECT_TRUE(front.map().empty());
+  front.place(stateOf(unknown, T_200, false));
+  const SweepPrediction next = predictionOf(0.3, 0.1, T_200, Pose::Identity(), false);
+  ASSERT_TRUE(front.prepare(drive.sweep(0.3, 4), next, drive.T_cog_lidar));
+  EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), T_300), 0.15);
+}
+
 TEST(LocalMapRegistration, NoMotionStartsAtPrediction) {
   LocalMapRegistration front = makeFront(true);
   SyntheticDrive drive = curve();

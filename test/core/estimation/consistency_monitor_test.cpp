@@ -141,6 +141,20 @@ TEST(ConsistencyMonitor, WhatTellsNoMotionIsSaidWhateverItAdds) {
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(sweep).velocity_unobservable) << "nothing has fitted yet";
 }
 
+TEST(ConsistencyMonitor, MisfitAfterDeadReckoningLosesTheMotion) {
+  ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+  ConsistencyMonitor::Sweep sweep;
+  sweep.dt_s = 0.1;
+  sweep.fitting_ratio = 0.9;
+  sweep.dead_reckoned = true;
+  for (int i = 0; i < 15; ++i) EXPECT_FALSE(monitor.add(sweep).motion_lost) << i;
+  sweep.dead_reckoned = false;
+  sweep.fitting_ratio = 0.45;
+  bool lost = false;
+  for (int i = 0; i < 5; ++i) lost = monitor.add(sweep).motion_lost || lost;
+  EXPECT_TRUE(lost);
+}
+
 TEST(ConsistencyMonitor, ClearedItBeginsAnew) {
   ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   Sweep odd = oddInAll();

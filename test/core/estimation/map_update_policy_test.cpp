@@ -123,6 +123,16 @@ TEST(MapUpdatePolicy, BeginsAnewAtTheTenthSweepThatTellsNoMotion) {
 }
 
 /// Their error from before is in the new map: a gap that was open must not be forgiven.
+TEST(MapUpdatePolicy, LostMotionRestarts) {
+  MapUpdatePolicy policy = underWay();
+  Sweep lost = kMeasured;
+  lost.motion_lost = true;
+  const std::vector<FusionInput> measured = bothIcps(&kFound, &kFound);
+  EXPECT_TRUE(isInserted(policy.add(measured, kMeasured)));
+  EXPECT_TRUE(isRestart(policy.add(measured, lost)));
+  EXPECT_TRUE(isInserted(policy.add(measured, kMeasured)));
+}
+
 TEST(MapUpdatePolicy, BeginsAnewWhereBothIcpsBeganTheirs) {
   MapUpdatePolicy policy = underWay();
   const Decision begun = policy.add(bothIcps(&kNothingThere, &kNothingThere), kPredicted);

@@ -108,6 +108,28 @@ TEST(PoseFilter, SpeedErrorDoesNotFeedBack) {
   EXPECT_GT(worstPredictionInBraking(-0.05, 0.0), 0.01) << "taken from the poses at the stamps it does";
 }
 
+TEST(PoseFilter, LostMotionIsUnknownUntilMeasuredAgain) {
+  PoseFilter filter = makeFilter();
+  Drive drive;
+  filter.reset(drive.T_start);
+  MotionStatus worst = MotionStatus::kObserved;
+  bool restarted = false;
+  for (int i = 0; i <= 80; ++i) {
+    SweepPrediction prediction;
+    ASSERT_TRUE(filter.predict(drive.stamp(i), prediction));
+    Measurement planes = measured(drive.at(i));
+    planes.inlier_ratio = i < 50 ? 0.9 : 0.45;
+    if (i >= 30 && i < 50) planes.covariance.topLeftCorner<2, 2>() += 1e4 * Eigen::Matrix2d::Identity();  // a tunnel
+    const FilterState& state = filter.correct({{kIcpPointToPlane, i > 0 ? &planes : nullptr}});
+    if (i < 50) continue;
+    restarted = restarted || state.map_update == MapUpdate::kRestart;
+    if (state.motion_status == MotionStatus::kUnknown) worst = MotionStatus::kUnknown;
+  }
+  EXPECT_TRUE(restarted);
+  EXPECT_EQ(worst, MotionStatus::kUnknown);
+  EXPECT_TRUE(filter.state().motionObserved()) << "the search has found it again";
+}
+
 TEST(PoseFilter, TheFirstSweepDefinesThePose) {
   PoseFilter filter = makeFilter();
   const Pose T = pose(3.0, -2.0, 0.5, 0.01, -0.02, 1.2);

@@ -1,0 +1,68 @@
+#include "core/estimation/lost_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+
+namespace fail_aware {
+namespace {
+
+/// Adds sweeps with that inlier ratio; whether the motion was lost in one of them.
+bool addSweeps(LostMotion& lost_motion, int sweeps, bool dead_reckoned, std::optional<double> ratio) {
+  bool lost = false;
+  for (int i = 0; i < sweeps; ++i) lost = lost_motion.add(dead_reckoned, ratio) || lost;
+  return lost;
+}
+
+/// A town, then a tunnel.
+LostMotion afterTunnel() {
+  LostMotion lost_motion;
+  EXPECT_FALSE(addSweeps(lost_motion, 30, false, 0.88));
+  EXPECT_FALSE(addSweeps(lost_motion, 30, true, 0.93));
+  return lost_motion;
+}
+
+TEST(LostMotion, MisfitAfterDeadReckoningIsLost) {
+  LostMotion lost_motion = afterTunnel();
+  EXPECT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
+}
+
+TEST(LostMotion, FitThatComesBackIsNotLost) {
+  LostMotion lost_motion = afterTunnel();
+  EXPECT_FALSE(addSweeps(lost_motion, 2, false, 0.4)) << "the map does not hold the tunnel's end yet";
+  EXPECT_FALSE(addSweeps(lost_motion, 60, false, 0.8));
+}
+
+TEST(LostMotion, MisfitWithoutDeadReckoningIsNotLost) {
+  LostMotion lost_motion;
+  addSweeps(lost_motion, 30, false, 0.88);
+  EXPECT_FALSE(addSweeps(lost_motion, 30, false, 0.4)) << "dense vegetation";
+}
+
+TEST(LostMotion, ShortDeadReckoningIsNotWatched) {
+  LostMotion lost_motion;
+  addSweeps(lost_motion, 30, false, 0.88);
+  addSweeps(lost_motion, 9, true, 0.93);
+  EXPECT_FALSE(addSweeps(lost_motion, 10, false, 0.4));
+}
+
+TEST(LostMotion, UsualRatioIsAssumedUntilItIsKnown) {
+  LostMotion lost_motion;
+  EXPECT_FALSE(addSweeps(lost_motion, 30, true, 0.93)) << "a start in a tunnel";
+  EXPECT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
+}
+
+TEST(LostMotion, GapEndsTheWatch) {
+  LostMotion lost_motion = afterTunnel();
+  addSweeps(lost_motion, 1, true, std::nullopt);
+  EXPECT_FALSE(addSweeps(lost_motion, 10, false, 0.4)) << "relocalization searches in the map";
+}
+
+TEST(LostMotion, ClearedItForgets) {
+  LostMotion lost_motion = afterTunnel();
+  lost_motion.clear();
+  EXPECT_FALSE(addSweeps(lost_motion, 10, false, 0.4));
+}
+
+}  // namespace
+}  // namespace fail_aware
