@@ -32,10 +32,10 @@ class MeasurementRecord {
     status.add("sweeps with a pose", usable_);
     status.addf("ms", "%.1f", 1e3 * last_.duration);
     status.addf("rms residual (m)", "%.3f", last_.rms_residual);
-    status.addf("inlier share", "%.2f", last_.inlier_ratio);
+    status.addf("inlier ratio", "%.2f", last_.inlier_ratio);
     status.addf("seed spread (m)", "%.3f", last_.seed_spread);
-    status.add("weak directions", static_cast<int>(last_.degenerate_directions));
-    status.addf("weakest direction's information share", "%.3f", last_.min_information_ratio);
+    status.add("degenerate directions", static_cast<int>(last_.degenerate_directions));
+    status.addf("weakest direction's information ratio", "%.3f", last_.min_information_ratio);
     status.add("sweeps skipped", skipped);
     status.add("predictions not usable", unusable_);
   }
