@@ -28,10 +28,14 @@ void ConsistencyMonitor::Params::validate() const {
 ConsistencyMonitor::ConsistencyMonitor(const Params& params) : params_(params) { params_.validate(); }
 
 void ConsistencyMonitor::clear() {
+  lost_motion_.clear();
+  forgetSweeps();
+}
+
+void ConsistencyMonitor::forgetSweeps() {
   undecided_m_.clear();
   innovation_m_.clear();
   fitting_ratio_.clear();
-  lost_motion_.clear();
   sweeps_without_planes_ = 0;
   fitted_ = false;
 }
@@ -58,8 +62,9 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const bool fitted_not = fitting_ratio_.isFull() && fitting_ratio_.median() < params_.fitting_ratio;
   inflation.velocity_unobservable =
       fitted_ && (fitted_not || fits_not);  // without delay: a speed taken from one such sweep persists
-  inflation.motion_lost = lost_motion_.add(sweep.dead_reckoned, sweep.fitting_ratio);
   if (fitting_ratio_.isFull() && !fitted_not) fitted_ = true;
+  inflation.motion_lost = lost_motion_.add(sweep.dead_reckoned, sweep.fitting_ratio);
+  if (inflation.motion_lost) forgetSweeps();
   return inflation;
 }
 

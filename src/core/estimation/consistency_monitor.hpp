@@ -68,6 +68,7 @@ class ConsistencyMonitor {
   void clear();
 
  private:
+  void forgetSweeps();
   double persistentInnovation_m(double dt_s) const;
   double unfitting_m() const;
 

@@ -10,6 +10,7 @@ constexpr double kUsualRatio = 0.85;    // in town and country, before it is kno
 // Of the usual ratio. With a speed that was nearly right it is above 0.9 within five sweeps after a tunnel or fog; in
 // false minima it is 0.4 to 0.7.
 constexpr double kLost = 0.65;
+constexpr double kBelieved = 0.3;  // below it the velocity counts as unobservable (consistency_monitor.hpp)
 
 }  // namespace
 
@@ -27,8 +28,14 @@ bool LostMotion::add(bool dead_reckoned, const std::optional<double>& fitting_ra
   }
   recent_ratio_.add(*fitting_ratio);
   if (!dead_reckoned && watched_sweeps_ == 0) usual_ratio_.add(*fitting_ratio);
+  if (watched_sweeps_ == 0 || !recent_ratio_.isFull()) return false;
+  if (!usual_ratio_.isFull() && !usual_is_assumed_) return false;
   const double usual = usual_ratio_.isFull() ? usual_ratio_.median() : kUsualRatio;
-  return watched_sweeps_ > 0 && recent_ratio_.isFull() && recent_ratio_.median() < kLost * usual;
+  const double recent = recent_ratio_.median();
+  if (recent < kBelieved || recent >= kLost * usual) return false;
+  clear();
+  usual_is_assumed_ = false;
+  return true;
 }
 
 }  // namespace fail_aware

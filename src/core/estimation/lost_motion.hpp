@@ -18,7 +18,7 @@ namespace fail_aware {
 class LostMotion {
  public:
   /// `dead_reckoned`: the speed before this sweep was not observed. `fitting_ratio`: inlier ratio of point-to-plane; none:
-  /// it did not measure. Returns whether the motion is lost.
+  /// it did not measure. Returns whether the motion is lost: the sweeps are believed, but do not fit.
   bool add(bool dead_reckoned, const std::optional<double>& fitting_ratio);
 
   void clear() { *this = LostMotion(); }
@@ -27,6 +27,7 @@ class LostMotion {
   MovingMedian usual_ratio_{20};  ///< while the speed was observed
   MovingMedian recent_ratio_{5};
   int dead_reckoned_sweeps_ = 0;  ///< consecutive, measured
+  bool usual_is_assumed_ = true;  ///< until it is known; not after a loss: then the surroundings may fit badly
   int watched_sweeps_ = 0;        ///< left, in which the map may prove useless
 };
 

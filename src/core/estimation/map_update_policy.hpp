@@ -33,8 +33,8 @@ class MapUpdatePolicy {
     bool motion_known = false;           ///< SweepPrediction::motionKnown()
     bool observed = false;               ///< corrected by a measurement that observes roll and pitch
     bool velocity_unobservable = false;  ///< ConsistencyMonitor::Inflation's, of the last corrected sweep
-    bool motion_lost = false;            ///< ConsistencyMonitor::Inflation's
     bool follows = false;                ///< the last sweep was measured, and the interval to it is not long
+    bool motion_lost = false;            ///< ConsistencyMonitor::Inflation's
   };
 
   struct Decision {

@@ -225,7 +225,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   sweep.motion_lost = inflation.motion_lost;
   const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
   next.map_update = map.update;
-  if (map.out_of_sight || inflation.motion_lost) consistency_.clear();
+  if (map.out_of_sight) consistency_.clear();
   if (inflation.motion_lost) corrected_sweeps_ = 0;
   const bool measured = next.measurement_applied || map.begins;
   started_ = true;

@@ -52,6 +52,18 @@ TEST(LostMotion, UsualRatioIsAssumedUntilItIsKnown) {
   EXPECT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
 }
 
+TEST(LostMotion, WhatIsNotBelievedIsNotLost) {
+  LostMotion lost_motion = afterTunnel();
+  EXPECT_FALSE(addSweeps(lost_motion, 10, true, 0.2)) << "the velocity is held";
+}
+
+TEST(LostMotion, AfterALossTheSurroundingsMayFitBadly) {
+  LostMotion lost_motion = afterTunnel();
+  ASSERT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
+  addSweeps(lost_motion, 15, true, 0.5);
+  EXPECT_FALSE(addSweeps(lost_motion, 60, false, 0.5));
+}
+
 TEST(LostMotion, GapEndsTheWatch) {
   LostMotion lost_motion = afterTunnel();
   addSweeps(lost_motion, 1, true, std::nullopt);

@@ -117,10 +117,10 @@ TEST(PoseFilter, LostMotionIsUnknownUntilMeasuredAgain) {
   for (int i = 0; i <= 80; ++i) {
     SweepPrediction prediction;
     ASSERT_TRUE(filter.predict(drive.stamp(i), prediction));
-    Measurement planes = measured(drive.at(i));
-    planes.inlier_ratio = i < 50 ? 0.9 : 0.45;
+    Measurement planes = i > 0 ? measured(drive.at(i)) : Measurement();
+    planes.inlier_ratio = i < 50 || restarted ? 0.9 : 0.45;
     if (i >= 30 && i < 50) planes.covariance.topLeftCorner<2, 2>() += 1e4 * Eigen::Matrix2d::Identity();  // a tunnel
-    const FilterState& state = filter.correct({{kIcpPointToPlane, i > 0 ? &planes : nullptr}});
+    const FilterState& state = filter.correct({{kIcpPointToPlane, &planes}});
     if (i < 50) continue;
     restarted = restarted || state.map_update == MapUpdate::kRestart;
     if (state.motion_status == MotionStatus::kUnknown) worst = MotionStatus::kUnknown;
