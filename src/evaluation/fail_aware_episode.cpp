@@ -91,4 +91,16 @@ std::vector<std::size_t> judgedSweeps(const FailAwareEpisode& episode) {
   return judged;
 }
 
+std::vector<std::size_t> eachSecond(const FailAwareEpisode& episode) {
+  std::vector<std::size_t> chosen;
+  double next_s = 0.0;
+  for (std::size_t i = 0; i < episode.sweeps.size(); ++i) {
+    const double since_start_s = episode.sweeps[i].since_start_s + kStartTolerance_s;
+    if (since_start_s < next_s) continue;
+    next_s = std::floor(since_start_s) + 1.0;
+    chosen.push_back(i);
+  }
+  return chosen;
+}
+
 }  // namespace fail_aware

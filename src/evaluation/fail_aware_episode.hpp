@@ -33,6 +33,7 @@ struct FailAwareEpisode {
   bool failed = false;
   double time_s = 0.0;  ///< to the failure, or to the run's end
   double alert_limit_m = 0.0;
+  std::vector<double> fault_begins_s;  ///< since t1, of faults that were put into the drive: set by the caller
   std::vector<FailAwareSweep> sweeps;  ///< from t1 (the first has since_start_s = 0) to the run's end
 
   /// What a planner could have acted on: t1 included, the failing sweep not.
@@ -49,5 +50,8 @@ std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, 
 /// Indices of the sweeps at which predictions are judged: 1, 3, 5 s after t1, and every further second before the
 /// failure.
 std::vector<std::size_t> judgedSweeps(const FailAwareEpisode& episode);
+
+/// Indices of the first sweeps at or after t1 and each further second, to the run's end: the rows of predictions.csv.
+std::vector<std::size_t> eachSecond(const FailAwareEpisode& episode);
 
 }  // namespace fail_aware

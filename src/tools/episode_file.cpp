@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kBegin = "fail_aware episodes 1\n", kEnd = "end of the episodes\n";
+const std::string kBegin = "fail_aware episodes 2\n", kEnd = "end of the episodes\n";
 
 class Writer {
  public:
@@ -134,6 +134,7 @@ void visitEpisode(Visitor& v, Episode& episode) {
   v(episode.failed);
   v(episode.time_s);
   v(episode.alert_limit_m);
+  v(episode.fault_begins_s);
   v(episode.sweeps);
 }
 

@@ -52,6 +52,9 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--early", options.report.early_s, "an alarm more than this before a failure is a false one, s")
       ->check(positiveNumber())
       ->capture_default_str();
+  app.add_option("--deceleration", options.report.deceleration_mps2, "of the planner's stop, m/s^2")
+      ->check(positiveNumber())
+      ->capture_default_str();
   app.add_option("--resamples", options.report.resamples, "of the bootstrap")
       ->check(wholeNumber(1, 1000000))
       ->capture_default_str();
@@ -68,6 +71,9 @@ std::vector<JudgedRun> judgeRuns(Options& options) {
     judged.push_back({run.name, options.episodes.alert_limit_m, options.episodes.episode_every_s,
                       consistencySamples(run),
                       failAwareEpisodes(run.truth, run.log, run.params.profile.monitor, options.episodes)});
+    for (FailAwareEpisode& episode : judged.back().episodes) {
+      for (const double begin_s : run.fault_begins_s) episode.fault_begins_s.push_back(begin_s - episode.begin_s);
+    }
     progress.update(judged.size());
   }
   return judged;
@@ -126,6 +132,7 @@ int run(Options options) {
     std::string name = runs[r].name;
     if (reports.contains(name)) name += "#" + std::to_string(r + 1);
     reports[name] = predictionReport(episodes, options.report);
+    reports[name]["planner"] = plannerReport(episodes, options.report);
     reports[name]["consistency"] = consistencyReport({&runs[r].samples}, episodes);
     std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
     all_samples.push_back(&runs[r].samples);
@@ -134,6 +141,7 @@ int run(Options options) {
   }
   if (runs.size() > 1) {
     reports["pooled"] = predictionReport(all, options.report);
+    reports["pooled"]["planner"] = plannerReport(all, options.report);
     reports["pooled"]["consistency"] = consistencyReport(all_samples, all);
   }
   progress.update(runs.size() + 1);

@@ -15,9 +15,11 @@
 #include "core/integrity/monitor_replay.hpp"
 #include "core/types/measurement.hpp"
 #include "evaluation/alarm_statistics.hpp"
+#include "evaluation/clopper_pearson.hpp"
 #include "evaluation/concordance.hpp"
 #include "evaluation/consistency.hpp"
 #include "evaluation/kaplan_meier.hpp"
+#include "evaluation/planner_figure.hpp"
 #include "evaluation/prediction_statistics.hpp"
 #include "evaluation/quantile.hpp"
 #include "evaluation/stanford_diagram.hpp"
@@ -72,6 +74,42 @@ Json orNull(const std::optional<double>& value) { return value ? Json(*value) : 
 
 Json intervalJson(const std::optional<Interval>& interval) {
   return interval ? Json({interval->low, interval->high}) : Json(nullptr);
+}
+
+Json countJson(std::size_t part, std::size_t whole) {
+  return {{"count", part},
+          {"of", whole},
+          {"ratio", whole > 0 ? Json(static_cast<double>(part) / static_cast<double>(whole)) : Json(nullptr)},
+          {"interval", intervalJson(clopperPearson(part, whole, kIntervalLevel))}};
+}
+
+Json figureJson(const PlannerFigure& figure) {
+  return {{"in_time", countJson(figure.in_time, figure.stoppable)},
+          {"told", countJson(figure.told, figure.unstoppable)},
+          {"sound_stopped", countJson(figure.sound_stopped, figure.sound)},
+          {"too_sudden", figure.too_sudden},
+          {"used_ratio", orNull(figure.usedRatio())},
+          {"used_ratio_of_failing", orNull(figure.usedRatioOfFailing())},
+          {"used_ratio_of_sound", orNull(figure.usedRatioOfSound())},
+          {"used_failing_s", figure.used_failing_s},
+          {"possible_failing_s", figure.possible_failing_s},
+          {"used_sound_s", figure.used_sound_s},
+          {"possible_sound_s", figure.possible_sound_s}};
+}
+
+Json fixedJson(const char* unit, const FixedRule& rule) {
+  Json json = figureJson(rule.figure);
+  json[unit] = rule.value;
+  return json;
+}
+
+Json plannerJson(const std::vector<PlannerDrive>& drives, double deceleration_mps2) {
+  const PlannerFigure figure = plannerFigure(drives, deceleration_mps2);
+  return {{"time_or_state", figureJson(figure)},
+          {"state", figureJson(plannerFigure(drives, deceleration_mps2, StopRule::kState))},
+          {"time", figureJson(plannerFigure(drives, deceleration_mps2, StopRule::kTime))},
+          {"fixed_time", fixedJson("time_s", bestFixedTime(drives, deceleration_mps2, figure.in_time))},
+          {"fixed_distance", fixedJson("distance_m", bestFixedDistance(drives, deceleration_mps2, figure.in_time))}};
 }
 
 /// Of the samples of all episodes, and of those at three instants.
@@ -257,6 +295,23 @@ Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const Repor
   return json;
 }
 
+Json plannerReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options) {
+  std::vector<PlannerDrive> drives, with_faults;
+  bool has_faults = false;
+  for (const FailAwareEpisode& episode : episodes) {
+    with_faults.push_back(plannerDrive(episode));
+    drives.push_back(with_faults.back());
+    drives.back().faults_s.clear();
+    has_faults = has_faults || !episode.fault_begins_s.empty();
+  }
+  Json json = plannerJson(drives, options.deceleration_mps2);
+  json["deceleration_mps2"] = options.deceleration_mps2;
+  // nlohmann's null has no value; moving it is fine
+  json["sudden_faults_apart"] = nullptr;  // NOLINT(clang-analyzer-core.CallAndMessage)
+  if (has_faults) json["sudden_faults_apart"] = plannerJson(with_faults, options.deceleration_mps2);
+  return json;
+}
+
 ConsistencySamples consistencySamples(const FailAwareRun& run) {
   ConsistencySamples samples;
   for (std::size_t i = 1; i < run.log.size(); ++i) {
@@ -362,6 +417,35 @@ void printTable(std::ostream& out, const Json& reports) {
   path("lead time p50, s", "/lead_p50_s", 1);
   path("  enough to stop at 2 m/s^2, %", "/stop_in_time_2mps2", 0, 100.0);
   path("  enough to stop at 4 m/s^2, %", "/stop_in_time_4mps2", 0, 100.0);
+  const auto share = [&](const std::string& label, const std::string& pointer) {
+    row(label, [&](const Json& j) {
+      const Json& count = j.at(nlohmann::json::json_pointer(pointer));
+      return number(count.at("ratio"), 0, 100.0) + " % of " + std::to_string(count.at("of").get<std::size_t>());
+    });
+    row("  95 % interval", [&](const Json& j) {
+      const Json& interval = j.at(nlohmann::json::json_pointer(pointer)).at("interval");
+      return number(interval.at(0), 0, 100.0) + ".." + number(interval.at(1), 0, 100.0);
+    });
+  };
+  const auto used = [&](const std::string& base) {
+    path("  used, %", base + "/used_ratio", 0, 100.0);
+    path("    of failing drives, %", base + "/used_ratio_of_failing", 0, 100.0);
+    path("    of sound drives, %", base + "/used_ratio_of_sound", 0, 100.0);
+  };
+  share("planner: stopped in time", "/planner/time_or_state/in_time");
+  used("/planner/time_or_state");
+  share("  sound drives stopped", "/planner/time_or_state/sound_stopped");
+  share("  no time to stop: told at once", "/planner/time_or_state/told");
+  share("  without sudden faults: in time", "/planner/sudden_faults_apart/time_or_state/in_time");
+  path("    sudden faults", "/planner/sudden_faults_apart/time_or_state/too_sudden", 0);
+  share("planner by state alone: in time", "/planner/state/in_time");
+  used("/planner/state");
+  path("best fixed time in hindsight, s", "/planner/fixed_time/time_s", 0);
+  share("  in time", "/planner/fixed_time/in_time");
+  used("/planner/fixed_time");
+  path("best fixed distance in hindsight, m", "/planner/fixed_distance/distance_m", 0);
+  share("  in time", "/planner/fixed_distance/in_time");
+  used("/planner/fixed_distance");
   for (const Predictor& predictor : predictors()) {
     const std::string base = std::string("/concordance/") + predictor.name;
     path(std::string("concordance ") + predictor.name, base + "/index", 3);
@@ -408,10 +492,8 @@ void writePredictions(std::ostream& out, const std::vector<std::string>& run_nam
          "protection_level_m,speed_mps\n";
   out << std::setprecision(8);
   for (const FailAwareEpisode& episode : episodes) {
-    double next_s = 0.0;
-    for (const FailAwareSweep& sweep : episode.sweeps) {
-      if (sweep.since_start_s + kStartTolerance_s < next_s) continue;
-      next_s = std::floor(sweep.since_start_s + kStartTolerance_s) + 1.0;
+    for (const std::size_t i : eachSecond(episode)) {
+      const FailAwareSweep& sweep = episode.sweeps[i];
       const MonitorOutput& o = sweep.output;
       out << run_names[episode.run] << ',' << std::to_string(episode.begin_s) << ',' << (episode.failed ? 1 : 0) << ','
           << sweep.since_start_s << ',' << sweep.remaining_s << ',' << o.time_to_failure.seconds << ','

@@ -16,11 +16,15 @@ namespace fail_aware {
 struct ReportOptions {
   int resamples = 1000;
   std::uint64_t seed = 1;
-  double early_s = 30.0;  ///< an alarm earlier than this before a failure is false
+  double early_s = 30.0;           ///< an alarm earlier than this before a failure is false
+  double deceleration_mps2 = 2.0;  ///< of the planner's stop
 };
 
 /// What is said about the time to failure; the predictors and baselines by name.
 Json predictionReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options);
+
+/// The planner's figure (evaluation/planner_figure.hpp) with its baselines.
+Json plannerReport(const std::vector<FailAwareEpisode>& episodes, const ReportOptions& options);
 
 /// Squared errors of one run, sweep by sweep, in units of their standard deviations.
 struct ConsistencySamples {

@@ -2,9 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <fstream>
 
 #include "core/io/input_error.hpp"
 #include "core/io/monitor_log.hpp"
+#include "core/io/number_table.hpp"
+#include "core/io/text_lines.hpp"
 #include "core/io/trajectory_io.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 #include "parameter_overrides.hpp"
@@ -17,6 +20,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The second column of simulate_drive's faults.csv, s since the drive's first sweep.
+std::vector<double> readFaultBegins(const fs::path& path) {
+  std::vector<double> begins_s;
+  std::ifstream file(path);
+  if (!file) return begins_s;
+  skipByteOrderMark(file, path.string());
+  std::string line;
+  nextLine(file, line);  // the header
+  while (nextLine(file, line)) {
+    if (line.empty()) continue;
+    try {
+      number_table::Cells cells(line);
+      cells.next();
+      begins_s.push_back(number_table::numberFrom(cells.next()));
+    } catch (const InputError& error) {
+      throw InputError(path.string() + ": " + error.what());
+    }
+  }
+  return begins_s;
+}
+
 FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth, const FailAwareRunOptions& options) {
   FailAwareRun run;
   fs::path path(folder);
@@ -24,6 +48,9 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   run.name = path.filename().string();
   const RunRows rows = runRows(readRunSummary(path), path / "summary.json");
   run.log = readMonitorLog((path / "monitor_log.csv").string());
+  for (const double begin_s : readFaultBegins(path / "faults.csv")) {
+    run.fault_begins_s.push_back(run.log.front().state.stamp_s + begin_s);
+  }
   const fs::path measurements = path / "measurements.csv";
   if (fs::exists(measurements)) run.measurements = readMeasurementLog(measurements.string());
   // A run made before a parameter existed behaves as with its default.

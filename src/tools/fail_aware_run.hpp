@@ -17,6 +17,7 @@ struct FailAwareRun {
   PipelineParameters params;
   std::vector<MonitorInput> log;
   std::vector<MeasuredMotion> measurements;  ///< empty if the run was made before they were logged
+  std::vector<double> fault_begins_s;        ///< in the log's time, of faults.csv (simulate_drive) if the folder has it
   std::vector<Pose> truth;                   ///< of the centre of gravity, one for each entry of `log`
 };
 

@@ -74,6 +74,43 @@ TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   EXPECT_NE(csv.find("\nbad,30.000000,1,0,6,"), std::string::npos);
 }
 
+/// 10 m/s: a stop takes 5 s. Sideways drift: 0.606 m after 12 s.
+TEST_F(EvaluateFailAware, ThePlannersFigureOfAKnownDrift) {
+  MadeUpRun good, bad;
+  bad.drift_m = 0.00505;
+  good.write(folder_ / "good");
+  bad.write(folder_ / "bad");
+  std::ofstream(folder_ / "bad" / "faults.csv") << "kind,start_s,duration_s,severity\nhalf_sweep,9,1,0.5\n";
+  const std::string never = " --set monitor.indicator.threshold=1.0e9 --set monitor.predictor.alert_limit_m=1.0e9";
+  run(options("good") + options("bad") + never + " --alert-limit 0.6 --resamples 1 --output '" +
+      (folder_ / "result").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const nlohmann::json planner = report()["pooled"]["planner"];
+  EXPECT_EQ(planner["time_or_state"]["in_time"]["count"], 0) << "it never stops";
+  EXPECT_EQ(planner["time_or_state"]["in_time"]["of"], 6) << "t1 at 0, 5, .. 25 s";
+  EXPECT_EQ(planner["time_or_state"]["used_ratio"], 1.0);
+  EXPECT_NEAR(planner["time_or_state"]["in_time"]["interval"][1].get<double>(), 0.4593, 1e-4);
+  EXPECT_EQ(planner["fixed_time"]["in_time"]["count"], 0) << "no worse than the planner";
+  EXPECT_EQ(planner["sudden_faults_apart"]["time_or_state"]["too_sudden"], 1) << "t1 at 0: 3 s from the fault on";
+  EXPECT_EQ(planner["sudden_faults_apart"]["time_or_state"]["in_time"]["of"], 5);
+  EXPECT_TRUE(report()["good"]["planner"]["sudden_faults_apart"].is_null());
+  EXPECT_EQ(report()["good"]["planner"]["time_or_state"]["sound_stopped"]["of"], 8);
+  EXPECT_NE(result_.out.find("planner: stopped in time"), std::string::npos);
+
+  run(options("bad") + never +
+      " --alert-limit 0.6 --deceleration 100 --resamples 1 --set monitor.predictor.horizon_s=1 " +
+      "--set monitor.indicator.horizon_s=1 --set monitor.thresholds.degraded_s=0.9 --set "
+      "monitor.thresholds.failing_s=0.9 " +
+      "--output '" + (folder_ / "result").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const nlohmann::json hasty = report()["bad"]["planner"];
+  EXPECT_EQ(hasty["time_or_state"]["in_time"]["count"], 6)
+      << "a horizon of 1 s: the time is never more than the stop takes";
+  EXPECT_NEAR(hasty["time_or_state"]["used_ratio_of_failing"].get<double>(), 3.0 / 11.0, 0.01);
+  std::ofstream(folder_ / "bad" / "faults.csv") << "kind,start_s\nhalf_sweep,soon\n";
+  expectRefused(options("bad"), "faults.csv: 'soon' is no number");
+}
+
 TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {
   MadeUpRun run_;
   run_.sweeps = 3000;

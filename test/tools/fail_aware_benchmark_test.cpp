@@ -33,6 +33,10 @@ TEST_F(FailAwareBenchmark, RunsAndJudgesADriveWithFaults) {
   const ToolRun outcome = run(options);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("| concordance, combination"), std::string::npos) << outcome.out;
+  for (const char* row : {"| planner: in time, % of ", "| planner by state alone", "| best in hindsight, ", "| street: in time",
+                          "|   NEES/dof of the accumulated position | "}) {
+    EXPECT_NE(outcome.out.find(row), std::string::npos) << row << '\n' << outcome.out;
+  }
   EXPECT_NE(outcome.out.find("| detection of frozen_cloud, sweeps, slowest of 1 |"), std::string::npos) << outcome.out;
   EXPECT_TRUE(fs::exists(folder_ / "out/runs/street_3/monitor_log.csv"));
   EXPECT_TRUE(fs::exists(folder_ / "out/pooled/fail_aware.json"));
