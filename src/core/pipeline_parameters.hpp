@@ -62,7 +62,7 @@ struct VehicleFileParameters {
 /// cfg/profiles/*.yaml. The values in code are those of default.yaml and expert.yaml.
 struct ProfileParameters {
   SweepCorrectionParams sweep_correction;
-  LevelKeepingParams vertical_reference;
+  VerticalReferenceParams vertical_reference;
   VehicleModel::Params model;
   MotionHistory::Params history;
   RoadPlaneEstimator::Params road;  ///< constants

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/preprocessing/revolution.hpp"
 #include "core/preprocessing/rings_by_order.hpp"
@@ -39,7 +40,8 @@ void dropUntimed(Sweep& sweep, std::vector<float>& times_s) {
 
 SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_angle,
                                const AzimuthCorrectionParams& azimuth, const SweepTimingParams& timing,
-                               const SweepCorrectionParams& correction, const LevelKeepingParams& vertical_reference)
+                               const SweepCorrectionParams& correction,
+                               const VerticalReferenceParams& vertical_reference)
     : vertical_angle_(vertical_angle),
       azimuth_(azimuth),
       timing_(timing),
@@ -50,9 +52,21 @@ SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_ang
   azimuth_.validate();
 }
 
+/// The last sweep, at its estimate: where the road's slope changes, the tilt that is predicted differs from it.
+void SweepCorrector::lookAtLast(const CorrectedSweep& last, const SweepPrediction& prediction,
+                                const Pose& T_cog_lidar) {
+  const std::optional<double> last_s = std::exchange(last_s_, prediction.time_s());
+  if (!prediction.motionKnown() || !last_s) return;
+  // a sweep whose cloud did not arrive has an estimate, too
+  if (std::abs(prediction.time_s() - prediction.dt_s - *last_s) > 0.5 * prediction.dt_s) return;
+  vertical_reference_.observe(last.points_lidar, last.rings, prediction.T_odom_cog_previous * T_cog_lidar,
+                              prediction.odom_reset_count);
+}
+
 SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
                                              CorrectedSweep& corrected) {
   SweepCorrectorReport report;
+  lookAtLast(corrected, prediction, T_cog_lidar);
   if (sweep.rings.empty()) sweep.rings = ringsByOrder(sweep.points_lidar);
   const std::optional<SweepSeam> seam = findSweepSeam(sweep.points_lidar);
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
@@ -70,10 +84,6 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
     const auto [first, last] = std::minmax_element(times_s_.begin(), times_s_.end());
     // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was
     report.middle_s = wholeMicroseconds(0.5 * (static_cast<double>(*first) + static_cast<double>(*last)));
-  }
-  if (prediction.motionKnown()) {
-    vertical_reference_.observe(corrected.points_lidar, prediction.T_odom_cog * T_cog_lidar,
-                                prediction.odom_reset_count);
   }
   return report;
 }

@@ -32,7 +32,7 @@ SweepTimingParams timingParams(const std::string& stamp_reference = "mid", doubl
 }
 
 SweepCorrector makeCorrector(const SweepTimingParams& timing = timingParams(), double angle_deg = 0.0) {
-  return SweepCorrector({angle_deg}, {}, timing, SweepCorrectionParams(), LevelKeepingParams());
+  return SweepCorrector({angle_deg}, {}, timing, SweepCorrectionParams(), VerticalReferenceParams());
 }
 
 SweepPrediction predictionAt(double stamp_s, double dt_s) {
@@ -118,7 +118,7 @@ TEST(SweepCorrector, AzimuthOffsetIsCorrected) {
   MovingSweep moving = scan(3.0, 0.5);
   const Pose T_corrected_head = poseFromVector(vector6(0.0, 0.0, 0.0, 0.0, 0.0, sensor.azimuth.angle_deg * kDegree));
   // what the scan holds is of a lidar whose azimuths are right; the corrected frame is turned against it
-  SweepCorrector corrector({}, sensor.azimuth, sensor.correctedTiming(), SweepCorrectionParams(), LevelKeepingParams());
+  SweepCorrector corrector({}, sensor.azimuth, sensor.correctedTiming(), SweepCorrectionParams(), VerticalReferenceParams());
   CorrectedSweep corrected;
   corrector.correct(moving.sweep, predictionAt(3.0, 0.1), kT_cog_lidar * T_corrected_head.inverse(), corrected);
   for (Eigen::Vector3d& p : moving.truth_lidar) p = T_corrected_head * p;
@@ -222,7 +222,7 @@ TEST(SweepCorrector, ParametersAreChecked) {
   EXPECT_THROW(makeCorrector(timingParams(), 6.0), ParameterError);
   SweepCorrectionParams correction;
   correction.max_truncation_m = 0.0;
-  EXPECT_THROW(SweepCorrector({}, {}, timingParams(), correction, LevelKeepingParams()), ParameterError);
+  EXPECT_THROW(SweepCorrector({}, {}, timingParams(), correction, VerticalReferenceParams()), ParameterError);
 }
 
 TEST(SweepCorrector, MissingRingsComeFromTheOrder) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -13,32 +14,74 @@
 namespace fail_aware {
 namespace {
 
-/// Sensor frame, level sensor: walls ahead, behind and beside, and poles; each leans by `lean_rad` away from the
-/// sensor.
-std::vector<Eigen::Vector3f> street(std::mt19937& random, double lean_rad = 0.0) {
-  std::normal_distribution<double> noise(0.0, 0.01);
-  std::uniform_real_distribution<double> place(-20.0, 20.0);
-  std::vector<Eigen::Vector3f> points;
-  const auto add = [&](Eigen::Vector3d p) {
-    const Eigen::Vector2d away = p.head<2>().normalized();
-    p.head<2>() += lean_rad * p.z() * away;
-    points.push_back((p + Eigen::Vector3d(noise(random), noise(random), 0.0)).cast<float>());
+/// A spinning head in a street of walls ahead, behind and beside, and poles; level, in the sensor's frame.
+class Street {
+ public:
+  static constexpr int kBeams = 32;
+
+  struct Head {
+    double range_sigma_m = 0.0;  ///< of the constant error of each beam's ranges
+    double elevation_rad = 0.0;  ///< error of all beams' elevations: they point higher than they say
   };
-  for (int wall = 0; wall < 12; ++wall) {
-    const double x = place(random), y = place(random);
-    const bool frontal = wall % 2 == 0;
-    for (double along = 0.0; along < 4.0; along += 0.1) {
-      for (double z = -1.1; z < 0.5; z += 0.15) {
-        add(frontal ? Eigen::Vector3d(x, y + along, z) : Eigen::Vector3d(x + along, y, z));
+
+  Street(const Head& head, unsigned seed) : elevation_rad_(head.elevation_rad), random_(seed) {
+    std::normal_distribution<double> normal(0.0, 1.0);
+    for (double& error : range_errors_m_) error = head.range_sigma_m * normal(random_);
+  }
+
+  struct Sweep {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<std::uint16_t> rings;
+  };
+
+  Sweep sweep() {
+    std::uniform_real_distribution<double> place(-20.0, 20.0);
+    Sweep sweep;
+    for (int wall = 0; wall < 12; ++wall) {
+      const Eigen::Vector2d from(place(random_), place(random_));
+      see(sweep, from, from + (wall % 2 == 0 ? Eigen::Vector2d(0.0, 4.0) : Eigen::Vector2d(4.0, 0.0)));
+    }
+    for (int pole = 0; pole < 6; ++pole) {
+      const Eigen::Vector2d middle(place(random_), place(random_));
+      const Eigen::Vector2d half = 0.08 * Eigen::Vector2d(-middle.y(), middle.x()).normalized();
+      see(sweep, middle - half, middle + half);
+    }
+    return sweep;
+  }
+
+  /// Adds what is seen of an upright rectangle from `from` to `to`, that reaches from 1.1 m below to 0.8 m above the sensor
+  /// and leans by slope towards +x.
+  void see(Sweep& sweep, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m = 0.8, double slope = 0.0,
+           double noise_m = 0.01) {
+    std::normal_distribution<double> noise(0.0, noise_m);
+    constexpr double kStep = 0.3 * kDegree;
+    const double first = std::atan2(from.y(), from.x());
+    const double span = std::remainder(std::atan2(to.y(), to.x()) - first, 2.0 * M_PI);
+    const Eigen::Vector2d along = to - from;
+    for (int i = 0; i <= static_cast<int>(std::abs(span) / kStep); ++i) {
+      const double azimuth = first + std::copysign(i * kStep, span);
+      const Eigen::Vector2d ray(std::cos(azimuth), std::sin(azimuth));
+      const double distance =
+          (from.x() * along.y() - from.y() * along.x()) / (ray.x() * along.y() - ray.y() * along.x());
+      if (!(distance > 4.0 && distance < 30.0)) continue;
+      for (int beam = 0; beam < kBeams; ++beam) {
+        const double elevation = (-16.0 + 0.6 * beam) * kDegree;
+        const double z = distance * std::tan(elevation + elevation_rad_);
+        if (z < -1.1 || z > top_m) continue;
+        const double range = (distance + slope * z * ray.x()) / std::cos(elevation + elevation_rad_) +
+                             range_errors_m_[beam] + noise(random_);
+        const Eigen::Vector2d p = range * std::cos(elevation) * ray;
+        sweep.points.push_back(Eigen::Vector3d(p.x(), p.y(), range * std::sin(elevation)).cast<float>());
+        sweep.rings.push_back(static_cast<std::uint16_t>(beam));
       }
     }
   }
-  for (int pole = 0; pole < 6; ++pole) {
-    const double x = place(random), y = place(random);
-    for (double z = -1.1; z < 0.8; z += 0.05) add({x, y, z});
-  }
-  return points;
-}
+
+ private:
+  double elevation_rad_;
+  std::mt19937 random_;
+  double range_errors_m_[kBeams] = {};
+};
 
 Pose tilted(double x, double pitch_rad) {
   Pose T = Pose::Identity();
@@ -50,76 +93,90 @@ Pose tilted(double x, double pitch_rad) {
 struct Drive {
   double pitch_error_rad = 0.0;
   double worst_late_rad = 0.0;
+  std::optional<double> first_known_rad;  ///< pitch error when the tilt was first known
+
+  double sinceKnown_deg() const { return (pitch_error_rad - first_known_rad.value_or(0.0)) / kDegree; }
 };
 
 /// The vehicle stays level; the odometry's pitch drifts, less by what it makes of the sweeps' bend.
-Drive drive(VerticalReference& level, int metres, double drift_deg_per_m, double response, double lean_rad = 0.0) {
-  std::mt19937 random(7);
+Drive drive(VerticalReference& level, int metres, double drift_deg_per_m, double response,
+            const Street::Head& head = Street::Head()) {
+  Street street(head, 7);
   Drive result;
   for (int i = 0; i < metres; ++i) {
     result.pitch_error_rad += (drift_deg_per_m - response * level.report().curvature_deg_per_m) * kDegree;
-    level.observe(street(random, lean_rad), tilted(i, result.pitch_error_rad));
+    const Street::Sweep sweep = street.sweep();
+    level.observe(sweep.points, sweep.rings, tilted(i, result.pitch_error_rad));
+    const bool known = level.report().looks > 0 && level.report().tilt_sigma_deg < 0.1;
+    if (known && !result.first_known_rad) result.first_known_rad = result.pitch_error_rad;
     if (i > metres / 2) result.worst_late_rad = std::max(result.worst_late_rad, std::abs(result.pitch_error_rad));
   }
   return result;
 }
 
-TEST(VerticalReference, MeasuresDriftAndTilt) {
-  LevelKeepingParams params;
+VerticalReferenceParams withoutBend() {
+  VerticalReferenceParams params;
   params.max_curvature_deg_per_m = 0.0;
-  params.tilt_walk_deg = 0.005;
-  params.sigma_place_deg = 0.0;  // this street has none
-  VerticalReference level(params);
+  return params;
+}
+
+TEST(VerticalReference, MeasuresDriftAndTilt) {
+  VerticalReference level(withoutBend());
   const Drive result = drive(level, 200, 0.004, 0.0);
   EXPECT_GT(level.report().surfaces, 5u);
   EXPECT_GT(level.report().lines, 2u);
   EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001);
-  EXPECT_NEAR(level.report().tilt_deg, result.pitch_error_rad / kDegree, 0.1);
+  EXPECT_NEAR(level.report().tilt_deg, result.sinceKnown_deg(), 0.05);
   EXPECT_LT(level.report().drift_sigma_deg_per_m, 0.001);
+}
+
+TEST(VerticalReference, ErrorsOfTheRangesAreNoTilt) {
+  Street::Head head;
+  head.range_sigma_m = 0.04;  // leans walls by a degree
+  VerticalReference level(withoutBend());
+  const Drive result = drive(level, 200, 0.004, 0.0, head);
+  EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001);
+  EXPECT_NEAR(level.report().tilt_deg, result.sinceKnown_deg(), 0.08);
+}
+
+TEST(VerticalReference, AnErrorOfAllElevationsIsNoTilt) {
+  Street::Head head;
+  head.elevation_rad = 0.25 * kDegree;
+  VerticalReference level(withoutBend());
+  const Drive result = drive(level, 200, 0.004, 0.0, head);
+  EXPECT_NEAR(level.report().tilt_deg, result.sinceKnown_deg(), 0.05);
+  EXPECT_NEAR(level.report().elevation_deg, 0.25, 0.05);
+}
+
+TEST(VerticalReference, SweepsWithoutRingsSufficeToo) {
+  VerticalReference level(withoutBend());
+  Street street(Street::Head(), 7);
+  double pitch_deg = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    pitch_deg += 0.004;
+    level.observe(street.sweep().points, {}, tilted(i, pitch_deg * kDegree));
+  }
+  EXPECT_NEAR(level.report().tilt_deg, pitch_deg, 0.08);
 }
 
 TEST(VerticalReference, BendEndsTheDrift) {
   VerticalReference level;
-  const double response = LevelKeepingParams().response;
+  const double response = VerticalReferenceParams().response;
   const Drive result = drive(level, 300, 0.004, response);
-  EXPECT_LT(result.worst_late_rad, 0.25 * kDegree);  // 1.2 deg without
+  EXPECT_LT(result.worst_late_rad, 0.1 * kDegree);  // 1.2 deg without
   EXPECT_NEAR(response * level.report().curvature_deg_per_m, 0.004, 0.0015);
 }
 
-TEST(VerticalReference, ALeanOfEverythingIsNoTilt) {
-  VerticalReference level;
-  const Drive result = drive(level, 200, 0.0, 1.0, 1.0 * kDegree);
-  EXPECT_LT(result.worst_late_rad, 0.1 * kDegree);
-}
-
-TEST(VerticalReference, WhatStandsAtOnePlaceMayLeanAlike) {
-  const auto driftSigma = [](double sigma_place_deg) {
-    LevelKeepingParams params;
-    params.sigma_place_deg = sigma_place_deg;
-    VerticalReference level(params);
-    drive(level, 60, 0.004, 0.0);
-    return level.report().drift_sigma_deg_per_m;
-  };
-  EXPECT_GT(driftSigma(0.5), 1.3 * driftSigma(0.0));
-}
-
-TEST(VerticalReference, LowAndThickColumnsCountLittle) {
+TEST(VerticalReference, LowAndThickThingsCountLittle) {
   // after half of the way low rough banks, ahead and behind, lean by 2 deg beside upright walls
-  std::mt19937 random(3);
-  std::normal_distribution<double> noise(0.0, 0.025);
-  LevelKeepingParams params;
-  params.max_curvature_deg_per_m = 0.0;
-  VerticalReference level(params);
+  VerticalReference level(withoutBend());
+  Street street(Street::Head(), 3);
   for (int i = 0; i < 100; ++i) {
-    std::vector<Eigen::Vector3f> points = street(random);
-    for (double y = -15.0; i >= 50 && y < 15.0; y += 0.1) {
-      for (double z = -1.1; z < -0.3; z += 0.15) {
-        for (const double x : {-18.0, 18.0}) {
-          points.push_back(Eigen::Vector3d(x + std::tan(2.0 * kDegree) * z + noise(random), y, z).cast<float>());
-        }
-      }
+    Street::Sweep sweep = street.sweep();
+    for (const double x : {-18.0, 18.0}) {
+      if (i >= 50) street.see(sweep, {x, -15.0}, {x, 15.0}, -0.4, std::tan(2.0 * kDegree), 0.025);
     }
-    level.observe(points, tilted(i, 0.0));
+    level.observe(sweep.points, sweep.rings, tilted(i, 0.0));
   }
   EXPECT_NEAR(level.report().tilt_deg, 0.0, 0.1);
   EXPECT_NEAR(level.report().drift_deg_per_m, 0.0, 0.001);
@@ -131,7 +188,7 @@ TEST(VerticalReference, NothingUprightChangesNothing) {
   for (float x = -30.0f; x < 30.0f; x += 0.5f) {
     for (float y = -30.0f; y < 30.0f; y += 0.5f) ground.emplace_back(x, y, -1.7f);
   }
-  for (int i = 0; i < 100; ++i) level.observe(ground, tilted(i, 1e-4 * i));
+  for (int i = 0; i < 100; ++i) level.observe(ground, {}, tilted(i, 1e-4 * i));
   EXPECT_GT(level.report().looks, 20u);
   EXPECT_EQ(level.report().curvature_deg_per_m, 0.0);
   std::vector<Eigen::Vector3f> points = ground;
@@ -140,7 +197,7 @@ TEST(VerticalReference, NothingUprightChangesNothing) {
 }
 
 TEST(VerticalReference, BendIsBoundedAndRaisesWhatIsFar) {
-  LevelKeepingParams params;
+  VerticalReferenceParams params;
   params.max_curvature_deg_per_m = 0.002;
   VerticalReference level(params);
   drive(level, 200, 0.02, 0.0);
@@ -169,19 +226,23 @@ TEST(VerticalReference, AnotherOdomIsNoWayAndNoTilt) {
   VerticalReference level;
   drive(level, 200, 0.004, 1.0);
   const VerticalReference::Report before = level.report();
-  std::mt19937 random(11);
+  Street street(Street::Head(), 11);
   const auto inOdom = [](int metre) {
     Pose T = tilted(metre, 2.0 * kDegree);
     T = Pose(Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitZ())) * T;
     T.translation() += Eigen::Vector3d(5000.0, -300.0, 40.0);
     return T;
   };
-  level.observe(street(random), inOdom(0), 1);
+  const auto observe = [&](int metre) {
+    const Street::Sweep sweep = street.sweep();
+    level.observe(sweep.points, sweep.rings, inOdom(metre), 1);
+  };
+  observe(0);
   EXPECT_NEAR(level.report().tilt_deg, 0.0, 1e-9);
   EXPECT_NEAR(level.report().drift_deg_per_m, before.drift_deg_per_m, 1e-9) << "that is the sensor's";
   EXPECT_NEAR(level.report().drift_sigma_deg_per_m, before.drift_sigma_deg_per_m, 1e-9);
   for (int i = 1; i <= 60; ++i) {
-    level.observe(street(random), inOdom(i), 1);
+    observe(i);
     EXPECT_NEAR(level.report().curvature_deg_per_m, before.curvature_deg_per_m, 0.0015) << i;
   }
 }
@@ -190,23 +251,23 @@ TEST(VerticalReference, BadInputIsHarmless) {
   VerticalReference level;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int i = 0; i < 20; ++i) {
-    level.observe({{nan, 0.0f, 0.0f}, {1e30f, 1.0f, 0.0f}, {0.0f, 0.0f, 0.0f}}, tilted(i, 0.0));
-    level.observe({}, tilted(i, 0.0));
+    level.observe({{nan, 0.0f, 0.0f}, {1e30f, 1.0f, 0.0f}, {0.0f, 0.0f, 0.0f}}, {}, tilted(i, 0.0));
+    level.observe({}, {}, tilted(i, 0.0));
   }
   Pose bad = tilted(20.0, 0.0);
   bad.translation().x() = std::numeric_limits<double>::quiet_NaN();
-  level.observe({}, bad);
+  level.observe({}, {}, bad);
   EXPECT_EQ(level.report().curvature_deg_per_m, 0.0);
 }
 
 TEST(VerticalReference, RefusesBadParameters) {
-  LevelKeepingParams params;
-  params.max_range_m = params.min_range_m;
+  VerticalReferenceParams params;
+  params.profiles.max_range_m = params.profiles.min_range_m;
   EXPECT_THROW(VerticalReference{params}, ParameterError);
-  params = LevelKeepingParams();
+  params = VerticalReferenceParams();
   params.correlation_inflation = 0.5;
   EXPECT_THROW(VerticalReference{params}, ParameterError);
-  params = LevelKeepingParams();
+  params = VerticalReferenceParams();
   params.response = 0.0;
   EXPECT_THROW(VerticalReference{params}, ParameterError);
 }

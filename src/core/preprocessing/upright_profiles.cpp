@@ -1,0 +1,219 @@
+#include "core/preprocessing/upright_profiles.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+constexpr float kMaxNormalZ = 0.2f;  // 12 deg: steeper surfaces are not meant to be upright
+constexpr float kMinLineZ = 0.96f;
+constexpr float kLineShape = 10.0f;    // largest over middle eigenvalue
+constexpr float kSurfaceShape = 8.0f;  // middle over smallest
+constexpr float kMaxLineSigma_m = 0.12f;
+constexpr int kRefits = 4;
+constexpr float kFarFromPlane_m = 0.3f;  // in the first fit, of all points
+constexpr float kSurfaceKernel_m = 0.06f;
+constexpr float kMinWeight = 0.3f;           // of points that count as the surface's
+constexpr float kMinSurfaceRatio = 0.7f;     // of a column's points: with fewer, two things share the column
+constexpr float kMinMeanObliqueness = 0.5f;  // surfaces that are seen at more grazing angles are met along, not through
+
+struct Moments {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f covariance = Eigen::Matrix3f::Zero();
+};
+
+template <class Point>
+Moments momentsOf(const Point* points, std::size_t count, const std::vector<float>& weights) {
+  float n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  const Eigen::Vector3f origin = points[0].p;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f q = points[i].p - origin;
+    const Eigen::Vector3f w = weights[i] * q;
+    n += weights[i];
+    x += w.x(), y += w.y(), z += w.z();
+    xx += w.x() * q.x(), xy += w.x() * q.y(), xz += w.x() * q.z();
+    yy += w.y() * q.y(), yz += w.y() * q.z(), zz += w.z() * q.z();
+  }
+  Moments m;
+  if (!(n > 0.0f)) return m;
+  const Eigen::Vector3f mean = Eigen::Vector3f(x, y, z) / n;
+  m.covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  m.covariance = (m.covariance / n - mean * mean.transpose()).eval();
+  m.mean = mean + origin;
+  return m;
+}
+
+}  // namespace
+
+void UprightProfilesParams::validate() const {
+  requireWithin("column_m", column_m, 0.1, 10.0);
+  requireNotNegative("min_range_m", min_range_m);
+  requireParameter(max_range_m > min_range_m && max_range_m <= 100.0 * column_m, "max_range_m", max_range_m,
+                   "> min_range_m and <= 100 column_m");
+  requireWithin("min_height_m", min_height_m, -100.0, 100.0);
+  requireParameter(max_height_m > min_height_m, "max_height_m", max_height_m, "> min_height_m");
+  requireAtMost("max_height_m", max_height_m, 100.0);
+  requireWithin("min_points", min_points, 4, 1e6);
+  requirePositive("min_extent_m", min_extent_m);
+  requireWithin("min_beams", min_beams, 3, 1e6);
+  requireWithin("beam_step_deg", beam_step_deg, 0.01, 10.0);
+}
+
+UprightProfileFinder::UprightProfileFinder(const UprightProfilesParams& params) : params_(params) {
+  params_.validate();
+  cells_ = 2 * static_cast<int>(std::ceil(params_.max_range_m / params_.column_m));
+}
+
+void UprightProfileFinder::find(const std::vector<Eigen::Vector3f>& points_lidar,
+                                const std::vector<std::uint16_t>& rings, const std::vector<BeamRange>& ranges,
+                                const Eigen::Matrix3d& R_odom_lidar) {
+  profiles_.clear();
+  beams_.clear();
+  sortIntoColumns(points_lidar, rings, ranges, R_odom_lidar.cast<float>());
+  const auto min_points = static_cast<std::uint32_t>(params_.min_points);
+  const auto min_extent = static_cast<float>(params_.min_extent_m);
+  for (const Column& c : columns_) {
+    if (c.points >= min_points && c.high - c.low >= min_extent) readColumn(&sorted_[c.first], c.points);
+  }
+}
+
+void UprightProfileFinder::sortIntoColumns(const std::vector<Eigen::Vector3f>& points_lidar,
+                                           const std::vector<std::uint16_t>& rings,
+                                           const std::vector<BeamRange>& ranges, const Eigen::Matrix3f& R_odom_lidar) {
+  columns_.assign(static_cast<std::size_t>(cells_ * cells_), Column());
+  unsorted_.clear();
+  const bool has_rings = rings.size() == points_lidar.size();
+  const auto low = static_cast<float>(params_.min_height_m), high = static_cast<float>(params_.max_height_m);
+  const auto near2 = static_cast<float>(params_.min_range_m * params_.min_range_m);
+  const auto far2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
+  const auto per_cell = static_cast<float>(1.0 / params_.column_m);
+  const auto beams_per_slope = static_cast<float>(1.0 / (params_.beam_step_deg * kDegree));
+  const int half = cells_ / 2;
+  for (std::size_t i = 0; i < points_lidar.size(); ++i) {
+    const Eigen::Vector3f& q = points_lidar[i];
+    if (!(q.z() > low && q.z() < high)) continue;
+    const float r2 = q.squaredNorm();
+    if (!(r2 > near2 && r2 < far2)) continue;
+    Point point;
+    if (has_rings) {
+      if (rings[i] >= kMaxBeams) continue;
+      point.ring = rings[i];
+    } else {
+      const float slope = q.z() / std::sqrt(std::max(r2 - q.z() * q.z(), 1e-6f));
+      const auto step = static_cast<int>(std::floor(slope * beams_per_slope));
+      point.ring = static_cast<std::uint16_t>(static_cast<unsigned>(step) % kMaxBeams);
+    }
+    const BeamRange range = point.ring < ranges.size() ? ranges[point.ring] : BeamRange();
+    point.kernel2_m2 = kSurfaceKernel_m * kSurfaceKernel_m + 4.0f * range.sigma_m * range.sigma_m;
+    point.p = R_odom_lidar * ((1.0f - range.too_far_m / std::sqrt(r2)) * q);
+    const int x = std::clamp(static_cast<int>(std::floor(point.p.x() * per_cell)) + half, 0, cells_ - 1);
+    const int y = std::clamp(static_cast<int>(std::floor(point.p.y() * per_cell)) + half, 0, cells_ - 1);
+    point.column = static_cast<std::uint32_t>(x * cells_ + y);
+    Column& c = columns_[point.column];
+    c.low = c.points > 0 ? std::min(c.low, point.p.z()) : point.p.z();
+    c.high = c.points > 0 ? std::max(c.high, point.p.z()) : point.p.z();
+    ++c.points;
+    unsorted_.push_back(point);
+  }
+  std::uint32_t first = 0;
+  for (Column& c : columns_) {
+    c.first = first;
+    first += c.points;
+    c.points = 0;
+  }
+  sorted_.resize(unsorted_.size());
+  for (const Point& point : unsorted_) {
+    Column& c = columns_[point.column];
+    sorted_[c.first + c.points++] = point;
+  }
+}
+
+void UprightProfileFinder::readColumn(const Point* points, std::size_t count) {
+  weights_.assign(count, 1.0f);
+  Moments m = momentsOf(points, count, weights_);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> eigen;
+  eigen.computeDirect(m.covariance);
+  const Eigen::Vector3f l = eigen.eigenvalues();
+  if (l[2] > kLineShape * l[1] && l[1] < kMaxLineSigma_m * kMaxLineSigma_m) {
+    if (std::abs(eigen.eigenvectors()(2, 2)) < kMinLineZ) return;
+    const Eigen::Vector2f away = m.mean.head<2>().normalized();
+    addProfile(UprightProfile::Kind::kLineAcross, {-away.y(), away.x()}, m.mean, points, count);
+    addProfile(UprightProfile::Kind::kLineAway, away, m.mean, points, count);
+    return;
+  }
+  Eigen::Vector3f normal = eigen.eigenvectors().col(0);
+  for (int refit = 0; refit <= kRefits; ++refit) {
+    std::size_t members = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float r = normal.dot(points[i].p - m.mean);
+      if (refit == 0) {
+        weights_[i] = std::abs(r) < kFarFromPlane_m ? 1.0f : 0.0f;
+      } else {
+        const float kernel = points[i].kernel2_m2 / (points[i].kernel2_m2 + r * r);  // as robust_kernel.hpp
+        weights_[i] = kernel * kernel;
+      }
+      if (weights_[i] > kMinWeight) ++members;
+    }
+    const bool last = refit == kRefits;
+    const float ratio = static_cast<float>(members) / static_cast<float>(count);
+    if (ratio < (last ? kMinSurfaceRatio : 0.5f * kMinSurfaceRatio)) return;
+    if (last) break;
+    m = momentsOf(points, count, weights_);
+    eigen.computeDirect(m.covariance);
+    normal = eigen.eigenvectors().col(0);
+  }
+  if (eigen.eigenvalues()[1] < kSurfaceShape * eigen.eigenvalues()[0] || !(std::abs(normal.z()) < kMaxNormalZ)) return;
+  addProfile(UprightProfile::Kind::kSurface, normal.head<2>().normalized(), m.mean, points, count);
+}
+
+void UprightProfileFinder::addProfile(UprightProfile::Kind kind, const Eigen::Vector2f& direction,
+                                      const Eigen::Vector3f& centre, const Point* points, std::size_t count) {
+  struct Sums {
+    float n = 0, offset = 0, height = 0, obliqueness = 0, low = 0, high = 0;
+  };
+  std::array<Sums, kMaxBeams> sums{};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(weights_[i] > kMinWeight)) continue;
+    const Eigen::Vector3f& p = points[i].p;
+    const float offset = direction.dot(p.head<2>() - centre.head<2>());
+    Sums& s = sums[points[i].ring];
+    s.low = s.n > 0 ? std::min(s.low, offset) : offset;
+    s.high = s.n > 0 ? std::max(s.high, offset) : offset;
+    s.n += 1;
+    s.offset += offset;
+    s.height += p.z();
+    s.obliqueness += direction.dot(p.head<2>()) / p.norm();
+  }
+  UprightProfile profile{kind, direction.cast<double>(), centre.head<2>().cast<double>().normalized(), beams_.size(),
+                         0};
+  float low = 0, high = 0, oblique = 0;
+  for (std::size_t ring = 0; ring < kMaxBeams; ++ring) {
+    const Sums& s = sums[ring];
+    if (s.n < 2) continue;
+    const bool across = kind == UprightProfile::Kind::kLineAcross;
+    const float height = s.height / s.n;
+    low = profile.size > 0 ? std::min(low, height) : height;
+    high = profile.size > 0 ? std::max(high, height) : height;
+    oblique += std::abs(s.obliqueness / s.n);
+    beams_.push_back({static_cast<std::uint16_t>(ring), s.n, across ? 0.5f * (s.low + s.high) : s.offset / s.n, height,
+                      across ? 0.0f : s.obliqueness / s.n});
+    ++profile.size;
+  }
+  const bool grazing = kind == UprightProfile::Kind::kSurface &&
+                       oblique < kMinMeanObliqueness * static_cast<float>(std::max<std::size_t>(profile.size, 1));
+  if (profile.size < static_cast<std::size_t>(params_.min_beams) || grazing ||
+      high - low < static_cast<float>(params_.min_extent_m)) {
+    beams_.resize(profile.first);
+    return;
+  }
+  profiles_.push_back(profile);
+}
+
+}  // namespace fail_aware

@@ -1,0 +1,99 @@
+// Finds what stands upright in a sweep, and how each of it is met by the beams: the measurements of the vertical
+// reference (vertical_reference.hpp; not in the paper).
+//
+// The horizontal plane is divided into columns. A column that holds a wall's surface (a plane, fitted robustly: window
+// recesses, sills and leaves are left out) gives one profile, along the plane's horizontal normal. A trunk or pole gives
+// two: across the direction of sight the middle between its edges, which errors of the ranges do not shift; away from
+// the sensor its mean. A profile is the mean offset beam by beam, with the mean height of that beam's points.
+//
+// Frames: points in the sensor's; profiles in axes of odom, relative to the sensor.
+// Failure is data: no profiles. Cost: about 4 ms for 120 000 points in a town.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace fail_aware {
+
+struct UprightProfilesParams {
+  double column_m = 1.0;  ///< side of a column: holds a trunk, and little besides one wall
+  /// nearest points used, from the sensor: nearer ones may be parts of the vehicle or its load
+  double min_range_m = 4.0;
+  double max_range_m = 30.0;   ///< farthest points used: farther columns are hit by too few beams
+  double min_height_m = -1.2;  ///< lowest point of a column, above the sensor; the ground must be below it
+  /// highest point of a column, above the sensor: higher up are crowns of trees and eaves
+  double max_height_m = 3.0;
+  int min_points = 12;        ///< fewest points of a column: fewer give no direction
+  double min_extent_m = 0.6;  ///< least height from the lowest to the highest beam: lower things need not stand upright
+  int min_beams = 5;          ///< fewest beams of a profile, each with two points or more
+  double beam_step_deg = 0.4;  ///< sweeps without rings: elevations that are nearer than this are one beam
+
+  void validate() const;
+};
+
+/// What is known of the error of a beam's ranges.
+struct BeamRange {
+  float too_far_m = 0.0f;  ///< to be taken from its ranges
+  float sigma_m = 0.03f;   ///< what remains
+};
+
+struct UprightProfile {
+  enum class Kind { kSurface, kLineAcross, kLineAway };
+  struct Beam {
+    std::uint16_t ring;
+    float points;
+    float offset_m;     ///< mean along `direction`, relative to the column
+    float height_m;     ///< mean, above the sensor
+    float obliqueness;  ///< change of the offset by a metre of range; 0: none
+  };
+
+  Kind kind;
+  Eigen::Vector2d direction;  ///< horizontal unit vector
+  Eigen::Vector2d away;       ///< horizontal unit vector from the sensor to the column
+  std::size_t first, size;    ///< of its beams
+};
+
+class UprightProfileFinder {
+ public:
+  static constexpr std::size_t kMaxBeams = 128;  ///< points of rings from here on are left out
+
+  explicit UprightProfileFinder(const UprightProfilesParams& params);
+
+  /// rings: one a point, or empty: told by the elevations. ranges: by ring; what is not there is not corrected. Surfaces
+  /// are told from what stands before or behind them less sharply while the errors of the ranges are not known.
+  void find(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
+            const std::vector<BeamRange>& ranges, const Eigen::Matrix3d& R_odom_lidar);
+
+  const std::vector<UprightProfile>& profiles() const { return profiles_; }
+  const std::vector<UprightProfile::Beam>& beams() const { return beams_; }
+
+ private:
+  struct Point {
+    Eigen::Vector3f p;  ///< odom's axes, relative to the sensor
+    std::uint16_t ring;
+    std::uint32_t column;
+    float kernel2_m2;
+  };
+  struct Column {
+    std::uint32_t points = 0, first = 0;
+    float low = 0.0f, high = 0.0f;
+  };
+
+  void sortIntoColumns(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
+                       const std::vector<BeamRange>& ranges, const Eigen::Matrix3f& R_odom_lidar);
+  void readColumn(const Point* points, std::size_t count);
+  void addProfile(UprightProfile::Kind kind, const Eigen::Vector2f& direction, const Eigen::Vector3f& centre,
+                  const Point* points, std::size_t count);
+
+  UprightProfilesParams params_;
+  int cells_;  ///< columns along a side of the grid
+  std::vector<Point> unsorted_, sorted_;
+  std::vector<Column> columns_;
+  std::vector<float> weights_;  ///< of one column's points
+  std::vector<UprightProfile> profiles_;
+  std::vector<UprightProfile::Beam> beams_;
+};
+
+}  // namespace fail_aware
