@@ -14,6 +14,10 @@ namespace fail_aware {
 
 namespace {
 
+// A point's nearest neighbour follows the guess: of a change of roll or pitch that the guess misses, a fifth remains, more
+// than the residuals tell. Factor on the sigma of roll and pitch.
+constexpr double kTiltLag = 4.0;
+
 void recordEnds(const std::vector<IcpPointToPoint::Descent>& descents, std::vector<SeedTrack>* tracks) {
   if (tracks == nullptr) return;
   for (const IcpPointToPoint::Descent& descent : descents) {
@@ -178,6 +182,10 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.covariance =
       covarianceObserved(best.equations, params_.correlation_inflation * residual_variance, params_.observability);
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2_m2 / 3.0;
+  for (const Eigen::Index tilt : {3, 4}) {
+    result.covariance.row(tilt) *= kTiltLag;
+    result.covariance.col(tilt) *= kTiltLag;
+  }
   const Vector6d& step = best.step.dx;
   const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
                       isWithinSigma(step, result.covariance);  // the step may stay large where little is observed
