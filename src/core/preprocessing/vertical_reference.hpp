@@ -61,8 +61,8 @@ struct VerticalReferenceParams {
   double correlation_inflation = 2.5;
   /// response of pitch to a bend, as a ratio of what ground alone would give: walls hold the pitch
   double response = 0.66;
-  /// ratio of the tilt since it was known that is corrected per metre: gone after some 30 m
-  double tilt_gain_per_m = 0.03;
+  /// ratio of the tilt since it was known that is corrected per metre: gone after some 20 m
+  double tilt_gain_per_m = 0.05;
   /// largest bend of a sweep: above the expected drift, so that a wrong estimate has a small effect
   double max_curvature_deg_per_m = 0.02;
   /// beyond this range the bend continues as a straight line: little ground is seen there
