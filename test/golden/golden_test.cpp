@@ -33,8 +33,8 @@ struct Tolerance {
 };
 constexpr Tolerance kWhereItWasMade{1e-6, 1e-6, 1e-3, 1e-6};
 // Twice what a change of the kernels by shares of 1e-12 to 1e-6 does at most, either way (32 were tried, and as little a
-// change does as much): 4.8 mm, 0.63 mrad, 0.15.
-constexpr Tolerance kElsewhere{0.01, 1.3e-3, 0.3, 1.0};
+// change does as much): 10.3 mm (in height; 3.2 mm horizontally), 0.84 mrad, 0.15.
+constexpr Tolerance kElsewhere{0.021, 1.7e-3, 0.3, 1.0};
 constexpr int kSweeps = 25;
 const char* const kFile = FAIL_AWARE_SOURCE_DIR "/test/golden/street.csv";
 const char* const kToolchainFile = FAIL_AWARE_SOURCE_DIR "/test/golden/toolchain.txt";
