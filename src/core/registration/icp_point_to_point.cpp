@@ -14,10 +14,6 @@ namespace fail_aware {
 
 namespace {
 
-// A point's nearest neighbour follows the guess: of a change of roll or pitch that the guess misses, a fifth remains, more
-// than the residuals tell. Factor on the sigma of roll and pitch.
-constexpr double kTiltLag = 4.0;
-
 void recordEnds(const std::vector<IcpPointToPoint::Descent>& descents, std::vector<SeedTrack>* tracks) {
   if (tracks == nullptr) return;
   for (const IcpPointToPoint::Descent& descent : descents) {
@@ -72,6 +68,7 @@ void IcpPointToPoint::Params::validate() const {
   requireWithin("min_inlier_ratio", min_inlier_ratio, 0.0, 1.0);
   requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
+  requireWithin("tilt_sigma_factor", tilt_sigma_factor, 1.0, 100.0);
   support.validate();
   observability.validate();
 }
@@ -183,8 +180,8 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
       covarianceObserved(best.equations, params_.correlation_inflation * residual_variance, params_.observability);
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2_m2 / 3.0;
   for (const Eigen::Index tilt : {3, 4}) {
-    result.covariance.row(tilt) *= kTiltLag;
-    result.covariance.col(tilt) *= kTiltLag;
+    result.covariance.row(tilt) *= params_.tilt_sigma_factor;
+    result.covariance.col(tilt) *= params_.tilt_sigma_factor;
   }
   const Vector6d& step = best.step.dx;
   const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
