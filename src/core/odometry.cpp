@@ -52,6 +52,17 @@ void leaveOutUnusablePoints(Sweep& sweep) {
 
 }  // namespace
 
+const char* toString(SweepStatus status) {
+  switch (status) {
+    case SweepStatus::kNotStarted: return "not_started";
+    case SweepStatus::kFirst: return "first";
+    case SweepStatus::kCorrected: return "corrected";
+    case SweepStatus::kPredicted: return "predicted";
+    case SweepStatus::kStampNotAdvancing: return "stamp_not_advancing";
+  }
+  return "unknown";
+}
+
 struct Odometry::Implementation {
   OdometryPipeline pipeline;
 };

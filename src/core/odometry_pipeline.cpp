@@ -59,17 +59,6 @@ FilterState exchanged(FilterState state) {
 
 }  // namespace
 
-const char* toString(SweepStatus status) {
-  switch (status) {
-    case SweepStatus::kNotStarted: return "not_started";
-    case SweepStatus::kFirst: return "first";
-    case SweepStatus::kCorrected: return "corrected";
-    case SweepStatus::kPredicted: return "predicted";
-    case SweepStatus::kStampNotAdvancing: return "stamp_not_advancing";
-  }
-  return "unknown";
-}
-
 const SourceResult& SweepResult::of(const std::string& source) const {
   static const SourceResult kNone;
   const auto found =

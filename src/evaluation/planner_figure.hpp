@@ -13,7 +13,7 @@
 // of those that are in time at least as often as the planner the one with the most time used; if none is, the one that
 // is in time most often.
 //
-// Faults: if a fault begins after t1 and the stop does not fit between it and the failure, nobody can stop in time.
+// Faults: a failure is not stoppable if the stop does not fit between a fault that begins after t1 and the failure.
 // Where the begins of the faults are known, such failures count apart (too_sudden) and nowhere else.
 #pragma once
 

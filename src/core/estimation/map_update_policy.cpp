@@ -13,9 +13,9 @@ bool isThere(const FusionInput& input) {
   return input.measurement != nullptr && input.kind != FusionInput::Kind::kPartial;
 }
 
-bool isOfAnIcp(const FusionInput& input) {
-  return isThere(input) && (input.name == kIcpPointToPoint || input.name == kIcpPointToPlane);
-}
+bool isAnIcp(const FusionInput& input) { return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane; }
+
+bool isOfAnIcp(const FusionInput& input) { return isThere(input) && isAnIcp(input); }
 
 // There are measurements of that kind, and none of them had a reference.
 bool haveNoReference(const std::vector<FusionInput>& inputs, bool (*isOfThose)(const FusionInput&)) {
@@ -49,13 +49,10 @@ bool showsOtherThings(const std::vector<FusionInput>& inputs) {
 }  // namespace
 
 bool canBegin(const std::vector<FusionInput>& measurements) {
-  const auto is_icp = [](const FusionInput& input) {
-    return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane;
-  };
   const auto has_points = [](const FusionInput& input) {
     return isOfAnIcp(input) && input.measurement->status != MeasurementStatus::kTooFewPoints;
   };
-  return std::none_of(measurements.begin(), measurements.end(), is_icp) ||
+  return std::none_of(measurements.begin(), measurements.end(), isAnIcp) ||
          std::any_of(measurements.begin(), measurements.end(), has_points);
 }
 

@@ -23,13 +23,13 @@ struct Distance {
   std::size_t one, other;  ///< inputs
   double distance_m;       ///< horizontal
   double yaw_rad;
-  bool abstains;   ///< one of them is external and its covariance bears the other out
+  bool abstains;   ///< one of them is external, and its covariance explains the distance
   bool expected;   ///< both know where they are, and their covariances say no better
   bool by_chance;  ///< one of them is external and does not know where it is: being near each other says nothing
 };
 
-/// How much a measurement's disagreement counts: in full, or if those that the prediction bears out better outnumber it,
-/// as much as the prediction bears it out (its weight).
+/// How much a measurement's disagreement counts: in full, but only by its weight if the measurements of greater weight
+/// that disagree with it outnumber those that agree with it.
 double credence(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
                 double agreement_distance_m) {
   int votes_for = 1, votes_against = 0;

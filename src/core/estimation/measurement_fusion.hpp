@@ -17,7 +17,7 @@
 // One inside its gate that is outnumbered in this way, by those of greater weight, counts by its weight.
 // Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are: their
 // sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
-// An external one abstains as long as its covariance bears the other out.
+// A disagreement with an external one does not count while its covariance explains the distance.
 //
 // Partial measurements (FusionInput::Kind::kPartial) come after the others: inside their gate (the distance to the
 // prediction under P~ + R) each adds its whole information to R and z. Without another measurement they are not used.

@@ -61,8 +61,8 @@ class UprightProfileFinder {
 
   explicit UprightProfileFinder(const UprightProfilesParams& params);
 
-  /// rings: one a point, or empty: told by the elevations. ranges: by ring; what is not there is not corrected. Surfaces
-  /// are told from what stands before or behind them less sharply while the errors of the ranges are not known.
+  /// rings: one a point, or empty: told by the elevations. ranges: by ring; what is not there is not corrected. While
+  /// the errors of the ranges are not known, points farther from a surface count as its points.
   void find(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
             const std::vector<BeamRange>& ranges, const Eigen::Matrix3d& R_odom_lidar);
 

@@ -14,8 +14,7 @@
 // distances. j is what a single estimate is off by, another one at each look. A Kalman filter over the way s holds d, the
 // drift of pitch, e and all a_b:
 //   dd/ds = (drift - response bend) lateral axis + noise
-// The const of each profile is unknown and is eliminated. How far a profile's lean can be trusted is told by how
-// straight it is, beam by beam.
+// The constant of each profile is unknown and is eliminated. The less straight a profile is, the less its lean counts.
 // Sweeps are bent by `bend` (z += bend h min(h, curvature_range) / 2) so that the drift ends and what has come of it slowly
 // goes: response bend = drift + tilt_gain (d - d_kept) . lateral axis, within max_curvature; d_kept is the tilt when it was
 // first known. The pose is never touched.
