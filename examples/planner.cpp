@@ -1,6 +1,6 @@
 // A planner that obeys the time to failure (doc/planner_contract.md). It publishes what the vehicle must do, 20 times a
 // second, on ~action: "drive", "slow down", "stop" (follow the pose) or "stop blind" (do not use the pose).
-// ~standing (std_msgs/Bool): the vehicle stands, as its wheels tell. ~stop_s: duration of a safe stop, s.
+// ~standing (std_msgs/Bool): the vehicle stands, as its wheels tell.
 #include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
@@ -20,7 +20,6 @@ enum Stop { kNone = 0, kByThePose = 1, kBlind = 2 };
 int main(int argc, char** argv) {
   ros::init(argc, argv, "planner");
   ros::NodeHandle node("~");
-  const double stop_s = node.param("stop_s", 4.0);
   TimeToFailure last;     // UNKNOWN until the first one comes
   ros::SteadyTime heard;  // a clock that nobody sets
   ros::Subscriber subscriber = node.subscribe<TimeToFailure>(
@@ -36,8 +35,7 @@ int main(int argc, char** argv) {
     const bool silent = (ros::SteadyTime::now() - heard).toSec() > kSilence_s;
     const double age_s = ros::Time::now().toSec() - last.header.stamp.toSec();
     const bool current = age_s >= -kAhead_s && age_s <= kOldest_s;
-    const double left_s = last.time_to_failure - age_s;
-    int wanted = last.state == TimeToFailure::FAILING || !(left_s > stop_s) ? kByThePose : kNone;
+    int wanted = last.state == TimeToFailure::FAILING ? kByThePose : kNone;
     if (silent || !current || last.state == TimeToFailure::FAILED || last.state == TimeToFailure::UNKNOWN) {
       wanted = kBlind;
     }

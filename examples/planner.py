@@ -3,7 +3,6 @@
 
 It publishes what the vehicle must do, 20 times a second, on ~action: "drive", "slow down", "stop" (follow the pose) or
 "stop blind" (do not use the pose). ~standing (std_msgs/Bool): the vehicle stands, as its wheels tell.
-~stop_s: duration of a safe stop, s.
 """
 import time
 
@@ -31,7 +30,6 @@ def on_wheels(message):
 
 
 rospy.init_node("planner")
-stop_s = rospy.get_param("~stop_s", 4.0)
 rospy.Subscriber("/fail_aware_lidar_odometry/time_to_failure", TimeToFailure, on_time, queue_size=1)
 rospy.Subscriber("~standing", Bool, on_wheels, queue_size=1)
 publisher = rospy.Publisher("~action", String, queue_size=1)
@@ -40,8 +38,7 @@ while not rospy.is_shutdown():
     silent = time.monotonic() - heard > SILENCE_S
     age_s = rospy.Time.now().to_sec() - last.header.stamp.to_sec()
     current = -AHEAD_S <= age_s <= OLDEST_S
-    left_s = last.time_to_failure - age_s
-    wanted = BY_THE_POSE if last.state == TimeToFailure.FAILING or not left_s > stop_s else NONE
+    wanted = BY_THE_POSE if last.state == TimeToFailure.FAILING else NONE
     if silent or not current or last.state in (TimeToFailure.FAILED, TimeToFailure.UNKNOWN):
         wanted = BLIND
     stop = wanted if standing else max(stop, wanted)  # a stop that has begun ends at standstill

@@ -21,11 +21,11 @@ def draw(run, comparison):
     for key, label, colour, line, width in SERIES:
         if key in predicted:
             axes.plot(run.monitor_time_s, predicted[key], color=colour, linestyle=line, linewidth=width, label=label)
-    for value, label in ((run.failing_s, "FAILING below"), (run.degraded_s, "DEGRADED below")):
-        if value:
-            axes.axhline(value, color=style.GREY, linewidth=0.8)
-            axes.annotate(f"{label}\n{value:g} s", (1.005, value), xycoords=("axes fraction", "data"), fontsize=8.5,
-                          ha="left", va="center", color=style.GREY)
+    limits = run.state_limits_s()
+    for values, label in zip(limits or (), ("FAILING below", "DEGRADED below")):
+        axes.plot(run.time_s, values, color=style.GREY, linewidth=0.8)
+        axes.annotate(label, (1.005, values[-1]), xycoords=("axes fraction", "data"), fontsize=8.5, ha="left",
+                      va="center", color=style.GREY)
     top = run.horizon_s or max(np.nanmax(values) for values in predicted.values())
     axes.set(xlabel="time since the first sweep (s)", ylabel="time to failure (s)", ylim=(0, 1.04 * top),
              xlim=(0, run.end_s))

@@ -141,6 +141,7 @@ def _describe(run, described, table):
         run.horizon_s = described.get("horizon_s")
         run.alert_limit_m = float(described.get("alert_limit_m", run.alert_limit_m))
         run.failing_s, run.degraded_s = described.get("failing_s"), described.get("degraded_s")
+        run.comfortable_deceleration_mps2 = described.get("comfortable_deceleration_mps2")
         if "lidar_in_base" in described:
             run.T_base_lidar = poses.from_xyz_rpy([float(value) for value in described["lidar_in_base"]])
         run.first_row = int(described.get("first", 0))

@@ -66,7 +66,8 @@ class Run:
     eta_threshold: Optional[float] = None
     horizon_s: Optional[float] = None
     alert_limit_m: float = 0.6
-    failing_s: Optional[float] = None
+    comfortable_deceleration_mps2: Optional[float] = None
+    failing_s: Optional[float] = None             # at any speed
     degraded_s: Optional[float] = None
     T_base_lidar: Optional[np.ndarray] = None
     first_row: int = 0                            # of the ground truth file, where the run began later
@@ -107,6 +108,17 @@ class Run:
             return 0
         after = np.flatnonzero(self.stamp_s >= self.t1_s - 1e-6)
         return int(after[0]) if len(after) else 0
+
+    def state_limits_s(self):
+        """Times to failure from which the state is FAILING and DEGRADED, for each sweep; None: not known. A stop from the
+        sweep's speed, and two, but no less than at standstill."""
+        if None in (self.failing_s, self.degraded_s, self.comfortable_deceleration_mps2) or self.T_odom_base is None:
+            return None
+        steps_m = np.linalg.norm(np.diff(self.T_odom_base[:, :3, 3], axis=0), axis=1)
+        steps_s = np.maximum(np.diff(self.stamp_s), 1e-3)
+        speed_mps = np.concatenate([[0.0], steps_m / steps_s])
+        failing_s = np.maximum(self.failing_s, speed_mps / self.comfortable_deceleration_mps2)
+        return failing_s, np.maximum(self.degraded_s, 2.0 * failing_s)
 
     @property
     def serving_from_s(self):

@@ -43,6 +43,7 @@ struct FailAwareMonitorTuning {
     v("alert_limit_m", self.monitor.predictor.alert_limit_m);
     v("confidence", self.monitor.predictor.confidence);
     v("alarm_confidence", self.monitor.predictor.alarm_confidence);
+    v("comfortable_deceleration_mps2", self.monitor.thresholds.comfortable_deceleration_mps2);
     v("failing_s", self.monitor.thresholds.failing_s);
     v("degraded_s", self.monitor.thresholds.degraded_s);
     v("disagreement_m", self.monitor.disagreement_m);

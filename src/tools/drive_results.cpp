@@ -73,6 +73,7 @@ Json DriveResults::describeRun(long first) const {
   json["eta_threshold_rad"] = monitor.indicator.threshold;
   json["horizon_s"] = monitor.predictor.horizon_s;
   json["alert_limit_m"] = monitor.predictor.alert_limit_m;
+  json["comfortable_deceleration_mps2"] = monitor.thresholds.comfortable_deceleration_mps2;
   json["failing_s"] = monitor.thresholds.failing_s;
   json["degraded_s"] = monitor.thresholds.degraded_s;
   json["lidar_in_base"] = params_.sensor.lidar_in_base;

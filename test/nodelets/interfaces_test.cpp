@@ -473,7 +473,7 @@ TEST_F(Interfaces, ReconfigurationRefusesAnInvalidSet) {
   value.value = 20.0;  // more than degraded_s
   request.doubles = {value};
   ASSERT_TRUE(reconfigure("fail_aware_monitor", request, reply));
-  EXPECT_EQ(valueOf(reply.doubles, "failing_s")->value, 3.0);
+  EXPECT_EQ(valueOf(reply.doubles, "failing_s")->value, 1.0);
   value.name = "alert_limit_m";
   value.value = 0.01;
   request.doubles = {value};

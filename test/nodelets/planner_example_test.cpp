@@ -1,5 +1,5 @@
-// examples/planner.cpp and planner.py: what they do in each state of doc/planner_contract.md, with time running out, and
-// in silence. Waits for what they do, with messages going on as long as it takes.
+// examples/planner.cpp and planner.py: what they do in each state of doc/planner_contract.md, and in silence. Waits for
+// what they do, with messages going on as long as it takes.
 #include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <gtest/gtest.h>
 #include <ros/ros.h>
@@ -92,10 +92,6 @@ TEST_P(PlannerExample, DoesWhatTheContractSays) {
   EXPECT_EQ(await("stop blind"), "stop blind") << "in silence";
   EXPECT_EQ(reaction("slow down", TimeToFailure::DEGRADED, 60.0), "slow down");
   EXPECT_EQ(reaction("stop", TimeToFailure::FAILING, 60.0), "stop");
-  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
-  EXPECT_EQ(reaction("stop", TimeToFailure::OK, 3.9), "stop") << "less than a stop takes";
-  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
-  EXPECT_EQ(reaction("stop", TimeToFailure::DEGRADED, 4.5, 0.8), "stop") << "said 0.8 s ago";
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
   EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0, 6.0), "stop blind") << "said 6 s ago";
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");

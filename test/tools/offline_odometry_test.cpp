@@ -289,7 +289,8 @@ TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
   const nlohmann::json described = summary()["run"];
   EXPECT_NEAR(described["t1_stamp_s"].get<double>(), 0.5, 1e-9);
   EXPECT_EQ(described["first"], 0);
-  for (const char* key : {"eta_threshold_rad", "horizon_s", "alert_limit_m", "failing_s", "degraded_s"}) {
+  for (const char* key : {"eta_threshold_rad", "horizon_s", "alert_limit_m", "comfortable_deceleration_mps2", "failing_s",
+                          "degraded_s"}) {
     EXPECT_GT(described[key].get<double>(), 0.0) << key;
   }
 }

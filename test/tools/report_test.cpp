@@ -39,7 +39,8 @@ class Report : public ::testing::Test {
     write("run/trajectory_tum.txt", tum.str());
     write("truth.txt", truth.str());
     seal(R"({"dropped": 2, "profile": "default", "run": {"first": 0, "t1_stamp_s": 1.0,
-        "eta_threshold_rad": 0.001, "horizon_s": 60.0, "alert_limit_m": 0.6, "failing_s": 3.0, "degraded_s": 10.0,
+        "eta_threshold_rad": 0.001, "horizon_s": 60.0, "alert_limit_m": 0.6, "comfortable_deceleration_mps2": 2.0,
+        "failing_s": 1.0, "degraded_s": 10.0,
         "lidar_in_base": [-0.5, 0, 1.7, 0, 0, 0]}})");
     write("faults.csv", "kind,start_s,duration_s,severity\nfog,2.0,1.5,0.5\n");
   }

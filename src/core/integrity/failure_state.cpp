@@ -22,21 +22,34 @@ int severity(FailAwareState state) {
 }  // namespace
 
 void FailureThresholds::validate() const {
+  requireWithin("comfortable_deceleration_mps2", comfortable_deceleration_mps2, 0.1, 100.0);
   requireNotNegative("failing_s", failing_s);
   requireParameter(std::isfinite(degraded_s) && degraded_s >= failing_s, "degraded_s", degraded_s,
                    "finite and >= failing_s");
   requireAtMost("degraded_s", degraded_s, kLargestParameter);
 }
 
+double FailureThresholds::failingWithin_s(double speed_mps) const {
+  return std::max(failing_s, std::abs(speed_mps) / comfortable_deceleration_mps2);
+}
+
+double FailureThresholds::degradedWithin_s(double speed_mps) const {
+  return std::max(degraded_s, 2.0 * failingWithin_s(speed_mps));
+}
+
 FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,
-                        const FailureThresholds& thresholds, std::uint32_t reasons) {
-  const auto within = [](const TimeToFailure& time, double seconds) {
-    return time.isKnown() && time.seconds <= seconds;
+                        const FailureThresholds& thresholds, std::uint32_t reasons, double speed_mps) {
+  const auto isWithin = [](const TimeToFailure& time, double seconds) {
+    return time.isKnown() && time.status != TimeToFailureStatus::kBeyondHorizon && time.seconds <= seconds;
   };
-  if ((reasons & kFailedReasons) || within(time_to_alarm, 0.0)) return FailAwareState::kFailed;
-  if ((reasons & kFailingReasons) || within(time_to_alarm, thresholds.failing_s)) return FailAwareState::kFailing;
-  if (!time_to_alarm.isKnown()) return FailAwareState::kUnknown;
-  if ((reasons & kDegradedReasons) || within(time_to_failure, thresholds.degraded_s)) return FailAwareState::kDegraded;
+  if ((reasons & kFailedReasons) || isWithin(time_to_alarm, 0.0)) return FailAwareState::kFailed;
+  if ((reasons & kFailingReasons) || isWithin(time_to_failure, thresholds.failingWithin_s(speed_mps))) {
+    return FailAwareState::kFailing;
+  }
+  if (!time_to_failure.isKnown()) return FailAwareState::kUnknown;
+  if ((reasons & kDegradedReasons) || isWithin(time_to_failure, thresholds.degradedWithin_s(speed_mps))) {
+    return FailAwareState::kDegraded;
+  }
   return FailAwareState::kOk;
 }
 

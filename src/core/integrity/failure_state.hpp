@@ -2,15 +2,17 @@
 //
 // There are two times: the published time to failure, before which a failure is improbable, and the time to the alarm,
 // by which its probability is too large to go on (covariance_predictor.hpp's confidence and alarm_confidence). Eta's time
-// to its threshold is in both: the earlier counts.
+// to its threshold is in both: the earlier counts. The published time never exceeds the time to the alarm.
+//
+// A stop from the present speed v takes v / comfortable_deceleration_mps2. FAILING says that it must begin now, DEGRADED
+// that twice that time is left, so that there is time to slow down.
 //
 // state        condition (the first that holds)
 // FAILED       reason STALE, or the time to the alarm reached
-// FAILING      reason FROZEN_CLOUD, or time to the alarm <= failing_s
-// UNKNOWN      time to the alarm unknown
-// DEGRADED     any of kDegradedReasons, or time to failure <= degraded_s
-// OK           otherwise
-// A time beyond the horizon counts as the horizon, which is longer than degraded_s (MonitorParameters).
+// FAILING      reason FROZEN_CLOUD, or time to failure <= max(failing_s, stop from v)
+// UNKNOWN      time to failure unknown
+// DEGRADED     any of kDegradedReasons, or time to failure <= max(degraded_s, 2 x stop from v)
+// OK           otherwise; so is a time beyond the horizon, whatever the speed
 #pragma once
 
 #include <cstdint>
@@ -28,11 +30,17 @@ constexpr std::uint32_t kDegradedReasons = kReasonNoMeasurement | kReasonPredict
                                            kReasonNoAnswer | kReasonTimeFieldRefused;
 
 struct FailureThresholds {
-  double failing_s = 3.0;  ///< a safe stop must start now
-  double degraded_s = 10.0;
+  double comfortable_deceleration_mps2 = 2.0;  ///< of the safe stop
+  double failing_s = 1.0;                      ///< the shortest stop: at standstill, too
+  double degraded_s = 10.0;                    ///< at least
+
+  /// A safe stop from this speed must start when no more time is left than this.
+  double failingWithin_s(double speed_mps) const;
+  double degradedWithin_s(double speed_mps) const;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
+    v("comfortable_deceleration_mps2", self.comfortable_deceleration_mps2);
     v("failing_s", self.failing_s);
     v("degraded_s", self.degraded_s);
   }
@@ -40,7 +48,7 @@ struct FailureThresholds {
 };
 
 FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,
-                        const FailureThresholds& thresholds, std::uint32_t reasons);
+                        const FailureThresholds& thresholds, std::uint32_t reasons, double speed_mps);
 
 /// Gets worse at once (OK < DEGRADED < UNKNOWN < FAILING < FAILED), better only after `sweeps_to_recover` better sweeps
 /// in a row, and then to the worst of those. UNKNOWN is left at once, whichever way.

@@ -19,6 +19,10 @@ const MonitorParameters& validated(const MonitorParameters& params) {
   return params;
 }
 
+double speedOf(const FilterState& state) {
+  return state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0;
+}
+
 }  // namespace
 
 void MonitorParameters::validate() const {
@@ -153,8 +157,8 @@ void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& outpu
   marked.mark(state.T_odom_cog);
   const CovariancePrediction prediction = predictor_.predict(growth(state, marked.driftSinceMark(), state.T_odom_cog));
   output.standby_time_to_failure = prediction.time_to_failure;
-  output.standby_state =
-      stateFor(prediction.time_to_alarm, prediction.time_to_failure, params_.thresholds, output.reasons);
+  output.standby_state = stateFor(prediction.time_to_alarm, prediction.time_to_failure, params_.thresholds,
+                                  output.reasons, speedOf(state));
 }
 
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
@@ -207,8 +211,9 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };
   if (reached(output.time_to_failure_indicator)) output.reasons |= kReasonEtaThreshold;
   if (output.protection_level_m >= params_.predictor.alert_limit_m) output.reasons |= kReasonCovarianceLimit;
-  output.state = hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm),
-                                             output.time_to_failure, params_.thresholds, output.reasons));
+  output.state =
+      hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm), output.time_to_failure,
+                                  params_.thresholds, output.reasons, speedOf(state)));
   if (!indicator_.started()) addStandby(state, output);
   return output;
 }

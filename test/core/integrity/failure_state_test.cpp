@@ -12,13 +12,15 @@ namespace {
 
 using State = FailAwareState;
 
-State stateAt(double seconds, std::uint32_t reasons = 0) {
+constexpr FailureThresholds kThresholds{2.0, 3.0, 10.0};
+
+State stateAt(double seconds, std::uint32_t reasons = 0, double speed_mps = 0.0) {
   const TimeToFailure time = TimeToFailure::fromSeconds(seconds, 60.0);
-  return stateFor(time, time, FailureThresholds{3.0, 10.0}, reasons);
+  return stateFor(time, time, kThresholds, reasons, speed_mps);
 }
 
 State unknownWith(std::uint32_t reasons) {
-  return stateFor(TimeToFailure::unknown(), TimeToFailure::unknown(), FailureThresholds(), reasons);
+  return stateFor(TimeToFailure::unknown(), TimeToFailure::unknown(), FailureThresholds(), reasons, 10.0);
 }
 
 TEST(StateFor, ExactlyAtTheBoundaries) {
@@ -32,15 +34,30 @@ TEST(StateFor, ExactlyAtTheBoundaries) {
   EXPECT_EQ(unknownWith(0), State::kUnknown);
 }
 
-TEST(StateFor, TheAlarmActsOnItsOwnTimeAndDegradedOnTheFailures) {
+TEST(StateFor, AStopFromThePresentSpeedMustFitInTheTimeThatIsLeft) {
+  EXPECT_EQ(stateAt(3.0, 0, 6.0), State::kFailing) << "a stop of 3 s";
+  EXPECT_EQ(stateAt(std::nextafter(3.0, 4.0), 0, 6.0), State::kDegraded);
+  EXPECT_EQ(stateAt(12.5, 0, 25.0), State::kFailing) << "a stop of 12.5 s";
+  EXPECT_EQ(stateAt(std::nextafter(12.5, 13.0), 0, 25.0), State::kDegraded);
+  EXPECT_EQ(stateAt(25.0, 0, 25.0), State::kDegraded) << "twice as long";
+  EXPECT_EQ(stateAt(std::nextafter(25.0, 26.0), 0, 25.0), State::kOk);
+  EXPECT_EQ(stateAt(12.5, 0, -25.0), State::kFailing) << "reversing";
+}
+
+TEST(StateFor, NoFailureBeforeTheHorizonIsOkAtAnySpeed) {
+  EXPECT_EQ(stateAt(60.0, 0, 200.0), State::kOk);
+  EXPECT_EQ(stateAt(59.0, 0, 200.0), State::kFailing);
+}
+
+TEST(StateFor, FailedActsOnTheAlarmsTimeAllElseOnTheFailures) {
   const auto state = [](double alarm_s, double failure_s) {
-    return stateFor(TimeToFailure::fromSeconds(alarm_s, 60.0), TimeToFailure::fromSeconds(failure_s, 60.0),
-                    FailureThresholds{3.0, 10.0}, 0);
+    return stateFor(TimeToFailure::fromSeconds(alarm_s, 60.0), TimeToFailure::fromSeconds(failure_s, 60.0), kThresholds,
+                    0, 0.0);
   };
   EXPECT_EQ(state(20.0, 11.0), State::kOk);
   EXPECT_EQ(state(20.0, 10.0), State::kDegraded);
-  EXPECT_EQ(state(20.0, 0.0), State::kDegraded) << "possible by now, not probable";
-  EXPECT_EQ(state(3.0, 1.0), State::kFailing);
+  EXPECT_EQ(state(20.0, 3.0), State::kFailing);
+  EXPECT_EQ(state(20.0, 0.0), State::kFailing) << "possible by now, not probable";
   EXPECT_EQ(state(0.0, 0.0), State::kFailed);
 }
 
@@ -98,9 +115,10 @@ TEST(StateHysteresis, Unknown) {
 
 TEST(FailureState, ParametersAreChecked) {
   EXPECT_THROW(StateHysteresis(0), ParameterError);
-  EXPECT_THROW((FailureThresholds{5.0, 4.0}.validate()), ParameterError);
-  EXPECT_THROW((FailureThresholds{-1.0, 4.0}.validate()), ParameterError);
-  EXPECT_NO_THROW((FailureThresholds{4.0, 4.0}.validate()));
+  EXPECT_THROW((FailureThresholds{2.0, 5.0, 4.0}.validate()), ParameterError);
+  EXPECT_THROW((FailureThresholds{2.0, -1.0, 4.0}.validate()), ParameterError);
+  EXPECT_THROW((FailureThresholds{0.0, 4.0, 4.0}.validate()), ParameterError);
+  EXPECT_NO_THROW((FailureThresholds{2.0, 4.0, 4.0}.validate()));
 }
 
 }  // namespace

@@ -381,11 +381,15 @@ TEST(FailAwareMonitor, ATimeToFailureThatIsShortDegrades) {
   for (int i = 0; i < 600 && last != FailAwareState::kFailed; ++i) {
     const MonitorOutput output = drive(monitor, road, 1);
     const double seconds = output.time_to_failure.seconds;
-    const FailAwareState expected = seconds <= 0.0                            ? FailAwareState::kFailed
-                                    : seconds <= params.thresholds.failing_s  ? FailAwareState::kFailing
-                                    : seconds <= params.thresholds.degraded_s ? FailAwareState::kDegraded
-                                                                              : FailAwareState::kOk;
-    EXPECT_EQ(output.state, expected) << seconds;
+    const FailAwareState expected =
+        seconds <= params.thresholds.failingWithin_s(road.speed_mps)    ? FailAwareState::kFailing
+        : seconds <= params.thresholds.degradedWithin_s(road.speed_mps) ? FailAwareState::kDegraded
+                                                                        : FailAwareState::kOk;
+    if (output.state != FailAwareState::kFailed) {
+      EXPECT_EQ(output.state, expected) << seconds;
+    } else {
+      EXPECT_LE(seconds, 0.0);
+    }
     last = output.state;
     seen[static_cast<int>(last)] = true;
   }
@@ -500,7 +504,7 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   EXPECT_NE(refused([](MonitorParameters& p) { p.min_information_ratio = 1.1; }).find("min_information_ratio"),
             std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.rate_window_s = kNan; }).find("rate_window_s"), std::string::npos);
-  EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 1.0; }).find("degraded_s"), std::string::npos);
+  EXPECT_NE(refused([](MonitorParameters& p) { p.thresholds.degraded_s = 0.5; }).find("degraded_s"), std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) { p.indicator.horizon_s = 30.0; }).find("predictor.horizon_s"),
             std::string::npos);
   EXPECT_NE(refused([](MonitorParameters& p) {
