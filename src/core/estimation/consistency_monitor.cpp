@@ -25,7 +25,9 @@ void ConsistencyMonitor::Params::validate() const {
   requireWithin("wrong_ratio_of_turn", wrong_ratio_of_turn, 0.0, 1.0);
 }
 
-ConsistencyMonitor::ConsistencyMonitor(const Params& params) : params_(params) { params_.validate(); }
+ConsistencyMonitor::ConsistencyMonitor(const Params& params) : params_(params), lost_motion_(params.fitting_ratio) {
+  params_.validate();
+}
 
 void ConsistencyMonitor::clear() {
   lost_motion_.clear();

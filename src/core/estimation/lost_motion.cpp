@@ -10,11 +10,11 @@ constexpr double kUsualRatio = 0.85;    // in town and country, before it is kno
 // Of the usual ratio. With a speed that was nearly right it is above 0.9 within five sweeps after a tunnel or fog; in
 // false minima it is 0.4 to 0.7.
 constexpr double kLost = 0.65;
-constexpr double kBelieved = 0.3;  // below it the velocity counts as unobservable (consistency_monitor.hpp)
 
 }  // namespace
 
 bool LostMotion::add(bool dead_reckoned, const std::optional<double>& fitting_ratio) {
+  if (believed_ratio_ == 0.0) return false;
   if (!fitting_ratio) {
     dead_reckoned_sweeps_ = watched_sweeps_ = 0;
     recent_ratio_.clear();
@@ -32,7 +32,7 @@ bool LostMotion::add(bool dead_reckoned, const std::optional<double>& fitting_ra
   if (!usual_ratio_.isFull() && !usual_is_assumed_) return false;
   const double usual = usual_ratio_.isFull() ? usual_ratio_.median() : kUsualRatio;
   const double recent = recent_ratio_.median();
-  if (recent < kBelieved || recent >= kLost * usual) return false;
+  if (recent < believed_ratio_ || recent >= kLost * usual) return false;
   clear();
   usual_is_assumed_ = false;
   return true;

@@ -17,13 +17,18 @@ namespace fail_aware {
 
 class LostMotion {
  public:
+  /// `believed_ratio`: below this inlier ratio the few inliers only repeat the prediction, and tell nothing of the map
+  /// (ConsistencyMonitor::Params::fitting_ratio). 0: the motion is never lost.
+  explicit LostMotion(double believed_ratio) : believed_ratio_(believed_ratio) {}
+
   /// `dead_reckoned`: the speed before this sweep was not observed. `fitting_ratio`: inlier ratio of point-to-plane; none:
   /// it did not measure. Returns whether the motion is lost: the sweeps are believed, but do not fit.
   bool add(bool dead_reckoned, const std::optional<double>& fitting_ratio);
 
-  void clear() { *this = LostMotion(); }
+  void clear() { *this = LostMotion(believed_ratio_); }
 
  private:
+  double believed_ratio_;
   MovingMedian usual_ratio_{20};  ///< while the speed was observed
   MovingMedian recent_ratio_{5};
   int dead_reckoned_sweeps_ = 0;  ///< consecutive, measured

@@ -7,6 +7,8 @@
 namespace fail_aware {
 namespace {
 
+constexpr double kBelievedRatio = 0.3;
+
 /// Adds sweeps with that inlier ratio; whether the motion was lost in one of them.
 bool addSweeps(LostMotion& lost_motion, int sweeps, bool dead_reckoned, std::optional<double> ratio) {
   bool lost = false;
@@ -15,8 +17,8 @@ bool addSweeps(LostMotion& lost_motion, int sweeps, bool dead_reckoned, std::opt
 }
 
 /// A town, then a tunnel.
-LostMotion afterTunnel() {
-  LostMotion lost_motion;
+LostMotion afterTunnel(double believed_ratio = kBelievedRatio) {
+  LostMotion lost_motion(believed_ratio);
   EXPECT_FALSE(addSweeps(lost_motion, 30, false, 0.88));
   EXPECT_FALSE(addSweeps(lost_motion, 30, true, 0.93));
   return lost_motion;
@@ -34,20 +36,20 @@ TEST(LostMotion, FitThatComesBackIsNotLost) {
 }
 
 TEST(LostMotion, MisfitWithoutDeadReckoningIsNotLost) {
-  LostMotion lost_motion;
+  LostMotion lost_motion(kBelievedRatio);
   addSweeps(lost_motion, 30, false, 0.88);
   EXPECT_FALSE(addSweeps(lost_motion, 30, false, 0.4)) << "dense vegetation";
 }
 
 TEST(LostMotion, ShortDeadReckoningIsNotWatched) {
-  LostMotion lost_motion;
+  LostMotion lost_motion(kBelievedRatio);
   addSweeps(lost_motion, 30, false, 0.88);
   addSweeps(lost_motion, 9, true, 0.93);
   EXPECT_FALSE(addSweeps(lost_motion, 10, false, 0.4));
 }
 
 TEST(LostMotion, UsualRatioIsAssumedUntilItIsKnown) {
-  LostMotion lost_motion;
+  LostMotion lost_motion(kBelievedRatio);
   EXPECT_FALSE(addSweeps(lost_motion, 30, true, 0.93)) << "a start in a tunnel";
   EXPECT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
 }
@@ -55,6 +57,11 @@ TEST(LostMotion, UsualRatioIsAssumedUntilItIsKnown) {
 TEST(LostMotion, WhatIsNotBelievedIsNotLost) {
   LostMotion lost_motion = afterTunnel();
   EXPECT_FALSE(addSweeps(lost_motion, 10, true, 0.2)) << "the velocity is held";
+}
+
+TEST(LostMotion, OffItNeverLoses) {
+  LostMotion lost_motion = afterTunnel(0.0);
+  EXPECT_FALSE(addSweeps(lost_motion, 60, false, 0.5));
 }
 
 TEST(LostMotion, AfterALossTheSurroundingsMayFitBadly) {

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <optional>
+#include <random>
 
 #include "../../support/synthetic_drive.hpp"
 #include "core/parameters/check.hpp"
@@ -51,6 +52,27 @@ TEST(MotionInitialization, FindsACurveBehindACar) {
   drive.car_ahead = drive.ground_rings = true;
   drive.twist_cog = planarTwist(10.0, 0.4);
   expectTwist(twistFound(drive, testParams()), 10.0, 0.4);
+}
+
+/// Two hedges that the beams hit in the same pattern in every sweep, and 16 poles; the vehicle has moved by moved_m.
+CorrectedSweep hedgesAndPoles(double moved_m) {
+  CorrectedSweep sweep;
+  const auto add = [&sweep](double x, double y, double z) {
+    sweep.points_lidar.push_back(Eigen::Vector3d(x, y, z).cast<float>());
+  };
+  std::mt19937 random(1);
+  const auto uniform = [&random](double low, double high) { return low + (high - low) * (static_cast<double>(random()) / 4294967296.0); };
+  for (int i = 0; i < 1600; ++i) add(uniform(-20.0, 20.0), (i % 2 ? 6.0 : -6.0) + uniform(-0.5, 0.5), uniform(0.0, 2.0));
+  for (int pole = 0; pole < 16; ++pole) {
+    for (int k = 0; k <= 10; ++k) add(2.4 * pole - 18.0 - moved_m, pole % 2 ? 12.0 : -12.0, 0.2 * k);
+  }
+  return sweep;
+}
+
+TEST(MotionInitialization, PolesDecideBetweenHedges) {
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  initialization.setFirst(hedgesAndPoles(0.0), Pose::Identity());
+  expectTwist(initialization.findTwist(hedgesAndPoles(2.7), Pose::Identity(), 0.1), 27.0, 0.0);
 }
 
 TEST(MotionInitialization, FindsStandstillAndReverse) {
