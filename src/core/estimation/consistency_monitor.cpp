@@ -37,6 +37,7 @@ void ConsistencyMonitor::clear() {
 void ConsistencyMonitor::forgetSweeps() {
   undecided_m_.clear();
   innovation_m_.clear();
+  recent_fit_.clear();
   fitting_ratio_.clear();
   sweeps_without_planes_ = 0;
   fitted_ = false;
@@ -46,11 +47,14 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   undecided_m_.add(sweep.undecided_m);
   innovation_m_.add(std::max(0.0, sweep.innovation_m - kTimeSigmas * sweep.time_sigma_m));
   ++sweeps_without_planes_;
-  if (sweep.fitting_ratio) {
-    fitting_ratio_.add(*sweep.fitting_ratio);
+  bool fits_not = false;
+  if (sweep.inlier_ratio) {
+    const double fit = fitting_ratio_.add(*sweep.inlier_ratio, sweep.inliers);
+    fits_not = fit < params_.fitting_ratio;
+    recent_fit_.add(fit);
     sweeps_without_planes_ = 0;
   }
-  if (sweeps_without_planes_ > kSweepsToForgetPlanes) fitting_ratio_.clear();
+  if (sweeps_without_planes_ > kSweepsToForgetPlanes) recent_fit_.clear();
 
   const double apart_m =
       undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.persistent_disagreement_m) : 0.0;
@@ -60,12 +64,11 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   inflation.sigma_m = std::hypot(apart_m, persistent_m);
   inflation.sigma_yaw_rad = turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0;
   inflation.unbelievable = persistent_m > 0.0 || turned;
-  const bool fits_not = sweep.fitting_ratio && *sweep.fitting_ratio < params_.fitting_ratio;
-  const bool fitted_not = fitting_ratio_.isFull() && fitting_ratio_.median() < params_.fitting_ratio;
+  const bool fitted_not = recent_fit_.isFull() && recent_fit_.median() < params_.fitting_ratio;
   inflation.velocity_unobservable =
       fitted_ && (fitted_not || fits_not);  // without delay: a speed taken from one such sweep persists
-  if (fitting_ratio_.isFull() && !fitted_not) fitted_ = true;
-  inflation.motion_lost = lost_motion_.add(sweep.dead_reckoned, sweep.fitting_ratio);
+  if (recent_fit_.isFull() && !fitted_not) fitted_ = true;
+  inflation.motion_lost = lost_motion_.add(sweep.dead_reckoned, sweep.inlier_ratio);
   if (inflation.motion_lost) forgetSweeps();
   return inflation;
 }
@@ -78,8 +81,8 @@ double ConsistencyMonitor::persistentInnovation_m(double dt_s) const {
 }
 
 double ConsistencyMonitor::unfitting_m() const {
-  if (params_.fitting_ratio == 0.0 || !fitting_ratio_.isFull()) return 0.0;
-  return std::max(0.0, params_.unfitting_sigma_m * (1.0 - fitting_ratio_.median() / params_.fitting_ratio));
+  if (params_.fitting_ratio == 0.0 || !recent_fit_.isFull()) return 0.0;
+  return std::max(0.0, params_.unfitting_sigma_m * (1.0 - recent_fit_.median() / params_.fitting_ratio));
 }
 
 }  // namespace fail_aware

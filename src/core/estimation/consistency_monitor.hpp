@@ -14,8 +14,10 @@
 // Cost: under 1 us a sweep.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
+#include "core/estimation/fitting_ratio.hpp"
 #include "core/estimation/lost_motion.hpp"
 #include "core/moving_median.hpp"
 
@@ -26,7 +28,7 @@ class ConsistencyMonitor {
   struct Params {
     double persistent_disagreement_m = 0.15;  ///< a lasting disagreement above this inflates the covariance
     double persistent_innovation_m = 0.07;    ///< a lasting innovation above this inflates the covariance; 0: off
-    double fitting_ratio = 0.3;               ///< point-to-plane inlier ratio below which R is not trusted; 0: off
+    double fitting_ratio = 0.3;               ///< R is not trusted where less of the scenery fits; 0: off
     double unfitting_sigma_m = 0.25;          ///< sigma added by a sweep with no inlier: 2.5 m/s at 10 Hz
     double max_yaw_innovation_deg = 4.5;      ///< a larger innovation in one sweep inflates the covariance; 0: off
     double wrong_ratio_of_turn = 0.1;         ///< standard deviation of a heading jump's error, as a ratio of the jump
@@ -46,7 +48,8 @@ class ConsistencyMonitor {
     double undecided_m = 0.0;             ///< FusionResult::undecided_m
     double innovation_m = 0.0;            ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
     double turn_rad = 0.0;                ///< rotation part of the innovation; 0 likewise
-    std::optional<double> fitting_ratio;  ///< inlier ratio of point-to-plane; none: it did not measure
+    std::optional<double> inlier_ratio;   ///< of point-to-plane; none: it did not measure
+    std::size_t inliers = 0;              ///< likewise; 0: not known
     bool dead_reckoned = false;           ///< the speed before this sweep was not observed
     double time_sigma_m = 0.0;            ///< sigma of the prediction due to the uncertain interval between sweeps
   };
@@ -73,7 +76,8 @@ class ConsistencyMonitor {
   double unfitting_m() const;
 
   Params params_;
-  MovingMedian undecided_m_{5}, innovation_m_{10}, fitting_ratio_{3};
+  MovingMedian undecided_m_{5}, innovation_m_{10}, recent_fit_{3};
+  FittingRatio fitting_ratio_;
   LostMotion lost_motion_;
   bool fitted_ = false;            ///< most of the sweeps fitted the map at least once
   int sweeps_without_planes_ = 0;  ///< consecutive

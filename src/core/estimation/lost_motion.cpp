@@ -13,9 +13,9 @@ constexpr double kLost = 0.65;
 
 }  // namespace
 
-bool LostMotion::add(bool dead_reckoned, const std::optional<double>& fitting_ratio) {
+bool LostMotion::add(bool dead_reckoned, const std::optional<double>& inlier_ratio) {
   if (believed_ratio_ == 0.0) return false;
-  if (!fitting_ratio) {
+  if (!inlier_ratio) {
     dead_reckoned_sweeps_ = watched_sweeps_ = 0;
     recent_ratio_.clear();
     return false;
@@ -26,8 +26,8 @@ bool LostMotion::add(bool dead_reckoned, const std::optional<double>& fitting_ra
   } else if (watched_sweeps_ > 0) {
     --watched_sweeps_;
   }
-  recent_ratio_.add(*fitting_ratio);
-  if (!dead_reckoned && watched_sweeps_ == 0) usual_ratio_.add(*fitting_ratio);
+  recent_ratio_.add(*inlier_ratio);
+  if (!dead_reckoned && watched_sweeps_ == 0) usual_ratio_.add(*inlier_ratio);
   if (watched_sweeps_ == 0 || !recent_ratio_.isFull()) return false;
   if (!usual_ratio_.isFull() && !usual_is_assumed_) return false;
   const double usual = usual_ratio_.isFull() ? usual_ratio_.median() : kUsualRatio;

@@ -21,9 +21,9 @@ class LostMotion {
   /// (ConsistencyMonitor::Params::fitting_ratio). 0: the motion is never lost.
   explicit LostMotion(double believed_ratio) : believed_ratio_(believed_ratio) {}
 
-  /// `dead_reckoned`: the speed before this sweep was not observed. `fitting_ratio`: inlier ratio of point-to-plane; none:
+  /// `dead_reckoned`: the speed before this sweep was not observed. `inlier_ratio`: of point-to-plane; none:
   /// it did not measure. Returns whether the motion is lost: the sweeps are believed, but do not fit.
-  bool add(bool dead_reckoned, const std::optional<double>& fitting_ratio);
+  bool add(bool dead_reckoned, const std::optional<double>& inlier_ratio);
 
   void clear() { *this = LostMotion(believed_ratio_); }
 

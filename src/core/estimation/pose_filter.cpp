@@ -30,12 +30,11 @@ bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
   return fusion.R(3, 3) < kOpenVariance * predicted_P(3, 3) && fusion.R(4, 4) < kOpenVariance * predicted_P(4, 4);
 }
 
-std::optional<double> planesFittingRatio(const std::vector<FusionInput>& inputs) {
-  const auto planes = std::find_if(inputs.begin(), inputs.end(), [](const FusionInput& input) {
+const Measurement* planes(const std::vector<FusionInput>& inputs) {
+  const auto found = std::find_if(inputs.begin(), inputs.end(), [](const FusionInput& input) {
     return input.name == kIcpPointToPlane && input.measurement != nullptr && input.measurement->ok();
   });
-  if (planes == inputs.end()) return std::nullopt;
-  return planes->measurement->inlier_ratio;
+  return found == inputs.end() ? nullptr : found->measurement;
 }
 
 FilterState stateFrom(const SweepPrediction& prediction) {
@@ -283,7 +282,10 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   sweep.innovation_m = motion_.deadReckoning().active() ? 0.0 : innovation.head<2>().norm();
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
-  sweep.fitting_ratio = planesFittingRatio(inputs);
+  if (const Measurement* measurement = planes(inputs)) {
+    sweep.inlier_ratio = measurement->inlier_ratio;
+    sweep.inliers = measurement->inliers;
+  }
   sweep.dead_reckoned = prediction_.motion_status == MotionStatus::kDeadReckoning;
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
   // after a gap the accumulated covariance would otherwise restart from the R of confirmed measurements

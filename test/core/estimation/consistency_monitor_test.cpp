@@ -73,12 +73,12 @@ TEST(ConsistencyMonitor, LongIntervalAllowsMore) {
 }
 
 TEST(ConsistencyMonitor, WhereLittleFitsTheMapTheIncrementIsOpen) {
-  const auto fitting = [](double share) { return afterOdd(2, [=](Sweep& sweep) { sweep.fitting_ratio = share; }); };
+  const auto fitting = [](double share) { return afterOdd(2, [=](Sweep& sweep) { sweep.inlier_ratio = share; }); };
   expectNone(fitting(0.3), "the least that is usual");
   EXPECT_NEAR(fitting(0.1).sigma_m, 0.25 * 2.0 / 3.0, 1e-12);
   EXPECT_TRUE(fitting(0.1).unbelievable && fitting(0.1).velocity_unobservable);
   EXPECT_DOUBLE_EQ(fitting(0.0).sigma_m, 0.25);
-  const Inflation once = afterOdd(1, [](Sweep& sweep) { sweep.fitting_ratio = 0.0; });
+  const Inflation once = afterOdd(1, [](Sweep& sweep) { sweep.inlier_ratio = 0.0; });
   EXPECT_EQ(once.sigma_m, 0.0) << "one of three";
   EXPECT_FALSE(once.unbelievable);
   EXPECT_TRUE(once.velocity_unobservable) << "at once";
@@ -87,7 +87,7 @@ TEST(ConsistencyMonitor, WhereLittleFitsTheMapTheIncrementIsOpen) {
 TEST(ConsistencyMonitor, WhereNothingHasFittedYetTheMotionIsLearnt) {
   ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   Sweep unfitting = sound();
-  unfitting.fitting_ratio = 0.1;
+  unfitting.inlier_ratio = 0.1;
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(unfitting).velocity_unobservable) << i;
   for (int i = 0; i < 5; ++i) EXPECT_FALSE(monitor.add(sound()).velocity_unobservable) << i;
   EXPECT_TRUE(monitor.add(unfitting).velocity_unobservable);
@@ -96,8 +96,8 @@ TEST(ConsistencyMonitor, WhereNothingHasFittedYetTheMotionIsLearnt) {
 TEST(ConsistencyMonitor, SilentPlanesForgetTheFit) {
   ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   Sweep unfitting = sound(), silent = sound();
-  unfitting.fitting_ratio = 0.0;
-  silent.fitting_ratio = std::nullopt;
+  unfitting.inlier_ratio = 0.0;
+  silent.inlier_ratio = std::nullopt;
   for (int i = 0; i < 3; ++i) monitor.add(unfitting);
   for (int i = 1; i <= 10; ++i) EXPECT_DOUBLE_EQ(monitor.add(silent).sigma_m, 0.25) << i;
   expectNone(monitor.add(silent), "eleven in a row");
@@ -133,7 +133,7 @@ TEST(ConsistencyMonitor, EachSignCanBeSwitchedOff) {
 TEST(ConsistencyMonitor, WhatTellsNoMotionIsSaidWhateverItAdds) {
   ConsistencyMonitor::Params params;
   params.unfitting_sigma_m = 0.0;
-  const auto unfitting = [](Sweep& sweep) { sweep.fitting_ratio = 0.1; };
+  const auto unfitting = [](Sweep& sweep) { sweep.inlier_ratio = 0.1; };
   EXPECT_TRUE(afterOdd(5, unfitting, params).velocity_unobservable);
   ConsistencyMonitor monitor(params);
   Sweep sweep = sound();
@@ -145,11 +145,11 @@ TEST(ConsistencyMonitor, MisfitAfterDeadReckoningLosesTheMotion) {
   ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   ConsistencyMonitor::Sweep sweep;
   sweep.dt_s = 0.1;
-  sweep.fitting_ratio = 0.9;
+  sweep.inlier_ratio = 0.9;
   sweep.dead_reckoned = true;
   for (int i = 0; i < 15; ++i) EXPECT_FALSE(monitor.add(sweep).motion_lost) << i;
   sweep.dead_reckoned = false;
-  sweep.fitting_ratio = 0.45;
+  sweep.inlier_ratio = 0.45;
   bool lost = false;
   for (int i = 0; i < 5; ++i) lost = monitor.add(sweep).motion_lost || lost;
   EXPECT_TRUE(lost);
