@@ -1,6 +1,7 @@
 // A planner that obeys the time to failure (doc/planner_contract.md). It publishes what the vehicle must do, 20 times a
-// second, on ~action: "drive", "slow down", "stop" (follow the pose) or "stop blind" (do not use the pose).
-// ~standing (std_msgs/Bool): the vehicle stands, as its wheels tell.
+// second, on ~action: "drive", "slow down", "stop" (follow the pose), "stop blind" (do not use the pose), or
+// "own localisation" while the GPS is good. Inputs (std_msgs/Bool): ~gps_lost: true from the call of start_redundant
+// until the GPS is back; ~standing: the vehicle stands, as its wheels tell.
 #include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
@@ -11,41 +12,71 @@
 using fail_aware_lidar_odometry::TimeToFailure;
 
 namespace {
+
 constexpr double kSilence_s = 0.5;  // without a message: the monitor or its computer has failed
 constexpr double kOldest_s = 1.0;   // an older stamp is outdated
 constexpr double kAhead_s = 0.1;    // a stamp further in the future comes from another clock
+constexpr double kWait_s = 0.5;     // for the first state after the loss of the GPS
 enum Stop { kNone = 0, kByThePose = 1, kBlind = 2 };
+
+// by a clock that nobody sets
+double since_s(const ros::SteadyTime& time) { return (ros::SteadyTime::now() - time).toSec(); }
+
 }  // namespace
+
+class Planner {
+ public:
+  Planner() : node_("~"), publisher_(node_.advertise<std_msgs::String>("action", 1)) {
+    time_ = node_.subscribe<TimeToFailure>(
+        "/fail_aware_lidar_odometry/time_to_failure", 1,
+        [this](const TimeToFailure::ConstPtr& message) { last_ = *message, heard_ = ros::SteadyTime::now(); });
+    wheels_ = node_.subscribe<std_msgs::Bool>(
+        "standing", 1, [this](const std_msgs::Bool::ConstPtr& message) { standing_ = message->data; });
+    gps_ = node_.subscribe<std_msgs::Bool>("gps_lost", 1, [this](const std_msgs::Bool::ConstPtr& message) {
+      if (message->data && !gps_lost_) lost_since_ = ros::SteadyTime::now();
+      gps_lost_ = message->data;
+    });
+  }
+
+  void publishAction() {
+    std_msgs::String message;
+    message.data = action();
+    publisher_.publish(message);
+  }
+
+ private:
+  const char* action() {
+    if (!gps_lost_) {
+      stop_ = kNone;
+      return "own localisation";
+    }
+    stop_ = standing_ ? wantedStop() : std::max(stop_, wantedStop());  // a stop that has begun ends at standstill
+    if (stop_ != kNone) return stop_ == kBlind ? "stop blind" : "stop";
+    return last_.state == TimeToFailure::OK ? "drive" : "slow down";
+  }
+
+  Stop wantedStop() const {
+    const double age_s = ros::Time::now().toSec() - last_.header.stamp.toSec();
+    const bool current = age_s >= -kAhead_s && age_s <= kOldest_s;
+    if (since_s(heard_) > kSilence_s || !current || last_.state == TimeToFailure::FAILED) return kBlind;
+    if (last_.state == TimeToFailure::UNKNOWN) return since_s(lost_since_) < kWait_s ? kNone : kBlind;
+    return last_.state == TimeToFailure::FAILING ? kByThePose : kNone;
+  }
+
+  ros::NodeHandle node_;
+  ros::Publisher publisher_;
+  ros::Subscriber time_, wheels_, gps_;
+  TimeToFailure last_;  // UNKNOWN until the first one comes
+  ros::SteadyTime heard_, lost_since_;
+  bool standing_ = false, gps_lost_ = false;
+  Stop stop_ = kNone;
+};
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "planner");
-  ros::NodeHandle node("~");
-  TimeToFailure last;     // UNKNOWN until the first one comes
-  ros::SteadyTime heard;  // a clock that nobody sets
-  ros::Subscriber subscriber = node.subscribe<TimeToFailure>(
-      "/fail_aware_lidar_odometry/time_to_failure", 1,
-      [&](const TimeToFailure::ConstPtr& message) { last = *message, heard = ros::SteadyTime::now(); });
-  bool standing = false;
-  ros::Subscriber wheels = node.subscribe<std_msgs::Bool>(
-      "standing", 1, [&](const std_msgs::Bool::ConstPtr& message) { standing = message->data; });
-  ros::Publisher publisher = node.advertise<std_msgs::String>("action", 1);
-  int stop = kNone;
+  Planner planner;
   for (ros::WallRate rate(20.0); ros::ok(); rate.sleep()) {
     ros::spinOnce();
-    const bool silent = (ros::SteadyTime::now() - heard).toSec() > kSilence_s;
-    const double age_s = ros::Time::now().toSec() - last.header.stamp.toSec();
-    const bool current = age_s >= -kAhead_s && age_s <= kOldest_s;
-    int wanted = last.state == TimeToFailure::FAILING ? kByThePose : kNone;
-    if (silent || !current || last.state == TimeToFailure::FAILED || last.state == TimeToFailure::UNKNOWN) {
-      wanted = kBlind;
-    }
-    stop = standing ? wanted : std::max(stop, wanted);  // a stop that has begun ends at standstill
-    std_msgs::String action;
-    if (stop != kNone) {
-      action.data = stop == kBlind ? "stop blind" : "stop";
-    } else {
-      action.data = last.state == TimeToFailure::DEGRADED ? "slow down" : "drive";
-    }
-    publisher.publish(action);
+    planner.publishAction();
   }
 }

@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """A planner that obeys the time to failure (doc/planner_contract.md): what planner.cpp does, in Python.
 
-It publishes what the vehicle must do, 20 times a second, on ~action: "drive", "slow down", "stop" (follow the pose) or
-"stop blind" (do not use the pose). ~standing (std_msgs/Bool): the vehicle stands, as its wheels tell.
+It publishes what the vehicle must do, 20 times a second, on ~action: "drive", "slow down", "stop" (follow the pose),
+"stop blind" (do not use the pose), or "own localisation" while the GPS is good. Inputs (std_msgs/Bool): ~gps_lost: true
+from the call of start_redundant until the GPS is back; ~standing: the vehicle stands, as its wheels tell.
 """
 import time
 
@@ -13,10 +14,11 @@ from std_msgs.msg import Bool, String
 SILENCE_S = 0.5  # without a message: the monitor or its computer has failed
 OLDEST_S = 1.0   # an older stamp is outdated
 AHEAD_S = 0.1    # a stamp further in the future comes from another clock
+WAIT_S = 0.5     # for the first state after the loss of the GPS
 NONE, BY_THE_POSE, BLIND = 0, 1, 2
 
 last, heard = TimeToFailure(), -1e9  # UNKNOWN until the first one comes
-standing, stop = False, NONE
+standing, stop, lost_since = False, NONE, None
 
 
 def on_time(message):
@@ -29,21 +31,37 @@ def on_wheels(message):
     standing = message.data
 
 
+def on_gps(message):
+    global lost_since
+    lost_since = (lost_since or time.monotonic()) if message.data else None
+
+
+def wanted_stop():
+    silent = time.monotonic() - heard > SILENCE_S
+    age_s = rospy.Time.now().to_sec() - last.header.stamp.to_sec()
+    if silent or not -AHEAD_S <= age_s <= OLDEST_S or last.state == TimeToFailure.FAILED:
+        return BLIND
+    if last.state == TimeToFailure.UNKNOWN:
+        return NONE if time.monotonic() - lost_since < WAIT_S else BLIND
+    return BY_THE_POSE if last.state == TimeToFailure.FAILING else NONE
+
+
+def action():
+    global stop
+    if lost_since is None:
+        stop = NONE
+        return "own localisation"
+    stop = wanted_stop() if standing else max(stop, wanted_stop())  # a stop that has begun ends at standstill
+    if stop != NONE:
+        return "stop blind" if stop == BLIND else "stop"
+    return "drive" if last.state == TimeToFailure.OK else "slow down"
+
+
 rospy.init_node("planner")
 rospy.Subscriber("/fail_aware_lidar_odometry/time_to_failure", TimeToFailure, on_time, queue_size=1)
 rospy.Subscriber("~standing", Bool, on_wheels, queue_size=1)
+rospy.Subscriber("~gps_lost", Bool, on_gps, queue_size=1)
 publisher = rospy.Publisher("~action", String, queue_size=1)
 while not rospy.is_shutdown():
     time.sleep(0.05)
-    silent = time.monotonic() - heard > SILENCE_S
-    age_s = rospy.Time.now().to_sec() - last.header.stamp.to_sec()
-    current = -AHEAD_S <= age_s <= OLDEST_S
-    wanted = BY_THE_POSE if last.state == TimeToFailure.FAILING else NONE
-    if silent or not current or last.state in (TimeToFailure.FAILED, TimeToFailure.UNKNOWN):
-        wanted = BLIND
-    stop = wanted if standing else max(stop, wanted)  # a stop that has begun ends at standstill
-    if stop != NONE:
-        action = "stop blind" if stop == BLIND else "stop"
-    else:
-        action = "slow down" if last.state == TimeToFailure.DEGRADED else "drive"
-    publisher.publish(action)
+    publisher.publish(action())

@@ -21,14 +21,17 @@ class PlannerExample : public testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     publisher_ = kept<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure");
-    above_ground_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/standing");
+    standing_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/standing");
+    gps_lost_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/gps_lost");
     subscriber_ =
         node_.subscribe<std_msgs::String>(std::string("/") + GetParam() + "/action", 1,
                                           [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
     ASSERT_TRUE(waitFor([&] {
-      return publisher_.getNumSubscribers() == 2 && above_ground_.getNumSubscribers() == 1 && !action_.empty();
+      return publisher_.getNumSubscribers() == 2 && standing_.getNumSubscribers() == 1 &&
+             gps_lost_.getNumSubscribers() == 1 && !action_.empty();
     })) << "not up";
-    setStanding(true);
+    publish(standing_, true);
+    publish(gps_lost_, true);
   }
 
   /// The same publisher in every test: a subscriber need not find a new one.
@@ -74,14 +77,14 @@ class PlannerExample : public testing::TestWithParam<const char*> {
     return action_;
   }
 
-  ros::NodeHandle node_;
-  void setStanding(bool standing) {
+  static void publish(const ros::Publisher& publisher, bool value) {
     std_msgs::Bool message;
-    message.data = standing;
-    above_ground_.publish(message);
+    message.data = value;
+    publisher.publish(message);
   }
 
-  ros::Publisher publisher_, above_ground_;
+  ros::NodeHandle node_;
+  ros::Publisher publisher_, standing_, gps_lost_;
   ros::Subscriber subscriber_;
   std::string action_;
 };
@@ -104,15 +107,30 @@ TEST_P(PlannerExample, DoesWhatTheContractSays) {
 
 TEST_P(PlannerExample, AStopThatHasBegunIsCarriedThroughToStandstill) {
   ASSERT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
-  setStanding(false);
+  publish(standing_, false);
   ASSERT_EQ(reaction("slow down", TimeToFailure::DEGRADED, 60.0), "slow down");
   ASSERT_EQ(reaction("stop", TimeToFailure::FAILING, 60.0), "stop");
   EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop") << "though it is over";
   EXPECT_EQ(reaction("stop blind", TimeToFailure::FAILED, 0.0), "stop blind") << "from here on without the pose";
   EXPECT_EQ(reactionAfterAWhile(TimeToFailure::FAILING, 60.0), "stop blind");
   EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop blind");
-  setStanding(true);
+  publish(standing_, true);
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+}
+
+TEST_P(PlannerExample, AsksOnlyFromTheLossOfTheGpsOn) {
+  publish(standing_, false);
+  publish(gps_lost_, false);
+  EXPECT_EQ(reaction("own localisation", TimeToFailure::UNKNOWN, -1.0), "own localisation");
+  EXPECT_EQ(reactionAfterAWhile(TimeToFailure::FAILED, 0.0), "own localisation");
+  say(TimeToFailure::UNKNOWN, -1.0);
+  publish(gps_lost_, true);
+  EXPECT_EQ(reaction("slow down", TimeToFailure::UNKNOWN, -1.0), "slow down") << "it waits for the first state";
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::UNKNOWN, -1.0), "stop blind") << "0.5 s later";
+  publish(gps_lost_, false);
+  EXPECT_EQ(reaction("own localisation", TimeToFailure::OK, 60.0), "own localisation") << "the GPS is back";
+  publish(gps_lost_, true);
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive") << "at the next loss";
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, PlannerExample, testing::Values("planner_cpp", "planner_python"));

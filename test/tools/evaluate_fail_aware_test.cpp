@@ -41,6 +41,15 @@ TEST_F(EvaluateFailAware, ARowThatTheTruthDoesNotHaveIsRefused) {
   expectRefused(options("run"), "has row 1000000");
 }
 
+TEST_F(EvaluateFailAware, PosesOfTheCameraNeedTheirCalibration) {
+  MadeUpRun made_up;
+  made_up.write(folder_ / "run");
+  std::ofstream truth(folder_ / "run" / "poses.txt");
+  for (int i = 0; i < made_up.sweeps; ++i) truth << "1 0 0 0 0 1 0 0 0 0 1 " << i << "\n";
+  truth.close();
+  expectRefused(options("run"), "give --calib calib.txt");
+}
+
 TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   MadeUpRun good, bad;
   bad.drift_m = 0.0101;  // 0.606 m after 6.0 s: t1 at 0, 5, .. 30 s fail, that at 35 s is watched for 4.9 s

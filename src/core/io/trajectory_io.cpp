@@ -1,5 +1,6 @@
 #include "core/io/trajectory_io.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -186,6 +187,7 @@ std::vector<Pose> lidarFromCameraTrajectory(const std::vector<Pose>& camera_pose
 }
 
 bool movesLikeACamera(const std::vector<Pose>& poses) {
+  constexpr double kStandstill_m = 1.0;  // noise of a truth that stands still may add up to this
   double across_m = 0.0, along_z_m = 0.0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Eigen::Vector3d way =
@@ -193,7 +195,7 @@ bool movesLikeACamera(const std::vector<Pose>& poses) {
     across_m += way.head<2>().norm();
     along_z_m += std::abs(way.z());
   }
-  return along_z_m > across_m;
+  return along_z_m > std::max(across_m, kStandstill_m);
 }
 
 }  // namespace fail_aware
