@@ -52,7 +52,7 @@ class AboveGroundMatcher {
     double contrast_m = 0.6;  ///< the votes are compared this far beyond the window
     /// least difference of a place's best and worst vote: a fence along the road has less
     double min_contrast = 0.3;
-    double sigma_m = 0.25;         ///< sigma of one place: scatter of a bush's points from sweep to sweep
+    double sigma_m = 0.10;         ///< sigma of one place: scatter of a bush's points from sweep to sweep
     double min_places = 1.7;       ///< fewer places give no result: one place gives no heading
     double max_distance_m = 10.0;  ///< farthest from the sweep that is matched with; then another one is used
     double max_age_s = 1.0;        ///< likewise in time
