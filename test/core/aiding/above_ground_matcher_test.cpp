@@ -120,7 +120,7 @@ TEST(AboveGroundMatcher, PostsTellPositionAndHeading) {
   EXPECT_LT(logSo3(found->T_odom_cog.linear().transpose() * truth.linear()).norm(), 0.05 * kDegree);
   const Eigen::Vector3d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(found->covariance).eigenvalues();
   EXPECT_GT(variances[0], 0.0);
-  EXPECT_NEAR(std::sqrt(found->covariance(0, 0)), 0.25 / std::sqrt(5.0), 0.03);  // five places, 0.25 m each
+  EXPECT_NEAR(std::sqrt(found->covariance(0, 0)), 0.10 / std::sqrt(5.0), 0.012);  // five places, 0.10 m each
   EXPECT_LT(std::sqrt(found->covariance(2, 2)), 0.5 * kDegree);
 }
 
