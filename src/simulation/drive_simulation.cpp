@@ -115,8 +115,8 @@ struct DriveSimulation::Impl {
     const double fraction = params.rolling_shutter ? lidar.columnTime(column) / params.lidar.period_s : 0.5;
     const Pose T_world_lidar = motion.at(fraction) * T_base_lidar;
     const double azimuth = lidar.azimuth(column);
-    std::array<Eigen::Vector3f, 64> directions;
-    std::array<RayHit, 64> hits;
+    std::array<Eigen::Vector3f, LidarModel::kMaxBeams> directions;
+    std::array<RayHit, LidarModel::kMaxBeams> hits;
     lidar.pointing(azimuth, directions.data());
     const Eigen::Matrix3f R = T_world_lidar.linear().cast<float>();
     for (std::size_t beam = 0; beam < lidar.beams(); ++beam) directions[beam] = R * directions[beam];

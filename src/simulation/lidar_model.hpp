@@ -1,7 +1,10 @@
 // A spinning lidar's geometry and errors. Default: a Velodyne HDL-64E as in KITTI (clockwise from
 // the rear, 10 Hz, 2083 columns).
 //
-// 64 beams: 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg.
+// Heads, with the elevations of their data sheets:
+//   hdl64e: 64 beams, 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg
+//   vlp32c: 32 beams from -25 to +15 deg, the middle ones in steps of 1/3 deg
+//   vlp16:  16 beams from -15 to +15 deg in steps of 2 deg
 // Calibration is imperfect: each beam has a range bias and an elevation error, constant over a drive and drawn from the
 // seed. Added to this: range noise, the surface's roughness, pulses lost at random or because the return is weak
 // (reflectivity, incidence, range squared). Rings count from the lowest beam. No failure modes. Cost: some ns a return.
@@ -10,6 +13,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "simulation/ray_caster.hpp"
@@ -19,6 +23,7 @@ namespace fail_aware {
 class LidarModel {
  public:
   struct Params {
+    std::string head = "hdl64e";
     int columns = 2083;
     double period_s = 0.1;
     double min_range_m = 0.9;
@@ -30,6 +35,7 @@ class LidarModel {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
+      v("head", self.head);
       v("columns", self.columns);
       v("period_s", self.period_s);
       v("min_range_m", self.min_range_m);
@@ -41,6 +47,8 @@ class LidarModel {
     }
     void validate() const;
   };
+
+  static constexpr std::size_t kMaxBeams = 64;
 
   LidarModel(std::uint64_t seed, const Params& params);
 

@@ -1,4 +1,4 @@
-// simulate_drive: a simulated drive with an HDL-64E, as a KITTI folder or a bag, with ground truth and optional faults.
+// simulate_drive: a simulated drive with a spinning lidar, as a KITTI folder or a bag, with truth and optional faults.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -56,6 +56,9 @@ void addOptions(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--no-rolling-shutter", options.no_rolling_shutter,
                "all points from the sweep's middle (and no point times)");
+  app.add_option("--head", simulation.lidar.head, "the lidar: hdl64e, vlp32c or vlp16")
+      ->check(CLI::IsMember({"hdl64e", "vlp32c", "vlp16"}))
+      ->capture_default_str();
   app.add_flag("--no-traffic", options.no_traffic, "no other vehicles");
   app.add_option("--beam-errors", options.beam_errors,
                  "factor on the errors of range and elevation that the beams of a head have")
@@ -138,6 +141,7 @@ void writeNotes(const Options& options, const std::vector<Fault>& faults, std::s
   notes["seed"] = options.simulation.seed;
   notes["rolling_shutter"] = options.simulation.rolling_shutter;
   notes["traffic"] = options.simulation.traffic;
+  notes["head"] = options.simulation.lidar.head;
   notes["beam_errors"] = options.beam_errors;
   notes["speed_mps"] = options.simulation.drive.speed.speed_mps;
   notes["start_speed_mps"] = options.simulation.drive.start_speed_mps;
@@ -188,7 +192,7 @@ int run(Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Simulates a drive with a Velodyne HDL-64E through a simulated world. The same arguments give the same bytes.\n"
+        "Simulates a drive with a spinning lidar through a simulated world. The same arguments give the same bytes.\n"
         "KITTI folder: velodyne/, stamps/, rings/, times.txt (mid-sweep), poses.txt (truth, lidar frame), "
         "ground_truth_tum.txt (truth, base_link), calib.txt, faults.csv, simulation.json.\n"
         "Bag: /velodyne_points (stamp: the sweep's end), /tf_static, /ground_truth/odometry; beside it "

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/degree.hpp"
+#include "core/parameters/check.hpp"
 #include "simulation/random.hpp"
 
 namespace fail_aware {
@@ -52,6 +53,22 @@ TEST(LidarModel, HasTheBeamsOfAnHdl64e) {
   EXPECT_NEAR(elevations[32], 2.0 - 31.0 / 3.0, 1e-3);
   EXPECT_NEAR(elevations[63], 2.0, 1e-3);
   for (std::size_t i = 1; i < 64; ++i) EXPECT_GT(elevations[i], elevations[i - 1]);
+}
+
+TEST(LidarModel, HasTheBeamsOfOtherHeads) {
+  LidarModel::Params params = perfect();
+  params.head = "vlp16";
+  const std::vector<double> few = elevationsDeg(LidarModel(1, params), 0.3);
+  ASSERT_EQ(few.size(), 16u);
+  for (std::size_t i = 0; i < few.size(); ++i) EXPECT_NEAR(few[i], -15.0 + 2.0 * static_cast<double>(i), 1e-3);
+  params.head = "vlp32c";
+  const std::vector<double> elevations = elevationsDeg(LidarModel(1, params), 0.3);
+  ASSERT_EQ(elevations.size(), 32u);
+  EXPECT_NEAR(elevations.front(), -25.0, 1e-3);
+  EXPECT_NEAR(elevations.back(), 15.0, 1e-3);
+  for (std::size_t i = 1; i < elevations.size(); ++i) EXPECT_GT(elevations[i], elevations[i - 1]);
+  params.head = "another";
+  EXPECT_THROW(LidarModel(1, params), ParameterError);
 }
 
 TEST(LidarModel, NoiseHasItsSize) {
