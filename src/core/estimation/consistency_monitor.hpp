@@ -8,7 +8,8 @@
 //   are as uncertain as this difference, and the difference stays in the map.
 // - Almost nothing fits the map. The few points that fit were selected by the prediction and confirm it, whatever the
 //   vehicle does. A speed estimated from them would diverge, so the velocity is unobservable from the first such sweep
-//   on, unless nothing has fitted yet (a start in a place with few objects).
+//   on, unless nothing has fitted yet (a start in a place with few objects). A map of one or two sweeps is too young to
+//   judge by.
 // - The heading jumps. A vehicle does not turn that fast by itself (the sensor was hit, or the pose is wrong), so a
 //   fraction of the jump may be an error.
 // Cost: under 1 us a sweep.
@@ -81,6 +82,7 @@ class ConsistencyMonitor {
   LostMotion lost_motion_;
   bool fitted_ = false;            ///< most of the sweeps fitted the map at least once
   int sweeps_without_planes_ = 0;  ///< consecutive
+  int sweeps_in_map_ = 0;          ///< that planes measured, since clear()
 };
 
 }  // namespace fail_aware

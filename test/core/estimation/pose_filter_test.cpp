@@ -758,7 +758,7 @@ TEST(PoseFilterReference, NothingFitsForASecondRestarts) {
   PoseFilter filter = makeFilter();
   driveMeasured(filter, drive, 5);
   int sweep = 6;
-  for (; sweep < 10; ++sweep) stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep)));
+  for (; sweep < 12; ++sweep) stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep)));
   for (int i = 1; i < 10; ++i, ++sweep) {
     EXPECT_NE(stepOfBoth(filter, drive.stamp(sweep), measured(drive.at(sweep)), 0.1).map_update, MapUpdate::kRestart)
         << i;
