@@ -188,8 +188,8 @@ TEST_F(Fleet, WhatCannotBeUsedIsRefusedInOneLine) {
   write("both.csv", "name,recording,truth,simulate\na,drive,poses.txt,--seed 1\n");
   write("out_of.csv", "name,simulate\n../a,--seed 1\n");
   expectOneErrorLine(run(options()), "fleet/run", "--cores");
-  expectOneErrorLine(run(options("nowhere.csv") + " --cores 1"), "fleet/run", "nowhere.csv");
   if (!snakemakeIsThere()) GTEST_SKIP() << "no snakemake of version 7: run scripts/install_dependencies";
+  expectOneErrorLine(run(options("nowhere.csv") + " --cores 1"), "fleet/run", "nowhere.csv");
   expectOneErrorLine(run(options("twice.csv") + " --cores 1"), "fleet/run", "twice");
   expectOneErrorLine(run(options("typo.csv") + " --cores 1"), "fleet/run", "unknown column 'simulat'");
   expectOneErrorLine(run(options("both.csv") + " --cores 1"), "fleet/run", "either");
