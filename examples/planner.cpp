@@ -19,7 +19,7 @@ constexpr double kAhead_s = 0.1;    // a stamp further in the future comes from 
 constexpr double kWait_s = 0.5;     // for the first state after the loss of the GPS
 enum Stop { kNone = 0, kByThePose = 1, kBlind = 2 };
 
-// by a clock that nobody sets
+// SteadyTime is not moved when the system clock is set.
 double since_s(const ros::SteadyTime& time) { return (ros::SteadyTime::now() - time).toSec(); }
 
 }  // namespace

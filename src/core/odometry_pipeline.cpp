@@ -22,10 +22,8 @@ namespace {
 class Stopwatch {
  public:
   double lapMs() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
+    const auto begin = std::exchange(last_, std::chrono::steady_clock::now());
+    return std::chrono::duration<double, std::milli>(last_ - begin).count();
   }
 
  private:
@@ -39,6 +37,7 @@ PipelineParameters validated(const PipelineParameters& params) {
 
 // Stages exchange rounded data, as if by message. A different number of roundings would change some of the
 // registration's decisions and finally give another trajectory than the live graph.
+
 SweepPrediction exchanged(SweepPrediction prediction) {
   prediction.T_odom_cog_previous = quaternionRoundTrip(prediction.T_odom_cog_previous);
   prediction.T_odom_cog = quaternionRoundTrip(prediction.T_odom_cog);
@@ -118,6 +117,7 @@ struct OdometryPipeline::Stages {
   int refused_sweeps = 0;                    ///< since the last accepted sweep
   std::optional<double> start_from_stamp_s;  ///< t1 is requested and not reached yet
 };
+
 /// A new source: a line here.
 std::vector<OdometryPipeline::Stages::Source> OdometryPipeline::Stages::makeSources() {
   const RegistrationParameters& use = params.profile.registration;

@@ -51,8 +51,7 @@ int run(const Options& options) {
   for (const std::string& file : options.trajectories) {
     trajectories.push_back(readKittiTrajectory(file));
     if (movesLikeACamera(trajectories.back())) {
-      throw InputError(file +
-                       ": it moves along its z axis, as KITTI's poses of the camera do; those of the lidar are needed");
+      throw InputError(file + ": it " + kMovesLikeACamera + "; those of the lidar are needed");
     }
   }
   SensorParameters sensor;

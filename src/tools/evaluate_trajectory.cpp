@@ -106,7 +106,7 @@ Trajectories load(const Options& options) {
   requirePosePairs(in.truth, in.estimate);
   if (movesLikeACamera(in.truth) && !movesLikeACamera(in.estimate)) {
     std::cerr << kName << ": warning: " << options.ground_truth
-              << " moves along its z axis, as KITTI's poses of the camera do: give --calib calib.txt" << std::endl;
+              << " " << kMovesLikeACamera << ": give --calib calib.txt" << std::endl;
   }
   if (!options.times.empty()) {
     in.stamps_s = readTimes(options.times);

@@ -60,8 +60,7 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);
   if (!options.calib.empty()) poses = lidarFromCameraTrajectory(poses, readLidarToCamera(options.calib));
   if (movesLikeACamera(poses)) {
-    throw InputError(ground_truth +
-                     ": it moves along its z axis, as KITTI's poses of the camera do: give --calib calib.txt");
+    throw InputError(ground_truth + ": it " + kMovesLikeACamera + ": give --calib calib.txt");
   }
   const std::size_t first = firstTruthRow(rows, poses.size(), ground_truth, path.string());
   for (const MonitorInput& input : run.log) {

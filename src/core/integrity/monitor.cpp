@@ -181,8 +181,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   has_previous_ = true;
   if (start_pending_ && state.motionObserved()) begin(state);
   if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
-    indicator_.update(state.time_s(), state.sigma_yaw_rad,
-                      state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0);
+    indicator_.update(state.time_s(), state.sigma_yaw_rad, speedOf(state));
   }
 
   MonitorOutput output;

@@ -38,5 +38,7 @@ std::vector<Pose> lidarFromCameraTrajectory(const std::vector<Pose>& camera_pose
 
 /// Whether the motion between the poses is mostly along z: then the frame is a camera's (z ahead), not a lidar's.
 bool movesLikeACamera(const std::vector<Pose>& poses);
+/// What a message says of such poses.
+inline constexpr const char* kMovesLikeACamera = "moves along its z axis, as KITTI's poses of the camera do";
 
 }  // namespace fail_aware
