@@ -229,7 +229,7 @@ def run(arguments):
 
 
 def table_for_document(found, tag):
-    """Markdown: alarm rates, a row for each value of the tag and one for all."""
+    """Markdown: alarm rates, a row for each value of the tag and one for all ("": only that)."""
     rows = [(value, of_value) for value, of_value in found["tags"].get(tag, {}).items()] + [(ALL, found[ALL])]
     lines = [f"| {tag or 'recordings'} | hours | starts | failures per h | missed, of the failures | false alarms per h | "
              "alarm up | in time | used |", "|---|---|---|---|---|---|---|---|---|"]
@@ -275,7 +275,8 @@ def print_table(arguments):
     with open(arguments.aggregate) as file:
         found = json.load(file)
     text = (f"{found[ALL]['accuracy']['driven_h']:.2f} hours of driving, {found[ALL]['accuracy']['recordings']} drives, version "
-            f"{', '.join(dict.fromkeys(version.split()[0] for version in found['versions']))}.\n\n{table_for_document(found, arguments.tag)}")
+            f"{', '.join(dict.fromkeys(version.split()[0] for version in found['versions']))}.\n\n" +
+            "\n\n".join(table_for_document(found, tag) for tag in arguments.tags or [""]))
     if not arguments.into:
         print(text)
         return

@@ -217,7 +217,7 @@ TEST_F(Fleet, AFleetIsMadeUpTheSameWayEachTime) {
   const std::string table = contentOf(folder_ / "one.csv");
   EXPECT_EQ(table, contentOf(folder_ / "two.csv"));
   EXPECT_EQ(countOf(table, "--duration 15.0"), 24u);
-  for (const char* part : {"highway", "tunnel", "--fault", "--beam-errors 2"}) {
+  for (const char* part : {"highway", "tunnel", "--fault", "--beam-errors 2", "--head vlp16,velodyne"}) {
     EXPECT_GT(countOf(table, part), 0u) << part;
   }
   expectOneErrorLine(runProgram(kFleet + "/make_fleet", "--drives 0", folder_), "fleet/make_fleet");
