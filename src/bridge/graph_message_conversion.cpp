@@ -136,6 +136,8 @@ messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points
   message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
   message.middle = findings.middle_s;
   message.revolution = findings.revolution_s;
+  const Eigen::Matrix2d tilt = findings.tilt_moment.value_or(Eigen::Matrix2d::Constant(std::nan("")));
+  message.tilt_moment = {tilt(0, 0), tilt(0, 1), tilt(1, 1)};
   return message;
 }
 
@@ -151,6 +153,9 @@ SweepFindings fromMessage(const messages::SweepCheck& message) {
   findings.repetitions = static_cast<int>(message.repetitions);
   findings.middle_s = message.middle;
   findings.revolution_s = finiteOr0(message.revolution);
+  Eigen::Matrix2d tilt;
+  tilt << message.tilt_moment[0], message.tilt_moment[1], message.tilt_moment[1], message.tilt_moment[2];
+  if (tilt.allFinite()) findings.tilt_moment = tilt;
   return findings;
 }
 

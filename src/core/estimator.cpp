@@ -43,7 +43,7 @@ bool Estimator::predict(double stamp_s, double set_back_s, SweepPrediction& pred
 }
 
 const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s,
-                                     double revolution_s) {
+                                     double revolution_s, const std::optional<Eigen::Matrix2d>& tilt_moment) {
   external_.clear();
   for (auto& [name, source] : sources_) external_.push_back({name, source.measure(prediction_, T_base_cog_)});
   std::vector<FusionInput> inputs = measurements;
@@ -54,8 +54,10 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
   const Pose T_odom_cog_previous = filter_.state().T_odom_cog;
   const FilterState& state = filter_.correct(inputs, middle_s);
   clock_.observeRevolution(revolution_s);
+  OdometryIncrement increment = incrementOf(state);
+  increment.tilt_moment = tilt_moment;
   covariance_is_whole_ =
-      !(state.dt_s > 0.0) || odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state));
+      !(state.dt_s > 0.0) || odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, increment);
   takeSetPose(prediction_.motionKnown());
   return state;
 }

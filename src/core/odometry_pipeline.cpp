@@ -207,7 +207,7 @@ void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const
   for (const SourceResult& source : result.sources) {
     inputs.push_back({source.name, source.used ? &source.measurement : nullptr, source.kind});
   }
-  const FilterState& state = estimator.update(inputs, report.middle_s, report.revolution_s);
+  const FilterState& state = estimator.update(inputs, report.middle_s, report.revolution_s, report.tilt_moment);
   result.odometry_covariance = covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_cog_base());
   result.pose_set = estimator.poseSet();
   result.state = exchanged(state);

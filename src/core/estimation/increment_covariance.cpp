@@ -26,6 +26,7 @@ OdometryIncrement incrementOf(const FilterState& state) {
                               state.speed_error,
                               isAsPredicted(state),
                               {},
+                              {},
                               state.map_update == MapUpdate::kRestart};
   if (isConfirmed(state)) increment.confirmed = poseCovarianceFromState(state.fusion.R, state.fusion.z);
   return increment;

@@ -136,8 +136,9 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   transient_base_ =
       rotateCovariance(drift_.transient(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
   largest_transient_base_ += positiveSemidefinite(transient_base_ - largest_transient_base_);
+  vertical_.advance(T_odom_base_now.translation() - previous_odom, increment.tilt_moment);
   covariance_ = since_start_.accumulated.topLeftCorner<6, 6>() +
-                symmetric(rotateCovariance(largest_transient_base_, T_odom_base_now.linear()));
+                symmetric(rotateCovariance(largest_transient_base_, T_odom_base_now.linear())) + vertical_.covariance();
   speed_variance_ = since_start_.accumulated(DriftState::kSpeed, DriftState::kSpeed);
   return true;
 }
@@ -145,6 +146,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   const Eigen::Vector2d biases = drift_.biasVariances();
   since_start_ = DriftState();
+  vertical_ = VerticalDrift();
   if (start_covariance.allFinite())
     since_start_.accumulated.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
   since_start_.accumulated.diagonal().segment<2>(DriftState::kHeadingBias) = biases;

@@ -14,12 +14,14 @@
 // a measurement that a second one confirms is a Kalman step on it. What that measurement does not observe stays, and
 // all of it does if the prediction was too uncertain for a search, nothing confirms it in time, or a new
 // reference was begun meanwhile.
+// Height, roll and pitch have in addition what the vertical reference knows of them (vertical_drift.hpp).
 // Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 9x9 products.
 #pragma once
 
 #include <optional>
 
 #include "core/estimation/drift_model.hpp"
+#include "core/estimation/vertical_drift.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/types/odometry_increment.hpp"
 
@@ -43,7 +45,7 @@ class OdometryCovariance {
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
     return propagate(T_odom_base_previous, T_odom_base_now,
-                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}, false});
+                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}, {}, false});
   }
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
@@ -82,6 +84,7 @@ class OdometryCovariance {
   DriftModel drift_;
   DriftState since_start_;
   DriftState since_mark_;
+  VerticalDrift vertical_;  ///< since the start, in addition; nothing that is horizontal depends on it
   Matrix6d covariance_ = Matrix6d::Zero();
   Matrix6d since_mark_covariance_ = Matrix6d::Zero();
   Matrix6d transient_base_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes

@@ -67,6 +67,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
                                              CorrectedSweep& corrected) {
   SweepCorrectorReport report;
   lookAtLast(corrected, prediction, T_cog_lidar);
+  report.tilt_moment = vertical_reference_.tiltMoment();
   if (sweep.rings.empty()) sweep.rings = ringsByOrder(sweep.points_lidar);
   const std::optional<SweepSeam> seam = findSweepSeam(sweep.points_lidar);
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);

@@ -27,6 +27,7 @@ struct SweepCorrectorReport {
   /// place does not depend on the motion that was corrected for.
   double middle_s = 0.0;
   double revolution_s = 0.0;  ///< of the head, as the points' times tell it (revolution.hpp); 0: they do not
+  Eigen::Matrix2d tilt_moment = Eigen::Matrix2d::Zero();  ///< VerticalReference::tiltMoment()
 };
 
 class SweepCorrector {

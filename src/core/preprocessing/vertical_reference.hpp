@@ -5,19 +5,20 @@
 // cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
 // are the same to a matcher. But house walls, trunks and poles stand upright.
 //
-// From a sweep, every `look_every_m`, profiles are taken of what stands upright (upright_profiles.hpp): by beam b, the
-// mean offset o_b along a horizontal direction m, at the height z_b. In odom, tilted by (d_x, d_y) against gravity,
-//   o_b = const + z_b ((d_y + j_y) m_x - (d_x + j_x) m_y + e (m . away)) + g_b a_b + noise,   g_b = m . (direction of sight)
-// a_b is the error of the beam's ranges, e what the elevations of all beams have in common (it leans everything towards
-// the sensor or away from it, on all sides; a tilt leans one side towards and the other away). Some centimetres of a_b
-// lean a wall by a degree, so they are found along with the tilt: walls are straight, and are met by many beams at many
-// distances. j is what a single estimate is off by, another one at each look. A Kalman filter over the way s holds d, the
-// drift of pitch, e and all a_b:
+// From a sweep, every `look_every_m`, profiles are taken of what stands upright (upright_profiles.hpp). Their equations
+// (profile_equations.hpp) hold the tilt (d_x, d_y) of odom's axes against gravity, the errors a_b of the beams' ranges, e
+// that their elevations have in common, and j, what a single estimate is off by, another one at each look. Some
+// centimetres of a_b lean a wall by a degree, so they are found along with the tilt: walls are straight, and are met by many
+// beams at many distances. A Kalman filter over the way s holds d, the drift of pitch, e and all a_b:
 //   dd/ds = (drift - response bend) lateral axis + noise
-// The constant of each profile is unknown and is eliminated. The less straight a profile is, the less its lean counts.
 // Sweeps are bent by `bend` (z += bend h min(h, curvature_range) / 2) so that the drift ends and what has come of it slowly
-// goes: response bend = drift + tilt_gain (d - d_kept) . lateral axis, within max_curvature; d_kept is the tilt when it was
-// first known. The pose is never touched.
+// goes: response bend = drift + tilt_gain (d - d_0) . lateral axis, within max_curvature. d_0 is the tilt of the first
+// estimate in this odom: the slope and the mount at the start. It is in the state, so that what a later look shows of
+// the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose tilts by up to a degree
+// within the first metres (new_map): d - d_0 holds it. The pose is never touched.
+//
+// Roll is measured likewise but not corrected. tiltMoment(), the mean square of d - d_0, tells the covariance of the
+// odometry how much tilt is left (estimation/vertical_drift.hpp).
 //
 // Failure is data: where nothing stands upright the sigmas grow as the walk says, and the bend stays where it was.
 // Profiles off by more than their sigmas hardly count; when most are, the tilt is let go and found anew.
@@ -31,7 +32,7 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
-#include "core/preprocessing/upright_profiles.hpp"
+#include "core/preprocessing/profile_equations.hpp"
 
 namespace fail_aware {
 
@@ -39,28 +40,25 @@ struct VerticalReferenceParams {
   bool enabled = true;
   double look_every_m = 3.0;  ///< distance between two searches for what stands upright
   UprightProfilesParams profiles;
-  /// sigma of the true lean of walls, of trunks and poles, and of the latter towards the sensor: those of what people
-  /// build, in addition to the standard error
-  double sigma_surface_deg = 0.1;
-  double sigma_line_deg = 0.3;
-  double sigma_line_away_deg = 0.5;
-  double point_sigma_m = 0.015;  ///< sigma of a point's offset
-  double beam_sigma_m = 0.003;   ///< sigma of a beam's mean offset, in addition
-  double line_sigma_m = 0.006;   ///< the same for trunks and poles: their edges fall between two columns of the head
-  double sigma_range_m = 0.03;   ///< initial sigma of the error of a beam's ranges: what a calibration leaves
+  ProfileNoise noise;
+  double sigma_range_m = 0.03;        ///< initial sigma of the error of a beam's ranges: what a calibration leaves
   double sigma_elevation_deg = 0.15;  ///< initial sigma of the error that the beams' elevations have in common
   /// initial sigma of the drift of pitch: the order of what errors of the beams cause
   double sigma_drift_deg_per_m = 0.005;
   /// random walk of the drift: sigma after 1 m, grows with the root of the distance
   double drift_walk_deg_per_m = 4.5e-5;
   double tilt_walk_deg = 0.005;  ///< random walk of the tilt, in addition to the drift, likewise
+  /// sigma of the tilt that the sparse map of the first metres adds with 16 beams; goes down with the square of their
+  /// number
+  double new_map_tilt_deg = 0.5;
+  double new_map_m = 12.0;       ///< distance over which it does
   double jitter_deg = 0.08;      ///< sigma of the error of tilt of a single estimate
   double range_walk_m = 0.0002;  ///< random walk of the errors of the ranges, likewise
   /// neighbouring searches see the same things: factor on the variance
   double correlation_inflation = 2.5;
   /// response of pitch to a bend, as a ratio of what ground alone would give: walls hold the pitch
   double response = 0.66;
-  /// ratio of the tilt since it was known that is corrected per metre: gone after some 20 m
+  /// ratio of the tilt since the start that is corrected per metre: gone after some 20 m
   double tilt_gain_per_m = 0.05;
   /// largest bend of a sweep: above the expected drift, so that a wrong estimate has a small effect
   double max_curvature_deg_per_m = 0.02;
@@ -82,7 +80,7 @@ class VerticalReference {
     std::size_t looks = 0;
     std::size_t surfaces = 0;  ///< in the last look
     std::size_t lines = 0;
-    double tilt_deg = 0.0;  ///< of pitch, since it was known in this odom
+    double tilt_deg = 0.0;  ///< of pitch, since the start of this odom
     double tilt_sigma_deg = 0.0;
     double drift_deg_per_m = 0.0;  ///< of pitch, if nothing were bent
     double drift_sigma_deg_per_m = 0.0;
@@ -105,31 +103,33 @@ class VerticalReference {
 
   const Report& report() const { return report_; }
 
+  /// Mean square error of the estimate's tilt about odom's axes x and y (rad^2), which were level at the start: what is
+  /// not corrected yet, and how well that is known. Grows where nothing stands upright; 0 before the first sweep.
+  const Eigen::Matrix2d& tiltMoment() const { return tilt_moment_; }
+
   /// Everything anew.
   void reset();
 
  private:
-  struct Equations;  ///< of one profile
-
   void forgetOdom();
   void advance(const Pose& T_odom_lidar);
   void beginLook();
   void resizeBeams();
-  Equations equationsOf(const UprightProfile& profile) const;
   void update();
   void setBend(const Pose& T_odom_lidar);
 
   Params params_;
   UprightProfileFinder finder_;
-  std::optional<Eigen::Vector2d> kept_tilt_;
   std::vector<BeamRange> ranges_;  ///< as given to the finder
   Report report_;
-  Eigen::VectorXd x_;  ///< tilt x y, drift, elevation, jitter x y, range by beam
+  Eigen::VectorXd x_;  ///< tilt x y, that at the start x y, drift, elevation, jitter x y, range by beam
   Eigen::MatrixXd P_;
+  Eigen::Matrix2d tilt_moment_ = Eigen::Matrix2d::Zero();
   double curvature_per_m_ = 0.0;  ///< rad
   bool has_position_ = false;
   Eigen::Vector3d last_position_odom_ = Eigen::Vector3d::Zero();
-  double since_look_m_ = 0.0;
+  double since_look_m_ = 0.0, since_start_m_ = 0.0;
+  std::size_t beams_ = 0;  ///< of the head, as rings tell; 0: they do not
   int odom_reset_count_ = 0;
 };
 

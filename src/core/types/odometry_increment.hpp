@@ -18,6 +18,8 @@ struct OdometryIncrement {
   bool predicted = false;  ///< the pose is not measured
   /// Covariance of a measured pose in the map, about odom's axes, if at least two measurements agree on the pose.
   std::optional<Matrix6d> confirmed{};
+  /// Mean square error of the tilt about odom's axes (VerticalReference::tiltMoment()); none: not known anew.
+  std::optional<Eigen::Matrix2d> tilt_moment{};
   bool map_restarted = false;  ///< with this sweep: later measurements do not refer to the old map
 };
 

@@ -2,6 +2,9 @@
 // head.
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+
 namespace fail_aware {
 
 struct SweepFindings {
@@ -16,6 +19,7 @@ struct SweepFindings {
   // From SweepCorrectorReport, not from SweepCheck.
   double middle_s = 0.0;            ///< middle of the points' times, s relative to the stamp
   double revolution_s = 0.0;        ///< time of one revolution of the head, s; 0: not known
+  std::optional<Eigen::Matrix2d> tilt_moment;  ///< none: not known anew
   bool time_field_refused = false;  ///< TimingResult::guessed()
 };
 

@@ -1,0 +1,58 @@
+// The measurement of the vertical reference (vertical_reference.hpp; not in the paper): an upright profile as linear
+// equations in the state. By beam b, the mean offset o_b along a horizontal direction m, at the height z_b; in odom, tilted
+// by (d_x, d_y) against gravity,
+//   o_b = const + z_b ((d_y + j_y) m_x - (d_x + j_x) m_y + e (m . away)) + g_b a_b + noise,   g_b = m . (direction of sight)
+// a_b is the error of the beam's ranges, e what the elevations of all beams have in common (it leans everything towards
+// the sensor or away from it, on all sides; a tilt leans one side towards and the other away), j what a single estimate is
+// off by. The constant is unknown and is eliminated. The less straight a profile is, the less its lean counts.
+// Units: m, rad. Cost: some microseconds a profile.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/preprocessing/upright_profiles.hpp"
+
+namespace fail_aware {
+
+/// Where the state of the vertical reference has what.
+struct VerticalState {
+  static constexpr Eigen::Index kTilt = 0;   ///< d: x, y, of the newest estimate
+  static constexpr Eigen::Index kStart = 2;  ///< d_0: x, y, of the first one
+  static constexpr Eigen::Index kDrift = 4, kElevation = 5;
+  static constexpr Eigen::Index kJitter = 6;  ///< j: x, y
+  static constexpr Eigen::Index kBeams = 8;   ///< from here on: a_b by ring
+};
+
+struct ProfileNoise {
+  /// sigma of the true lean of walls, of trunks and poles, and of the latter towards the sensor: those of what people
+  /// build, in addition to the standard error
+  double sigma_surface_deg = 0.1;
+  double sigma_line_deg = 0.3;
+  double sigma_line_away_deg = 0.5;
+  double point_sigma_m = 0.015;  ///< sigma of a point's offset
+  double beam_sigma_m = 0.003;   ///< sigma of a beam's mean offset, in addition
+  double line_sigma_m = 0.006;   ///< the same for trunks and poles: their edges fall between two columns of the head
+
+  void validate() const;
+};
+
+/// Equations A x = b of unit variance: one for the lean, the true lean of things included in its variance, and those for
+/// the straightness. Columns of A: `of` in the state.
+struct ProfileEquations {
+  std::vector<Eigen::Index> of;
+  Eigen::VectorXd lean;
+  double lean_value;
+  Eigen::MatrixXd straight;
+  Eigen::VectorXd straight_values;
+
+  /// beams: of all profiles; ranges: as corrected in them, by ring; P: the state's covariance.
+  ProfileEquations(const ProfileNoise& noise, const UprightProfile& profile,
+                   const std::vector<UprightProfile::Beam>& beams, const std::vector<BeamRange>& ranges,
+                   const Eigen::MatrixXd& P);
+
+  Eigen::VectorXd pick(const Eigen::VectorXd& x) const;
+  double leanVariance(const Eigen::MatrixXd& P) const;
+};
+
+}  // namespace fail_aware
