@@ -13,6 +13,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/io/trajectory_io.hpp"
 #include "evaluation/absolute_trajectory_error.hpp"
+#include "evaluation/drift_by_axis.hpp"
 #include "evaluation/kitti_metric.hpp"
 #include "evaluation/relative_step_error.hpp"
 #include "evaluation/time_to_failure.hpp"
@@ -105,8 +106,8 @@ Trajectories load(const Options& options) {
   if (rows) in.truth = chosen(in.truth, *rows);
   requirePosePairs(in.truth, in.estimate);
   if (movesLikeACamera(in.truth) && !movesLikeACamera(in.estimate)) {
-    std::cerr << kName << ": warning: " << options.ground_truth
-              << " " << kMovesLikeACamera << ": give --calib calib.txt" << std::endl;
+    std::cerr << kName << ": warning: " << options.ground_truth << " " << kMovesLikeACamera
+              << ": give --calib calib.txt" << std::endl;
   }
   if (!options.times.empty()) {
     in.stamps_s = readTimes(options.times);
@@ -135,6 +136,24 @@ void addAverage(Json& json, const KittiMetric::Average& average) {
   json["segments"] = average.segments;
   json["t_err_percent"] = average.segments > 0 ? Json(average.t_err_percent) : Json(nullptr);
   json["r_err_deg_per_m"] = average.segments > 0 ? Json(average.r_err_deg_per_m) : Json(nullptr);
+}
+
+Json perLengthJson(const KittiMetric& metric, const std::vector<DriftByAxis>& drift) {
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < metric.per_length.size(); ++i) {
+    Json row = {{"length_m", metric.per_length[i].length_m}};
+    addAverage(row, metric.per_length[i]);
+    for (const auto& [name, value] : {std::pair("along_percent", drift[i].along_percent),
+                                      {"across_percent", drift[i].across_percent},
+                                      {"up_percent", drift[i].up_percent},
+                                      {"roll_deg_per_m", drift[i].roll_deg_per_m},
+                                      {"pitch_deg_per_m", drift[i].pitch_deg_per_m},
+                                      {"yaw_deg_per_m", drift[i].yaw_deg_per_m}}) {
+      row[name] = drift[i].segments > 0 ? Json(value) : Json(nullptr);
+    }
+    rows.push_back(row);
+  }
+  return rows;
 }
 
 void addAbsoluteError(Json& json, const std::string& prefix, const AbsoluteTrajectoryError& error) {
@@ -186,12 +205,7 @@ Json evaluate(const Trajectories& in, const Options& options, const AbsoluteTraj
   addAverage(json, metric.total);
   json["lengths_m"] = params.lengths_m;
   json["step"] = params.step;
-  json["per_length"] = Json::array();
-  for (const KittiMetric::Average& average : metric.per_length) {
-    Json row = {{"length_m", average.length_m}};
-    addAverage(row, average);
-    json["per_length"].push_back(row);
-  }
+  json["per_length"] = perLengthJson(metric, driftByAxis(in.truth, in.estimate, params));
   addAbsoluteError(json, "ate", ate);
   addAbsoluteError(json, "ate_aligned", ate_aligned);
   json["step_translation_rmse_m"] = step_error.translation_rmse_m;

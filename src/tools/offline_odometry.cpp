@@ -125,6 +125,7 @@ Json clockSummary(const SweepClock& clock) {
           {"stamps_left_out", clock.outliers()}};
 }
 
+#ifdef FAIL_AWARE_WITH_BAGS
 /// Whether the command line gives the lidar's mounting. The sensor file does not count: it always contains one.
 bool saysWhereLidarSits(const Options& options) {
   const std::string key = "sensor.lidar_in_base";
@@ -133,6 +134,7 @@ bool saysWhereLidarSits(const Options& options) {
   return !options.lidar_in_base.empty() || std::any_of(options.set.begin(), options.set.end(), sets) ||
          std::any_of(options.parameters.begin(), options.parameters.end(), holds);
 }
+#endif
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;

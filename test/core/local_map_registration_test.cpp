@@ -363,7 +363,7 @@ TEST(LocalMapRegistration, ALostSecondSweepDoesNotShiftTheThird) {
 // As live, where a sweep takes long: the one after a jump of the clock is skipped, and the filter goes by the stamps.
 TEST(LocalMapRegistration, ClockJumpFoundAfterSkippedSweep) {
   const SyntheticDrive drive = curve();
-  const auto startAfter = [&](double dt_s, double set_back_s, double driven_s, bool told_of_the_skipped) {
+  const auto startAfter = [&](double skipped_s, double set_back_s, double driven_s, bool told_of_the_skipped) {
     LocalMapRegistration front = makeFront(true);
     placeFirst(front, drive);
     double stamp_s = 0.0;
@@ -376,7 +376,7 @@ TEST(LocalMapRegistration, ClockJumpFoundAfterSkippedSweep) {
       EXPECT_TRUE(front.prepare(drive.sweep(0.1 * i, static_cast<unsigned>(i + 1)), usual, drive.T_cog_lidar));
       front.place(stateOf(usual, drive.pose(0.1 * i), true));
     }
-    const SweepPrediction skipped = predictionAfter(dt_s, drive.pose(0.4));
+    const SweepPrediction skipped = predictionAfter(skipped_s, drive.pose(0.4));
     FilterState state = stateOf(skipped, skipped.T_odom_cog, false);
     state.set_back_s = set_back_s;
     if (told_of_the_skipped) front.skip(state);

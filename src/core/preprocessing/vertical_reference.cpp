@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
@@ -74,12 +75,19 @@ void VerticalReference::forgetOdom() {
   x_.head<4>().setZero();
   P_.topRows<4>().setZero();
   P_.leftCols<4>().setZero();
-  for (const Eigen::Index i : {0, 1}) {
-    P_(i, i) = P_(VerticalState::kStart + i, VerticalState::kStart + i) = P_(i, VerticalState::kStart + i) =
-        P_(VerticalState::kStart + i, i) = kStartTilt * kStartTilt;
-  }
+  letGoOfTheVertical(kStartTilt);
   has_position_ = false;
   since_look_m_ = params_.look_every_m;
+}
+
+/// What stands may lean: by as much, now and at the start. How far odom has tilted since then stays known.
+void VerticalReference::letGoOfTheVertical(double sigma) {
+  for (const Eigen::Index axis : {0, 1}) {
+    const Eigen::Index now = VerticalState::kTilt + axis, start = VerticalState::kStart + axis;
+    for (const auto& [row, column] : {std::pair(now, now), {now, start}, {start, now}, {start, start}}) {
+      P_(row, column) += sigma * sigma;
+    }
+  }
 }
 
 void VerticalReference::apply(std::vector<Eigen::Vector3f>& points_lidar) const {
@@ -208,7 +216,7 @@ void VerticalReference::update() {
     return;
   }
   P_ = 0.5 * (gain + gain.transpose());
-  if (trust < kMinTrust * static_cast<double>(all.size())) P_.diagonal().head<2>().array() += kLetGo * kLetGo;
+  if (trust < kMinTrust * static_cast<double>(all.size())) letGoOfTheVertical(kLetGo);
 }
 
 void VerticalReference::setBend(const Pose& T_odom_lidar) {

@@ -176,11 +176,13 @@ TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
 /// A revolution of a clockwise head from the rear, with times of the sweep's own from 0 on.
 Sweep revolution(double stamp_s, std::size_t points = 5000) {
   std::vector<double> yaws;
-  for (std::size_t i = 0; i < points; ++i) yaws.push_back(M_PI * (1.0 - 2.0 * (i + 0.5) / static_cast<double>(points)));
-  Sweep sweep = sweepAt(yaws, stamp_s);
+  std::vector<double> turned;  // ratio of the revolution, by point
   for (std::size_t i = 0; i < points; ++i) {
-    sweep.times_s.push_back(static_cast<float>(kPeriod_s * (i + 0.5) / static_cast<double>(points)));
+    turned.push_back((static_cast<double>(i) + 0.5) / static_cast<double>(points));
+    yaws.push_back(M_PI * (1.0 - 2.0 * turned.back()));
   }
+  Sweep sweep = sweepAt(yaws, stamp_s);
+  for (const double ratio : turned) sweep.times_s.push_back(static_cast<float>(kPeriod_s * ratio));
   return sweep;
 }
 
@@ -232,7 +234,9 @@ TEST(SweepTiming, OutliersAreCountedAndHaveNoTime) {
     for (std::size_t i = 0; i < times_s.size(); ++i) {
       const bool is_wrong = i == 0 || i == 17 || i == 4999;
       ASSERT_EQ(std::isnan(times_s[i]), is_wrong) << i;
-      if (!is_wrong) ASSERT_EQ(times_s[i], sweep.times_s[i]);
+      if (!is_wrong) {
+        ASSERT_EQ(times_s[i], sweep.times_s[i]);
+      }
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
 namespace fail_aware {
@@ -147,6 +148,21 @@ TEST(VerticalReference, TiltOfTheNewMapIsKnownAndTakenBack) {
   }
   EXPECT_GT(largest_deg, 0.25);
   EXPECT_NEAR(pitch_deg, 0.0, 0.1);
+}
+
+/// From a town to hedges that lean to one side and ahead: the scenery has changed, not the pose.
+TEST(VerticalReference, SceneryThatLeansIsNoTiltSinceTheStart) {
+  VerticalReference level(withoutBend());
+  Street street(Street::Head(), 5);
+  double largest_deg = 0.0;
+  for (int i = 0; i < 150; ++i) {
+    const Street::Sweep sweep = street.sweep();
+    Pose T = tilted(i, 0.0);
+    if (i >= 75) T.linear() = rotationFromRpy(5.0 * kDegree, 5.0 * kDegree, 0.0);
+    level.observe(sweep.points, sweep.rings, T);
+    largest_deg = std::max(largest_deg, std::abs(level.report().tilt_deg));
+  }
+  EXPECT_LT(largest_deg, 0.2);
 }
 
 TEST(VerticalReference, TiltMomentHoldsWhatIsNotCorrected) {
