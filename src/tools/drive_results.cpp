@@ -7,6 +7,12 @@
 
 namespace fail_aware {
 
+namespace {
+
+constexpr std::size_t kBadScansNamed = 5;  // on the terminal
+
+}  // namespace
+
 void DriveResults::add(const ReadResult& read, const std::string& name, double stamp_s, std::size_t points_dropped,
                        const SweepResult& result) {
   if (!read.hasPoints()) bad_scans_.push_back({name, read.message});
@@ -29,7 +35,14 @@ void DriveResults::add(const ReadResult& read, const std::string& name, double s
 
 std::vector<std::string> DriveResults::warnings() const {
   std::vector<std::string> lines;
-  for (const BadScan& bad : bad_scans_) lines.push_back(bad.reason + "; carried on as over a dropped sweep");
+  for (const BadScan& bad : bad_scans_) {
+    if (lines.size() == kBadScansNamed) {
+      lines.push_back(std::to_string(bad_scans_.size() - kBadScansNamed) +
+                      " more such scans: bad_scans in summary.json");
+      break;
+    }
+    lines.push_back(bad.reason + "; carried on as over a dropped sweep");
+  }
   if (const std::size_t unusable = log_.count(SweepStatus::kNotStarted)) {
     lines.push_back("the odometry begins at the first sweep with usable points; " + std::to_string(unusable) +
                     " sweeps without (" + toString(SweepStatus::kNotStarted) +

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 constexpr const char* kName = "kitti_to_bag";
 constexpr double kClockTime_s = 1e8;                // larger stamps are from a clock, smaller ones from a stopwatch
 constexpr double kStopwatchStart_s = 1317000000.0;  // late September 2011, when KITTI was recorded
-constexpr double kLatest_s = 4294967295.0;          // end of ros::Time's range
+constexpr std::size_t kWarningsShown = 5;
+constexpr double kLatest_s = 4294967295.0;  // end of ros::Time's range
 
 struct Options {
   std::string directory, bag;
@@ -105,14 +106,14 @@ int run(const Options& options) {
   const Pose T_base_lidar = loadPipelineParameters(options.files).sensor.T_base_lidar();
 
   KittiBagWriter writer(options.bag, {T_base_lidar, options.point_times, options.with_tf});
-  std::size_t bad_scans = 0, points = 0;
+  std::size_t bad_scans = 0, points = 0, warnings = 0;
   Sweep sweep;
   {
     ProgressBar progress(static_cast<std::size_t>(last - options.first));
     for (long i = options.first; i < last; ++i) {
       const auto index = static_cast<std::size_t>(i);
       const ReadResult read = directory.read(index, sweep);
-      if (read.status != ReadStatus::kOk) {
+      if (read.status != ReadStatus::kOk && ++warnings <= kWarningsShown) {
         std::cerr << kName << ": warning: " << read.message
                   << (read.hasPoints() ? "" : "; written as a cloud without points") << std::endl;
       }
@@ -125,6 +126,9 @@ int run(const Options& options) {
     }
   }
   writer.close();
+  if (warnings > kWarningsShown) {
+    std::cerr << kName << ": warning: " << warnings - kWarningsShown << " more such scans" << std::endl;
+  }
   std::cout << options.bag << ": " << last - options.first << " sweeps (" << bad_scans << " without points), " << points
             << " points, ground truth: " << (truth.source.empty() ? "none" : truth.source) << std::endl;
   if (bad_scans == static_cast<std::size_t>(last - options.first)) {

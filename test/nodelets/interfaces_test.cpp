@@ -56,7 +56,9 @@ class Interfaces : public testing::Test {
     delete graph_;
   }
 
-  void SetUp() override { ASSERT_TRUE(call("fusion_ukf/reset")); }
+  void SetUp() override {
+    ASSERT_TRUE(waitFor([] { return call("fusion_ukf/reset"); }));  // a link to a service may break
+  }
 
   static bool call(const std::string& service, std::string* message = nullptr) {
     std_srvs::Trigger trigger;

@@ -126,6 +126,7 @@ TEST_F(BagTools, BadScansAndPartsOfTheDriveAreTheFolders) {
   const ToolRun made = toBag("'" + drive + "' '" + bag() + "'");
   EXPECT_EQ(made.exit_code, 0) << made.err;
   EXPECT_NE(made.err.find("000004.bin: empty file; written as a cloud without points"), std::string::npos) << made.err;
+  EXPECT_EQ(made.err.find("more such scans"), std::string::npos) << made.err;
   ASSERT_EQ(offline("--kitti '" + drive + "' --first 1 --count 6", "folder").exit_code, 0);
   const ToolRun run = offline("--bag '" + bag() + "' --first 1 --count 6", "bag");
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -408,6 +408,20 @@ TEST_F(OfflineOdometry, TakesTheLidarsPlaceFromTheCommandLine) {
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
+TEST_F(OfflineOdometry, NamesTheFirstFiveBadScans) {
+  const fs::path drive = copyOfDrive();
+  for (int number = 3; number < 10; ++number) fs::resize_file(scan(drive, number), 0);
+  run(drive);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(summary()["bad_scans"].size(), 7u);
+  const std::vector<std::string> warnings = warningsOf(result_.err);
+  ASSERT_GE(warnings.size(), 6u) << result_.err;
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NE(warnings[i].find("empty file; carried on"), std::string::npos) << warnings[i];
+  }
+  EXPECT_NE(warnings[5].find("2 more such scans"), std::string::npos) << warnings[5];
+}
+
 TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
   const fs::path drive = copyOfDrive();
   fs::resize_file(scan(drive, 3), fs::file_size(scan(drive, 3)) - 7);
