@@ -32,15 +32,12 @@ std::vector<DriftByAxis> driftByAxis(const std::vector<Pose>& truth, const std::
   std::vector<DriftByAxis> result;
   for (const double length_m : params.lengths_m) {
     Vector6d sum = Vector6d::Zero();
-    std::size_t segments = 0;
-    for (std::size_t first = 0; first < truth.size(); first += static_cast<std::size_t>(params.step)) {
-      const std::optional<std::size_t> last = segmentEnd(distances_m, first, length_m);
-      if (!last) break;  // later starts end later
-      sum += errorByAxis(truth[first].inverse() * truth[*last], estimate[first].inverse() * estimate[*last]);
-      ++segments;
+    const auto segments = segmentsOf(distances_m, length_m, params.step);
+    for (const auto& [first, last] : segments) {
+      sum += errorByAxis(truth[first].inverse() * truth[last], estimate[first].inverse() * estimate[last]);
     }
-    const Vector6d mean = sum / (length_m * static_cast<double>(std::max<std::size_t>(segments, 1)));
-    result.push_back({length_m, segments, 100.0 * mean[0], 100.0 * mean[1], 100.0 * mean[2], mean[3] / kDegree,
+    const Vector6d mean = sum / (length_m * static_cast<double>(std::max<std::size_t>(segments.size(), 1)));
+    result.push_back({length_m, segments.size(), 100.0 * mean[0], 100.0 * mean[1], 100.0 * mean[2], mean[3] / kDegree,
                       mean[4] / kDegree, mean[5] / kDegree});
   }
   return result;

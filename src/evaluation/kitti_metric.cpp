@@ -41,29 +41,36 @@ std::optional<std::size_t> segmentEnd(const std::vector<double>& distances_m, st
   return static_cast<std::size_t>(end - distances_m.begin());
 }
 
+std::vector<std::pair<std::size_t, std::size_t>> segmentsOf(const std::vector<double>& distances_m, double length_m,
+                                                            int step) {
+  std::vector<std::pair<std::size_t, std::size_t>> segments;
+  for (std::size_t first = 0; first < distances_m.size(); first += static_cast<std::size_t>(step)) {
+    const std::optional<std::size_t> last = segmentEnd(distances_m, first, length_m);
+    if (!last) break;  // later starts end later
+    segments.emplace_back(first, *last);
+  }
+  return segments;
+}
+
 KittiMetric kittiMetric(const std::vector<Pose>& truth, const std::vector<Pose>& estimate,
                         const KittiMetric::Params& params) {
   params.validate();
   requirePosePairs(truth, estimate);
   const std::vector<double> distances_m = distancesAlong(truth);
-  const auto step = static_cast<std::size_t>(params.step);
 
   KittiMetric result;
   std::size_t segments = 0;
   double t_err_sum = 0.0, r_err_sum = 0.0;  // m/m and rad/m
   for (const double length_m : params.lengths_m) {
-    std::size_t segments_here = 0;
+    const auto segments_here = segmentsOf(distances_m, length_m, params.step);
     double t_err_here = 0.0, r_err_here = 0.0;
-    for (std::size_t first = 0; first < truth.size(); first += step) {
-      const std::optional<std::size_t> last = segmentEnd(distances_m, first, length_m);
-      if (!last) break;  // later starts end later
-      const Pose E = relativeError(truth, estimate, first, *last);
+    for (const auto& [first, last] : segments_here) {
+      const Pose E = relativeError(truth, estimate, first, last);
       t_err_here += E.translation().norm() / length_m;
       r_err_here += logSo3(E.linear()).norm() / length_m;
-      ++segments_here;
     }
-    result.per_length.push_back(average(length_m, segments_here, t_err_here, r_err_here));
-    segments += segments_here;
+    result.per_length.push_back(average(length_m, segments_here.size(), t_err_here, r_err_here));
+    segments += segments_here.size();
     t_err_sum += t_err_here;
     r_err_sum += r_err_here;
   }

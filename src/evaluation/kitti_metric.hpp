@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
@@ -50,6 +51,10 @@ std::vector<double> distancesAlong(const std::vector<Pose>& poses);
 
 /// Index of the first pose whose distance from pose `first` exceeds length_m; none if the run ends before.
 std::optional<std::size_t> segmentEnd(const std::vector<double>& distances_m, std::size_t first, double length_m);
+
+/// First and last pose of each segment of that length, from every `step`-th pose.
+std::vector<std::pair<std::size_t, std::size_t>> segmentsOf(const std::vector<double>& distances_m, double length_m,
+                                                            int step);
 
 KittiMetric kittiMetric(const std::vector<Pose>& truth, const std::vector<Pose>& estimate,
                         const KittiMetric::Params& params = {});

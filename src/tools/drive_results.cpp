@@ -4,14 +4,9 @@
 
 #include "core/integrity/monitor_replay.hpp"
 #include "core/parameters/yaml_parameters.hpp"
+#include "tool_support.hpp"
 
 namespace fail_aware {
-
-namespace {
-
-constexpr std::size_t kBadScansNamed = 5;  // on the terminal
-
-}  // namespace
 
 void DriveResults::add(const ReadResult& read, const std::string& name, double stamp_s, std::size_t points_dropped,
                        const SweepResult& result) {

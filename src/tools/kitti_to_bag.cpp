@@ -22,8 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char* kName = "kitti_to_bag";
 constexpr double kClockTime_s = 1e8;                // larger stamps are from a clock, smaller ones from a stopwatch
 constexpr double kStopwatchStart_s = 1317000000.0;  // late September 2011, when KITTI was recorded
-constexpr std::size_t kWarningsShown = 5;
-constexpr double kLatest_s = 4294967295.0;  // end of ros::Time's range
+constexpr double kLatest_s = 4294967295.0;          // end of ros::Time's range
 
 struct Options {
   std::string directory, bag;
@@ -113,7 +112,7 @@ int run(const Options& options) {
     for (long i = options.first; i < last; ++i) {
       const auto index = static_cast<std::size_t>(i);
       const ReadResult read = directory.read(index, sweep);
-      if (read.status != ReadStatus::kOk && ++warnings <= kWarningsShown) {
+      if (read.status != ReadStatus::kOk && ++warnings <= kBadScansNamed) {
         std::cerr << kName << ": warning: " << read.message
                   << (read.hasPoints() ? "" : "; written as a cloud without points") << std::endl;
       }
@@ -126,8 +125,8 @@ int run(const Options& options) {
     }
   }
   writer.close();
-  if (warnings > kWarningsShown) {
-    std::cerr << kName << ": warning: " << warnings - kWarningsShown << " more such scans" << std::endl;
+  if (warnings > kBadScansNamed) {
+    std::cerr << kName << ": warning: " << warnings - kBadScansNamed << " more such scans" << std::endl;
   }
   std::cout << options.bag << ": " << last - options.first << " sweeps (" << bad_scans << " without points), " << points
             << " points, ground truth: " << (truth.source.empty() ? "none" : truth.source) << std::endl;

@@ -53,6 +53,9 @@ bool parseArguments(CLI::App& app, int argc, const char* const* argv);
 /// "120/271 (44 %), 9.8 per s, 0:15 left"
 std::string progressText(std::size_t done, std::size_t total, double elapsed_s);
 
+/// So many bad scans are named on stderr; the others are counted.
+constexpr std::size_t kBadScansNamed = 5;
+
 /// A line on stderr that is redrawn at most ten times a second; silent if stderr is not a terminal.
 class ProgressBar {
  public:

@@ -32,7 +32,7 @@ struct Tolerance {
   double covariance;         ///< m^2, m rad, rad^2, where that is less
 };
 constexpr Tolerance kWhereItWasMade{1e-6, 1e-6, 1e-3, 1e-6};
-// Twice what a change of the kernels by shares of 1e-12 to 1e-6 does at most, either way (32 were tried, and as little a
+// Twice what a change of the kernels by shares of 1e-12 to 4e-9 does at most, either way (8 were tried, and as little a
 // change does as much): 10.9 mm (in height; 4.3 mm horizontally), 0.84 mrad, 0.40.
 constexpr Tolerance kElsewhere{0.022, 1.7e-3, 0.8, 1.0};
 constexpr int kSweeps = 25;

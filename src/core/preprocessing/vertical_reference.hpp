@@ -17,8 +17,8 @@
 // the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose tilts by up to a degree
 // within the first metres (new_map): d - d_0 holds it. The pose is never touched.
 //
-// Roll is measured likewise but not corrected. tiltMoment(), the mean square of d - d_0, tells the covariance of the
-// odometry how much tilt is left (estimation/vertical_drift.hpp).
+// Roll is measured likewise but not corrected. The tilt that is left, tiltMoment() = E[(d - d_0)(d - d_0)^T], becomes part
+// of the odometry's covariance (estimation/vertical_drift.hpp).
 //
 // Failure is data: where nothing stands upright the sigmas grow as the walk says, and the bend stays where it was.
 // Profiles off by more than their sigmas hardly count. When most are, the scenery leans (hedges, banks): the vertical is let
@@ -29,7 +29,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
