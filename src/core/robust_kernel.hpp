@@ -2,6 +2,8 @@
 // Geman and McClure, "Statistical methods for tomographic image reconstruction", Bulletin of the ISI, 1987.
 #pragma once
 
+#include <cmath>
+
 namespace fail_aware {
 
 /// Weight of a residual in iteratively reweighted least squares: 1 at zero, 1/4 at the scale. Both arguments are
@@ -9,6 +11,12 @@ namespace fail_aware {
 inline double gemanMcClureWeight(double squared_residual, double squared_scale) {
   const double kernel = squared_scale / (squared_scale + squared_residual);
   return kernel * kernel;
+}
+
+/// Derivative of the weighted residual by the residual, over the weight: 1 at zero, below 0 from scale / sqrt(3) on.
+/// In three dimensions: its mean over the directions.
+inline double gemanMcClureCurvature(double weight, int dimensions) {
+  return 1.0 - 4.0 * (1.0 - std::sqrt(weight)) / dimensions;
 }
 
 }  // namespace fail_aware

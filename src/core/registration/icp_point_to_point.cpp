@@ -175,9 +175,9 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.min_information_ratio = best.step.min_horizontal_ratio;
   result.rms_residual_m = std::sqrt(best.equations.squared_error / std::max(best.equations.weight_unscaled, 1e-9));
   result.seed_spread_m = std::sqrt(spread2_m2);
-  const double residual_variance = result.rms_residual_m * result.rms_residual_m / 3.0;
-  result.covariance =
-      covarianceObserved(best.equations, params_.correlation_inflation * residual_variance, params_.observability);
+  const double variance = result.rms_residual_m * result.rms_residual_m / 3.0 * params_.correlation_inflation *
+                          kernelInflation(best.equations);
+  result.covariance = covarianceObserved(best.equations, variance, params_.observability);
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2_m2 / 3.0;
   for (const Eigen::Index tilt : {3, 4}) {
     result.covariance.row(tilt) *= params_.tilt_sigma_factor;

@@ -136,6 +136,14 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   return covariance;
 }
 
+double kernelInflation(const NormalEquations& equations) {
+  // On usual drives the ratio is 0.6 to 0.9, and correlation_inflation, which was found there, has its part.
+  constexpr double kUsualRatio = 0.6, kLeastRatio = 0.02;
+  const double ratio = equations.curvature / std::max(equations.weight_unscaled, 1e-9);
+  const double inflation = kUsualRatio / std::clamp(ratio, kLeastRatio, kUsualRatio);
+  return inflation * inflation;
+}
+
 bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance) { return dx.dot(solutionOf(covariance, dx)) < 1.0; }
 
 Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx) {

@@ -42,6 +42,7 @@ struct NormalEquations {
   double information_weight = 0.0;
   double squared_error = 0.0;    ///< sum of w r^2, m^2
   double weight_unscaled = 0.0;  ///< sum of w
+  double curvature = 0.0;        ///< sum of w times the kernel's curvature at the residual
   std::size_t inliers = 0;
 };
 
@@ -59,6 +60,11 @@ Solution solveObserved(const NormalEquations& equations, const ObservabilityPara
 
 /// The covariance of the solution: `scale` * H^-1 along observed directions, the weak sigmas along the others.
 Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params);
+
+/// Factor on the covariance for residuals that reach the kernel's flanks, where a pair pulls no harder the farther off it
+/// is. An M-estimate's variance grows with the inverse square of curvature / weight (Huber, "Robust Statistics", 1981,
+/// section 3.2): residuals without a peak at zero agree with every pose. 1 where the ratio is as on usual drives.
+double kernelInflation(const NormalEquations& equations);
 
 /// Whether a step is shorter than the standard deviation along it.
 bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance);

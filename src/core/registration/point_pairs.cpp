@@ -41,6 +41,7 @@ struct PairSums {
     e.information_b += other.equations.information_b;
     e.information_weight += other.equations.information_weight;
     e.squared_error += other.equations.squared_error;
+    e.curvature += other.equations.curvature;
     e.inliers += other.equations.inliers;
     return sum;
   }
@@ -68,6 +69,7 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
     equations.b.head<3>() += w * e;
     equations.b.tail<3>() += w * arm.cross(e);
     equations.squared_error += w * e2;
+    equations.curvature += w * gemanMcClureCurvature(w, 3);
     ++equations.inliers;
     if (!params_.surface_information) return;
     const auto inform = [&](const Eigen::Vector3d& n) {

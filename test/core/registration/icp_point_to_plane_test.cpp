@@ -320,6 +320,24 @@ TEST(IcpPointToPlane, ItsErrorsAreNotBeyondItsCovariance) {
   }
 }
 
+TEST(IcpPointToPlane, PointsThatAreScatteredBeyondTheKernelTellLittle) {
+  const IcpPointToPlane icp(testParams());
+  const VoxelMap map = mapOf(room(), 1);
+  std::mt19937 random(7);
+  std::normal_distribution<float> scatter_m(0.0f, 0.5f);
+  double squared = 0.0;
+  constexpr int kSweeps = 20;
+  for (unsigned seed = 10; seed < 10 + kSweeps; ++seed) {
+    Points sweep = sweepOf(room(), Pose::Identity(), seed);
+    const double sure_m = std::sqrt(icp.align(sweep, map, Pose::Identity(), 0.0).covariance(0, 0));
+    for (Eigen::Vector3f& p : sweep) p += Eigen::Vector3f(scatter_m(random), scatter_m(random), scatter_m(random));
+    const Measurement m = icp.align(sweep, map, poseOf(0.1, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0);
+    EXPECT_GT(std::sqrt(m.covariance(0, 0)), 2.0 * sure_m) << seed;
+    squared += m.T_odom_cog.translation().x() * m.T_odom_cog.translation().x() / m.covariance(0, 0);
+  }
+  EXPECT_LT(squared / kSweeps, 2.0);
+}
+
 TEST(IcpPointToPlane, WithoutAReferenceItSaysSo) {
   const Pose start = poseOf(1.0, 2.0, 3.0, 0.0, 0.0, 40.0);
   const Measurement m = IcpPointToPlane(testParams()).align(sweepOf(room(), start, 1), VoxelMap(), start, 0.0);

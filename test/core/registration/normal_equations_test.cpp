@@ -217,5 +217,19 @@ TEST(NormalEquations, ValidatesItsParameters) {
   EXPECT_THROW(params.validate(), ParameterError);
 }
 
+TEST(NormalEquations, ResidualsOnTheKernelsFlanksInflate) {
+  NormalEquations equations;
+  equations.weight_unscaled = 100.0;
+  for (const double usual : {100.0, 75.0, 60.0}) {
+    equations.curvature = usual;
+    EXPECT_EQ(kernelInflation(equations), 1.0);
+  }
+  equations.curvature = 30.0;
+  EXPECT_NEAR(kernelInflation(equations), 4.0, 1e-12);
+  equations.curvature = -50.0;
+  EXPECT_NEAR(kernelInflation(equations), 900.0, 1e-9);
+  EXPECT_TRUE(std::isfinite(kernelInflation(NormalEquations())));
+}
+
 }  // namespace
 }  // namespace fail_aware
