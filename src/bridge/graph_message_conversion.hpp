@@ -8,22 +8,17 @@
 #include "fail_aware_lidar_odometry/PoseMeasurement.h"
 #include "fail_aware_lidar_odometry/SweepCheck.h"
 #include "fail_aware_lidar_odometry/SweepPrediction.h"
-#include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <std_msgs/Header.h>
 
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/integrity/monitor.hpp"
-#include "core/pipeline_parameters.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/fusion_input.hpp"
 #include "core/types/measurement.hpp"
-#include "core/types/sweep_condition.hpp"
 #include "core/types/sweep_findings.hpp"
 #include "core/types/sweep_prediction.hpp"
-#include "fail_aware_lidar_odometry/monitor.hpp"
 
 namespace fail_aware {
 
@@ -70,11 +65,5 @@ struct SweepAccount {
 messages::FilterState toMessage(const FilterState& state, const SweepAccount& account, const std_msgs::Header& header);
 /// Nothing if a pose is not valid.
 std::optional<FilterState> fromMessage(const messages::FilterState& message);
-
-/// The monitor's second input, the same as offline: a source that the filter does not use is not listed and not missed.
-SweepCondition conditionOf(const messages::FilterState& message);
-
-messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorParameters& params,
-                                  const std_msgs::Header& header);
 
 }  // namespace fail_aware

@@ -16,6 +16,7 @@
 
 #include "bridge/graph_message_conversion.hpp"
 #include "bridge/marker_conversion.hpp"
+#include "bridge/monitor_message_conversion.hpp"
 #include "bridge/parameter_server.hpp"
 #include "clock_check.hpp"
 #include "core/integrity/silence.hpp"

@@ -1,4 +1,5 @@
 #include "bridge/graph_message_conversion.hpp"
+#include "bridge/monitor_message_conversion.hpp"
 
 #include <gtest/gtest.h>
 

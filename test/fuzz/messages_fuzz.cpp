@@ -18,6 +18,7 @@
 #include "../support/message_numbers.hpp"
 #include "bridge/graph_message_conversion.hpp"
 #include "bridge/marker_conversion.hpp"
+#include "bridge/monitor_message_conversion.hpp"
 #include "bridge/odometry_conversion.hpp"
 #include "core/estimation/external_pose.hpp"
 #include "core/estimation/pose_setting.hpp"

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "bridge/graph_message_conversion.hpp"
+#include "bridge/monitor_message_conversion.hpp"
 #include "graph_recorder.hpp"
 #include "synthetic_street.hpp"
 
