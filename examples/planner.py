@@ -36,22 +36,23 @@ def on_gps(message):
     lost_since = (lost_since or time.monotonic()) if message.data else None
 
 
-def wanted_stop():
+def wanted_stop(since):
     silent = time.monotonic() - heard > SILENCE_S
     age_s = rospy.Time.now().to_sec() - last.header.stamp.to_sec()
     if silent or not -AHEAD_S <= age_s <= OLDEST_S or last.state == TimeToFailure.FAILED:
         return BLIND
     if last.state == TimeToFailure.UNKNOWN:
-        return NONE if time.monotonic() - lost_since < WAIT_S else BLIND
+        return NONE if time.monotonic() - since < WAIT_S else BLIND
     return BY_THE_POSE if last.state == TimeToFailure.FAILING else NONE
 
 
 def action():
     global stop
-    if lost_since is None:
+    since = lost_since  # on_gps may change it in another thread
+    if since is None:
         stop = NONE
         return "own localisation"
-    stop = wanted_stop() if standing else max(stop, wanted_stop())  # a stop that has begun ends at standstill
+    stop = wanted_stop(since) if standing else max(stop, wanted_stop(since))  # a stop that has begun ends at standstill
     if stop != NONE:
         return "stop blind" if stop == BLIND else "stop"
     return "drive" if last.state == TimeToFailure.OK else "slow down"
