@@ -13,10 +13,10 @@ inline double gemanMcClureWeight(double squared_residual, double squared_scale) 
   return kernel * kernel;
 }
 
-/// Derivative of the weighted residual by the residual, over the weight: 1 at zero, below 0 from scale / sqrt(3) on.
-/// In three dimensions: its mean over the directions.
-inline double gemanMcClureCurvature(double weight, int dimensions) {
-  return 1.0 - 4.0 * (1.0 - std::sqrt(weight)) / dimensions;
+/// Derivative of the weighted residual along a direction, over the weight: 1 at zero, below 0 from scale / sqrt(3) on.
+/// `squared_cosine`: of the angle between the residual and the direction.
+inline double gemanMcClureCurvature(double weight, double squared_cosine) {
+  return 1.0 - 4.0 * (1.0 - std::sqrt(weight)) * squared_cosine;
 }
 
 }  // namespace fail_aware

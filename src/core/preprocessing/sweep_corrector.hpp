@@ -50,6 +50,7 @@ class SweepCorrector {
 
   /// Everything anew.
   void reset() {
+    timing_.reset();
     seam_.reset();
     vertical_reference_.reset();
     last_s_.reset();

@@ -22,11 +22,7 @@ constexpr int kReweightings = 3;
 constexpr double kMinTrust = 0.3;  // mean robust weight below which the tilt is let go
 constexpr double kLetGo = 1.0 * kDegree;
 constexpr std::size_t kMinProfiles = 6;
-
-Eigen::Vector2d lateralAxis(const Pose& T_odom_lidar) {
-  const Eigen::Vector2d lateral = T_odom_lidar.linear().col(1).head<2>();
-  return lateral / std::max(lateral.norm(), 1e-9);
-}
+constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at standstill decides the direction
 
 }  // namespace
 
@@ -65,19 +61,20 @@ void VerticalReference::reset() {
   P_(VerticalState::kElevation, VerticalState::kElevation) = std::pow(params_.sigma_elevation_deg * kDegree, 2);
   ranges_.clear();
   forgetOdom();
-  since_start_m_ = 0.0;  // the map stays when odom moves
   beams_ = 0;
   odom_reset_count_ = 0;
 }
 
-/// What is known about odom's axes: the tilt, which begins as that of the start.
+/// What is known about odom's axes: the tilt, which begins as that of the start. The map begins anew, too.
 void VerticalReference::forgetOdom() {
   x_.head<4>().setZero();
   P_.topRows<4>().setZero();
   P_.leftCols<4>().setZero();
   letGoOfTheVertical(kStartTilt);
-  has_position_ = false;
+  last_position_odom_.reset();
+  pitch_axis_.setZero();
   since_look_m_ = params_.look_every_m;
+  since_start_m_ = 0.0;
 }
 
 /// What stands may lean: by as much, now and at the start. How far odom has tilted since then stays known.
@@ -119,19 +116,24 @@ void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar
     update();
     ++report_.looks;
   }
-  setBend(T_odom_lidar);
+  setBend();
 }
 
 void VerticalReference::advance(const Pose& T_odom_lidar) {
   const Eigen::Vector3d position = T_odom_lidar.translation();
-  const double way = has_position_ ? (position - last_position_odom_).norm() : 0.0;
-  has_position_ = true;
+  if (!last_position_odom_) last_position_odom_ = position;
+  const Eigen::Vector3d step = position - *last_position_odom_;
+  const double way = step.norm();
+  if (way < kShortestStep_m) return;
   last_position_odom_ = position;
   since_look_m_ += way;
-  const Eigen::Vector2d lateral = lateralAxis(T_odom_lidar);
-  x_.head<2>() += way * (x_[VerticalState::kDrift] - params_.response * curvature_per_m_) * lateral;
-  P_.topRows<2>() += way * lateral * P_.row(VerticalState::kDrift);
-  P_.leftCols<2>() += way * P_.col(VerticalState::kDrift) * lateral.transpose();
+  // The bend is the same on all sides: it pitches the estimate about the axis across the motion, however the sensor is
+  // turned on the vehicle, and the other way round in reverse.
+  const Eigen::Vector2d turned = T_odom_lidar.linear().col(2).cross(step).head<2>();
+  pitch_axis_ = turned / std::max(turned.norm(), 1e-9);
+  x_.head<2>() += (x_[VerticalState::kDrift] - params_.response * curvature_per_m_) * turned;
+  P_.topRows<2>() += turned * P_.row(VerticalState::kDrift);
+  P_.leftCols<2>() += P_.col(VerticalState::kDrift) * turned.transpose();
   // a new map is sparse
   const double in_new_map_m = std::clamp(params_.new_map_m - since_start_m_, 0.0, way);
   since_start_m_ += way;
@@ -219,18 +221,17 @@ void VerticalReference::update() {
   if (trust < kMinTrust * static_cast<double>(all.size())) letGoOfTheVertical(kLetGo);
 }
 
-void VerticalReference::setBend(const Pose& T_odom_lidar) {
-  const Eigen::Vector2d lateral = lateralAxis(T_odom_lidar);
+void VerticalReference::setBend() {
   const Eigen::Vector2d tilt = x_.head<2>() - x_.segment<2>(VerticalState::kStart);
   const Eigen::Matrix2d cross = P_.block<2, 2>(0, VerticalState::kStart);
   const Eigen::Matrix2d covariance = P_.topLeftCorner<2, 2>() +
                                      P_.block<2, 2>(VerticalState::kStart, VerticalState::kStart) - cross -
                                      cross.transpose();
   const double limit = params_.max_curvature_deg_per_m * kDegree;
-  const double unwanted = x_[VerticalState::kDrift] + params_.tilt_gain_per_m * lateral.dot(tilt);
+  const double unwanted = x_[VerticalState::kDrift] + params_.tilt_gain_per_m * pitch_axis_.dot(tilt);
   curvature_per_m_ = std::clamp(unwanted / params_.response, -limit, limit);
-  report_.tilt_deg = lateral.dot(tilt) / kDegree;
-  report_.tilt_sigma_deg = std::sqrt(std::max(lateral.dot(covariance * lateral), 0.0)) / kDegree;
+  report_.tilt_deg = pitch_axis_.dot(tilt) / kDegree;
+  report_.tilt_sigma_deg = std::sqrt(std::max(pitch_axis_.dot(covariance * pitch_axis_), 0.0)) / kDegree;
   report_.drift_deg_per_m = x_[VerticalState::kDrift] / kDegree;
   report_.drift_sigma_deg_per_m = std::sqrt(P_(VerticalState::kDrift, VerticalState::kDrift)) / kDegree;
   report_.elevation_deg = x_[VerticalState::kElevation] / kDegree;

@@ -10,9 +10,10 @@
 // that their elevations have in common, and j, what a single estimate is off by, another one at each look. Some
 // centimetres of a_b lean a wall by a degree, so they are found along with the tilt: walls are straight, and are met by many
 // beams at many distances. A Kalman filter over the way s holds d, the drift of pitch, e and all a_b:
-//   dd/ds = (drift - response bend) lateral axis + noise
+//   dd/ds = (drift - response bend) pitch axis + noise
+// The pitch axis is horizontal, across the motion: how the sensor is turned on the vehicle does not matter.
 // Sweeps are bent by `bend` (z += bend h min(h, curvature_range) / 2) so that the drift ends and what has come of it slowly
-// goes: response bend = drift + tilt_gain (d - d_0) . lateral axis, within max_curvature. d_0 is the tilt of the first
+// goes: response bend = drift + tilt_gain (d - d_0) . pitch axis, within max_curvature. d_0 is the tilt of the first
 // estimate in this odom: the slope and the mount at the start. It is in the state, so that what a later look shows of
 // the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose tilts by up to a degree
 // within the first metres (new_map): d - d_0 holds it. The pose is never touched.
@@ -29,6 +30,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
@@ -117,7 +119,7 @@ class VerticalReference {
   void beginLook();
   void resizeBeams();
   void update();
-  void setBend(const Pose& T_odom_lidar);
+  void setBend();
 
   Params params_;
   UprightProfileFinder finder_;
@@ -126,9 +128,9 @@ class VerticalReference {
   Eigen::VectorXd x_;  ///< tilt x y, that at the start x y, drift, elevation, jitter x y, range by beam
   Eigen::MatrixXd P_;
   Eigen::Matrix2d tilt_moment_ = Eigen::Matrix2d::Zero();
-  double curvature_per_m_ = 0.0;  ///< rad
-  bool has_position_ = false;
-  Eigen::Vector3d last_position_odom_ = Eigen::Vector3d::Zero();
+  double curvature_per_m_ = 0.0;                          ///< rad
+  std::optional<Eigen::Vector3d> last_position_odom_;     ///< counted last
+  Eigen::Vector2d pitch_axis_ = Eigen::Vector2d::Zero();  ///< across the motion, to the left of it
   double since_look_m_ = 0.0, since_start_m_ = 0.0;
   std::size_t beams_ = 0;  ///< of the head, as rings tell; 0: they do not
   int odom_reset_count_ = 0;

@@ -25,6 +25,7 @@ void IcpPointToPlane::Params::validate() const {
   requireWithin("relaxed_convergence_factor", relaxed_convergence_factor, 1.0, 1e6);
   requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
+  requireWithin("usual_curvature_ratio", usual_curvature_ratio, 0.0, 1.0);
   support.validate();
   observability.validate();
 }
@@ -94,10 +95,11 @@ Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_co
   result.inliers = equations.inliers;
   result.inlier_ratio = static_cast<double>(equations.inliers) / static_cast<double>(points_cog.size());
   result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
-  result.covariance =
-      covarianceObserved(equations, params_.correlation_inflation * kernelInflation(equations), params_.observability);
-  const bool usable = converged || stepWithin(step, params_, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(step, result.covariance);  // wanders where little is observed
+  const double inflation = kernelInflation(equations, params_.usual_curvature_ratio);
+  result.covariance = covarianceObserved(equations, params_.correlation_inflation * inflation, params_.observability);
+  const bool usable =
+      converged || stepWithin(step, params_, params_.relaxed_convergence_factor) ||
+      isWithinSigma(std::sqrt(inflation) * step, result.covariance);  // wanders where little is observed
   result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   if (!converged) result.covariance += step * step.transpose();
   return result;

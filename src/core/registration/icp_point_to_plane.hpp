@@ -48,6 +48,8 @@ class IcpPointToPlane {
     double relaxed_convergence_factor = 10.0;
     int min_inliers = 100;                ///< fewer points with a plane: not usable; a sweep has thousands
     double correlation_inflation = 20.0;  ///< R is that much larger than for independent residuals
+    /// residuals with less curvature than this ratio inflate R (normal_equations.hpp); 0: none do
+    double usual_curvature_ratio = 0.6;
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};
 
@@ -63,6 +65,7 @@ class IcpPointToPlane {
       v("range_weight_m", self.range_weight_m);
       v("max_iterations", self.max_iterations);
       v("correlation_inflation", self.correlation_inflation);
+      v("usual_curvature_ratio", self.usual_curvature_ratio);
       v("support", self.support);
       v("observability", self.observability);
     }

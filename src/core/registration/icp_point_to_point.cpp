@@ -68,6 +68,7 @@ void IcpPointToPoint::Params::validate() const {
   requireWithin("min_inlier_ratio", min_inlier_ratio, 0.0, 1.0);
   requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
+  requireWithin("usual_curvature_ratio", usual_curvature_ratio, 0.0, 1.0);
   requireWithin("tilt_sigma_factor", tilt_sigma_factor, 1.0, 100.0);
   support.validate();
   observability.validate();
@@ -175,8 +176,9 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.min_information_ratio = best.step.min_horizontal_ratio;
   result.rms_residual_m = std::sqrt(best.equations.squared_error / std::max(best.equations.weight_unscaled, 1e-9));
   result.seed_spread_m = std::sqrt(spread2_m2);
-  const double variance = result.rms_residual_m * result.rms_residual_m / 3.0 * params_.correlation_inflation *
-                          kernelInflation(best.equations);
+  const double inflation = kernelInflation(best.equations, params_.usual_curvature_ratio);
+  const double variance =
+      params_.correlation_inflation * inflation * result.rms_residual_m * result.rms_residual_m / 3.0;
   result.covariance = covarianceObserved(best.equations, variance, params_.observability);
   result.covariance.topLeftCorner<3, 3>().diagonal().array() += spread2_m2 / 3.0;
   for (const Eigen::Index tilt : {3, 4}) {
@@ -185,7 +187,8 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   }
   const Vector6d& step = best.step.dx;
   const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(step, result.covariance);  // the step may stay large where little is observed
+                      isWithinSigma(std::sqrt(inflation) * step,
+                                    result.covariance);  // the step may stay large where little is observed
   if (!best.converged) result.covariance += step * step.transpose();
   result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   return result;

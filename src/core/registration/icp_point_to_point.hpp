@@ -67,6 +67,8 @@ class IcpPointToPoint {
     int min_inliers = 100;               ///< least number of points with a partner: a sweep has thousands
     bool surface_information = true;     ///< false: a pair informs equally in all directions
     double correlation_inflation = 7.0;  ///< factor on R, because residuals are not independent
+    /// residuals with less curvature than this ratio inflate R (normal_equations.hpp); 0: none do
+    double usual_curvature_ratio = 0.75;
     /// factor on the sigma of roll and pitch: a point's nearest neighbour follows the guess, and of a change that the guess
     /// misses a fifth remains, more than the residuals tell
     double tilt_sigma_factor = 4.0;
@@ -84,6 +86,7 @@ class IcpPointToPoint {
       v("min_inlier_ratio", self.min_inlier_ratio);
       v("surface_information", self.surface_information);
       v("correlation_inflation", self.correlation_inflation);
+      v("usual_curvature_ratio", self.usual_curvature_ratio);
       v("tilt_sigma_factor", self.tilt_sigma_factor);
       v("support", self.support);
       v("observability", self.observability);

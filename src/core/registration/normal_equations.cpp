@@ -136,11 +136,11 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   return covariance;
 }
 
-double kernelInflation(const NormalEquations& equations) {
-  // On usual drives the ratio is 0.6 to 0.9, and correlation_inflation, which was found there, has its part.
-  constexpr double kUsualRatio = 0.6, kLeastRatio = 0.02;
-  const double ratio = equations.curvature / std::max(equations.weight_unscaled, 1e-9);
-  const double inflation = kUsualRatio / std::clamp(ratio, kLeastRatio, kUsualRatio);
+double kernelInflation(const NormalEquations& equations, double usual_ratio) {
+  constexpr double kLeastRatio = 0.02;
+  if (usual_ratio <= kLeastRatio) return 1.0;
+  const double ratio = equations.curvature / std::max(weightOf(equations), 1e-9);
+  const double inflation = usual_ratio / std::clamp(ratio, kLeastRatio, usual_ratio);
   return inflation * inflation;
 }
 

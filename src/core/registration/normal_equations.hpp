@@ -42,7 +42,8 @@ struct NormalEquations {
   double information_weight = 0.0;
   double squared_error = 0.0;    ///< sum of w r^2, m^2
   double weight_unscaled = 0.0;  ///< sum of w
-  double curvature = 0.0;        ///< sum of w times the kernel's curvature at the residual
+  /// Sum of w / sigma^2 (of the information, where there is one) times the kernel's curvature along what a pair informs on.
+  double curvature = 0.0;
   std::size_t inliers = 0;
 };
 
@@ -63,8 +64,9 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
 
 /// Factor on the covariance for residuals that reach the kernel's flanks, where a pair pulls no harder the farther off it
 /// is. An M-estimate's variance grows with the inverse square of curvature / weight (Huber, "Robust Statistics", 1981,
-/// section 3.2): residuals without a peak at zero agree with every pose. 1 where the ratio is as on usual drives.
-double kernelInflation(const NormalEquations& equations);
+/// section 3.2): residuals without a peak at zero agree with every pose. 1 from `usual_ratio` on: what such residuals
+/// cost on usual drives is part of correlation_inflation, which was found there.
+double kernelInflation(const NormalEquations& equations, double usual_ratio);
 
 /// Whether a step is shorter than the standard deviation along it.
 bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance);

@@ -61,7 +61,7 @@ struct PlanePair {
     equations.b -= weight * residual_m * J;
     equations.weight += weight;
     equations.weight_unscaled += kernel_weight;
-    equations.curvature += kernel_weight * gemanMcClureCurvature(kernel_weight, 1);
+    equations.curvature += weight * gemanMcClureCurvature(kernel_weight, 1.0);
     equations.squared_error += kernel_weight * residual_m * residual_m;
     ++equations.inliers;
   }

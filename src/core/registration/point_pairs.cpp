@@ -69,16 +69,26 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
     equations.b.head<3>() += w * e;
     equations.b.tail<3>() += w * arm.cross(e);
     equations.squared_error += w * e2;
-    equations.curvature += w * gemanMcClureCurvature(w, 3);
     ++equations.inliers;
-    if (!params_.surface_information) return;
+    if (!params_.surface_information) {
+      equations.curvature += w * gemanMcClureCurvature(w, 1.0 / 3.0);  // mean over all directions
+      return;
+    }
+    double curvature = 0.0;
+    int directions = 0;
     const auto inform = [&](const Eigen::Vector3d& n) {
       Vector6d J;
       J << n, arm.cross(n);
       equations.information.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
-      equations.information_b += w * n.dot(e) * J;
+      const double along = n.dot(e);
+      equations.information_b += w * along * J;
+      curvature += gemanMcClureCurvature(w, along * along / std::max(e2, 1e-12));
+      ++directions;
     };
-    if (forEachInformedDirection(map_.surface(match.voxel), inform)) equations.information_weight += w;
+    if (forEachInformedDirection(map_.surface(match.voxel), inform)) {
+      equations.information_weight += w;
+      equations.curvature += w * curvature / directions;
+    }
   };
   // neither the blocks nor the order of their sums depends on the number of threads
   neighborhoods.resize((points_cog_.size() + stride - 1) / stride);
@@ -98,6 +108,7 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
     const double all = sums.w / equations.information_weight;
     equations.information *= all;
     equations.information_b *= all;
+    equations.curvature *= all;
     equations.information_weight = sums.w;
   }
   const Eigen::Matrix3d w_arm_arm = sums.w_arm_arm.selfadjointView<Eigen::Lower>();

@@ -99,15 +99,26 @@ struct Drive {
   double sinceStart_deg() const { return (pitch_error_rad - first_rad.value_or(0.0)) / kDegree; }
 };
 
+struct Way {
+  double mount_yaw_deg = 0.0;
+  bool reverse = false;
+};
+
 /// The vehicle stays level; the odometry's pitch drifts, less by what it makes of the sweeps' bend.
 Drive drive(VerticalReference& level, int metres, double drift_deg_per_m, double response,
-            const Street::Head& head = Street::Head()) {
+            const Street::Head& head = Street::Head(), const Way& way = Way()) {
   Street street(head, 7);
   Drive result;
+  const Eigen::Matrix3d mount =
+      Eigen::AngleAxisd(way.mount_yaw_deg * kDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const double sign = way.reverse ? -1.0 : 1.0;
   for (int i = 0; i < metres; ++i) {
-    result.pitch_error_rad += (drift_deg_per_m - response * level.report().curvature_deg_per_m) * kDegree;
-    const Street::Sweep sweep = street.sweep();
-    level.observe(sweep.points, sweep.rings, tilted(i, result.pitch_error_rad));
+    result.pitch_error_rad += sign * (drift_deg_per_m - response * level.report().curvature_deg_per_m) * kDegree;
+    Street::Sweep sweep = street.sweep();
+    for (Eigen::Vector3f& p : sweep.points) p = mount.transpose().cast<float>() * p;
+    Pose T = tilted(sign * i, result.pitch_error_rad);
+    T.linear() *= mount;
+    level.observe(sweep.points, sweep.rings, T);
     if (!result.first_rad) result.first_rad = result.pitch_error_rad;
     if (i > metres / 2) result.worst_late_rad = std::max(result.worst_late_rad, std::abs(result.pitch_error_rad));
   }
@@ -222,6 +233,28 @@ TEST(VerticalReference, BendEndsTheDrift) {
   EXPECT_NEAR(response * level.report().curvature_deg_per_m, 0.004, 0.0015);
 }
 
+TEST(VerticalReference, BendEndsTheDriftHoweverTheSensorIsTurned) {
+  for (const Way& way : {Way{180.0, false}, Way{90.0, false}, Way{-60.0, false}, Way{0.0, true}}) {
+    VerticalReference level;
+    const Drive result = drive(level, 300, 0.004, VerticalReferenceParams().response, Street::Head(), way);
+    EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001) << way.mount_yaw_deg << way.reverse;
+    EXPECT_LT(result.worst_late_rad, 0.1 * kDegree) << way.mount_yaw_deg << way.reverse;
+  }
+}
+
+/// The pose jitters while the vehicle stands: that is no way.
+TEST(VerticalReference, StandstillChangesNothing) {
+  VerticalReference level, other;
+  drive(level, 50, 0.004, 1.0);
+  drive(other, 50, 0.004, 1.0);
+  const Street::Sweep sweep = Street(Street::Head(), 7).sweep();
+  for (int i = 0; i < 1000; ++i) {
+    level.observe(sweep.points, sweep.rings, tilted(49.0 + 0.002 * (i % 2), 0.0));
+  }
+  EXPECT_EQ(level.report().looks, other.report().looks);
+  EXPECT_EQ(level.report().tilt_sigma_deg, other.report().tilt_sigma_deg);
+}
+
 TEST(VerticalReference, LowAndThickThingsCountLittle) {
   // after half of the way low rough banks, ahead and behind, lean by 2 deg beside upright walls
   VerticalReference level(withoutBend());
@@ -278,7 +311,9 @@ TEST(VerticalReference, ResetBeginsAnew) {
 
 /// A pose that is set from outside: the vehicle jumps in odom, its heading is another, and it stands otherwise there.
 TEST(VerticalReference, AnotherOdomIsNoWayAndNoTilt) {
-  VerticalReference level;
+  VerticalReferenceParams params;
+  params.new_map_tilt_deg = 0.0;  // the map begins anew, too
+  VerticalReference level(params);
   drive(level, 200, 0.004, 1.0);
   const VerticalReference::Report before = level.report();
   Street street(Street::Head(), 11);

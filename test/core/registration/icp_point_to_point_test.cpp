@@ -206,6 +206,7 @@ TEST(IcpPointToPoint, AStepIsThatOfFiniteDifferences) {
   params.relaxed_convergence_factor = 1e6;
   params.observability.min_information_ratio = 0.0;
   params.surface_information = false;
+  params.usual_curvature_ratio = 0.0;
   const VoxelMap map = mapOf(sampleScene(room(), 25.0, kNoise_m, 1), Pose::Identity());
   const Pose T0 = poseOf(0.1, -0.05, 0.03, 0.3, -0.2, 1.0);
   const Points points = seenFrom(sampleScene(room(), 2.0, kNoise_m, 2), poseOf(0.25, 0.1, 0.0, 0.0, 0.0, 0.0));

@@ -219,16 +219,20 @@ TEST(NormalEquations, ValidatesItsParameters) {
 
 TEST(NormalEquations, ResidualsOnTheKernelsFlanksInflate) {
   NormalEquations equations;
-  equations.weight_unscaled = 100.0;
+  equations.weight = 100.0;
   for (const double usual : {100.0, 75.0, 60.0}) {
     equations.curvature = usual;
-    EXPECT_EQ(kernelInflation(equations), 1.0);
+    EXPECT_EQ(kernelInflation(equations, 0.6), 1.0);
   }
   equations.curvature = 30.0;
-  EXPECT_NEAR(kernelInflation(equations), 4.0, 1e-12);
+  EXPECT_NEAR(kernelInflation(equations, 0.6), 4.0, 1e-12);
+  EXPECT_EQ(kernelInflation(equations, 0.0), 1.0) << "switched off";
+  equations.has_information = true;
+  equations.information_weight = 40.0;
+  EXPECT_EQ(kernelInflation(equations, 0.6), 1.0) << "of what informs";
   equations.curvature = -50.0;
-  EXPECT_NEAR(kernelInflation(equations), 900.0, 1e-9);
-  EXPECT_TRUE(std::isfinite(kernelInflation(NormalEquations())));
+  EXPECT_NEAR(kernelInflation(equations, 0.6), 900.0, 1e-9);
+  EXPECT_TRUE(std::isfinite(kernelInflation(NormalEquations(), 0.6)));
 }
 
 }  // namespace
