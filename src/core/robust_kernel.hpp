@@ -2,6 +2,7 @@
 // Geman and McClure, "Statistical methods for tomographic image reconstruction", Bulletin of the ISI, 1987.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace fail_aware {
@@ -17,6 +18,17 @@ inline double gemanMcClureWeight(double squared_residual, double squared_scale) 
 /// `squared_cosine`: of the angle between the residual and the direction.
 inline double gemanMcClureCurvature(double weight, double squared_cosine) {
   return 1.0 - 4.0 * (1.0 - std::sqrt(weight)) * squared_cosine;
+}
+
+/// Factor on the variance of an estimate from residuals that reach the kernel's flanks, where a residual pulls no harder
+/// the larger it is. `curvature_ratio`: weighted mean of the curvature. An M-estimate's variance grows with its inverse
+/// square (Huber, "Robust Statistics", 1981, section 3.2): residuals without a peak at zero agree with every estimate. 1
+/// from `usual_ratio` on; `usual_ratio` 0: always 1.
+inline double kernelInflation(double curvature_ratio, double usual_ratio) {
+  constexpr double kLeastRatio = 0.02;
+  if (usual_ratio <= kLeastRatio) return 1.0;
+  const double inflation = usual_ratio / std::min(std::max(curvature_ratio, kLeastRatio), usual_ratio);
+  return inflation * inflation;
 }
 
 }  // namespace fail_aware

@@ -17,5 +17,12 @@ TEST(RobustKernel, CurvatureIsTheDerivativeOfTheWeightedResidual) {
   }
 }
 
+TEST(RobustKernel, ResidualsOnTheFlanksInflate) {
+  for (const double usual : {1.0, 0.75, 0.6}) EXPECT_EQ(kernelInflation(usual, 0.6), 1.0);
+  EXPECT_NEAR(kernelInflation(0.3, 0.6), 4.0, 1e-12);
+  EXPECT_NEAR(kernelInflation(-0.5, 0.6), 900.0, 1e-9);
+  EXPECT_EQ(kernelInflation(0.3, 0.0), 1.0) << "switched off";
+}
+
 }  // namespace
 }  // namespace fail_aware

@@ -22,6 +22,10 @@ constexpr int kReweightings = 3;
 constexpr double kMinTrust = 0.3;  // mean robust weight below which the tilt is let go
 constexpr double kLetGo = 1.0 * kDegree;
 constexpr std::size_t kMinProfiles = 6;
+// Of the leans' residuals, in scenery that stands: 0.55 to 0.85. In scenery that leans all ways (hedges, banks) there is no
+// peak at zero, the ratio is 0.2 to 0.4, and the lean tells next to nothing. What is off there is off in all looks at
+// it, so that it costs more than independent residuals would: the inflation's cube.
+constexpr double kUsualCurvatureRatio = 0.5, kSharedLean = 3.0;
 constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at standstill decides the direction
 
 }  // namespace
@@ -174,6 +178,25 @@ void VerticalReference::resizeBeams() {
   P_.diagonal().tail(added).setConstant(params_.sigma_range_m * params_.sigma_range_m);
 }
 
+/// `first`: x is a prediction, so that its variance widens the kernel.
+VerticalReference::LeanWeights VerticalReference::leanWeights(const std::vector<ProfileEquations>& all,
+                                                              bool first) const {
+  LeanWeights weights;
+  double curvature = 0.0;
+  for (const ProfileEquations& e : all) {
+    const double residual = e.lean_value - e.lean.dot(e.pick(x_));
+    const double prior_variance = first ? e.leanVariance(P_) : 0.0;
+    const double kernel2 = kKernelSigmas * kKernelSigmas * (1.0 + prior_variance);
+    const double weight = gemanMcClureWeight(residual * residual, kernel2);
+    weights.kernel.push_back(weight);
+    weights.sum += weight;
+    curvature += weight * gemanMcClureCurvature(weight, 1.0);
+  }
+  weights.inflation =
+      std::pow(kernelInflation(curvature / std::max(weights.sum, 1e-9), kUsualCurvatureRatio), kSharedLean);
+  return weights;
+}
+
 void VerticalReference::update() {
   report_.surfaces = report_.lines = 0;
   std::vector<ProfileEquations> all;
@@ -190,18 +213,17 @@ void VerticalReference::update() {
   for (int iteration = 0; iteration < kReweightings; ++iteration) {
     information.setZero(size, size);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
-    trust = 0.0;
-    for (const ProfileEquations& e : all) {
-      const double residual = e.lean_value - e.lean.dot(e.pick(x_));
-      const double prior_variance = iteration == 0 ? e.leanVariance(P_) : 0.0;
-      const double kernel2 = kKernelSigmas * kKernelSigmas * (1.0 + prior_variance);
-      const double kernel_weight = gemanMcClureWeight(residual * residual, kernel2);
-      trust += kernel_weight;
-      const double weight = kernel_weight / params_.correlation_inflation;
+    const LeanWeights lean = leanWeights(all, iteration == 0);
+    trust = lean.sum;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const ProfileEquations& e = all[k];
+      const double weight = lean.kernel[k] / params_.correlation_inflation;
+      const double lean_weight = weight / lean.inflation;
       const Eigen::VectorXd at = e.pick(prior);
-      const Eigen::MatrixXd H = weight * (e.lean * e.lean.transpose() + e.straight.transpose() * e.straight);
-      const Eigen::VectorXd r = weight * (e.lean * (e.lean_value - e.lean.dot(at)) +
-                                          e.straight.transpose() * (e.straight_values - e.straight * at));
+      const Eigen::MatrixXd H =
+          lean_weight * e.lean * e.lean.transpose() + weight * e.straight.transpose() * e.straight;
+      const Eigen::VectorXd r = lean_weight * e.lean * (e.lean_value - e.lean.dot(at)) +
+                                weight * e.straight.transpose() * (e.straight_values - e.straight * at);
       for (std::size_t i = 0; i < e.of.size(); ++i) {
         right[e.of[i]] += r[static_cast<Eigen::Index>(i)];
         for (std::size_t j = 0; j < e.of.size(); ++j) {

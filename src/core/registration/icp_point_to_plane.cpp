@@ -95,7 +95,7 @@ Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_co
   result.inliers = equations.inliers;
   result.inlier_ratio = static_cast<double>(equations.inliers) / static_cast<double>(points_cog.size());
   result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
-  const double inflation = kernelInflation(equations, params_.usual_curvature_ratio);
+  const double inflation = kernelInflation(curvatureRatio(equations), params_.usual_curvature_ratio);
   result.covariance = covarianceObserved(equations, params_.correlation_inflation * inflation, params_.observability);
   const bool usable =
       converged || stepWithin(step, params_, params_.relaxed_convergence_factor) ||

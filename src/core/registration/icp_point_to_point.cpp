@@ -176,7 +176,7 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.min_information_ratio = best.step.min_horizontal_ratio;
   result.rms_residual_m = std::sqrt(best.equations.squared_error / std::max(best.equations.weight_unscaled, 1e-9));
   result.seed_spread_m = std::sqrt(spread2_m2);
-  const double inflation = kernelInflation(best.equations, params_.usual_curvature_ratio);
+  const double inflation = kernelInflation(curvatureRatio(best.equations), params_.usual_curvature_ratio);
   const double variance =
       params_.correlation_inflation * inflation * result.rms_residual_m * result.rms_residual_m / 3.0;
   result.covariance = covarianceObserved(best.equations, variance, params_.observability);

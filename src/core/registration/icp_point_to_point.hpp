@@ -67,7 +67,7 @@ class IcpPointToPoint {
     int min_inliers = 100;               ///< least number of points with a partner: a sweep has thousands
     bool surface_information = true;     ///< false: a pair informs equally in all directions
     double correlation_inflation = 7.0;  ///< factor on R, because residuals are not independent
-    /// residuals with less curvature than this ratio inflate R (normal_equations.hpp); 0: none do
+    /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do
     double usual_curvature_ratio = 0.75;
     /// factor on the sigma of roll and pitch: a point's nearest neighbour follows the guess, and of a change that the guess
     /// misses a fifth remains, more than the residuals tell

@@ -136,12 +136,8 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   return covariance;
 }
 
-double kernelInflation(const NormalEquations& equations, double usual_ratio) {
-  constexpr double kLeastRatio = 0.02;
-  if (usual_ratio <= kLeastRatio) return 1.0;
-  const double ratio = equations.curvature / std::max(weightOf(equations), 1e-9);
-  const double inflation = usual_ratio / std::clamp(ratio, kLeastRatio, usual_ratio);
-  return inflation * inflation;
+double curvatureRatio(const NormalEquations& equations) {
+  return equations.curvature / std::max(weightOf(equations), 1e-9);
 }
 
 bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance) { return dx.dot(solutionOf(covariance, dx)) < 1.0; }

@@ -62,11 +62,8 @@ Solution solveObserved(const NormalEquations& equations, const ObservabilityPara
 /// The covariance of the solution: `scale` * H^-1 along observed directions, the weak sigmas along the others.
 Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params);
 
-/// Factor on the covariance for residuals that reach the kernel's flanks, where a pair pulls no harder the farther off it
-/// is. An M-estimate's variance grows with the inverse square of curvature / weight (Huber, "Robust Statistics", 1981,
-/// section 3.2): residuals without a peak at zero agree with every pose. 1 from `usual_ratio` on: what such residuals
-/// cost on usual drives is part of correlation_inflation, which was found there.
-double kernelInflation(const NormalEquations& equations, double usual_ratio);
+/// Weighted mean of the kernel's curvature, for kernelInflation() (robust_kernel.hpp).
+double curvatureRatio(const NormalEquations& equations);
 
 /// Whether a step is shorter than the standard deviation along it.
 bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance);

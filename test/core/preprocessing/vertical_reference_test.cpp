@@ -176,6 +176,26 @@ TEST(VerticalReference, SceneryThatLeansIsNoTiltSinceTheStart) {
   EXPECT_LT(largest_deg, 0.2);
 }
 
+/// Hedges and banks, each with a lean of its own: they show no vertical, so what is known of the tilt fades.
+TEST(VerticalReference, SceneryThatLeansAllWaysTellsNothing) {
+  VerticalReference level(withoutBend());
+  drive(level, 75, 0.0, 0.0);
+  const double known_deg = level.report().tilt_sigma_deg;
+  Street street(Street::Head(), 5);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> place(-20.0, 20.0), slope(-0.1, 0.1);
+  for (int i = 75; i < 275; ++i) {
+    Street::Sweep sweep;
+    for (int wall = 0; wall < 18; ++wall) {
+      const Eigen::Vector2d from(place(random), place(random)), along(0.0, 4.0), across(4.0, 0.0);
+      street.see(sweep, from, from + (wall % 2 == 0 ? along : across), 0.8, slope(random));
+    }
+    level.observe(sweep.points, sweep.rings, tilted(i, 0.0));
+  }
+  EXPECT_GT(level.report().tilt_sigma_deg, known_deg);
+  EXPECT_LT(std::abs(level.report().tilt_deg), 2.0 * level.report().tilt_sigma_deg);
+}
+
 TEST(VerticalReference, TiltMomentHoldsWhatIsNotCorrected) {
   VerticalReference level(withoutBend());
   EXPECT_TRUE(level.tiltMoment().isZero());
