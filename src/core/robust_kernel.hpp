@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 namespace fail_aware {
 
@@ -15,15 +14,15 @@ inline double gemanMcClureWeight(double squared_residual, double squared_scale) 
 }
 
 /// Derivative of the weighted residual along a direction, over the weight: 1 at zero, below 0 from scale / sqrt(3) on.
-/// `squared_cosine`: of the angle between the residual and the direction.
-inline double gemanMcClureCurvature(double weight, double squared_cosine) {
-  return 1.0 - 4.0 * (1.0 - std::sqrt(weight)) * squared_cosine;
+/// `squared_along`: the residual's component along the direction, squared.
+inline double gemanMcClureCurvature(double squared_along, double squared_residual, double squared_scale) {
+  return 1.0 - 4.0 * squared_along / (squared_scale + squared_residual);
 }
 
-/// Factor on the variance of an estimate from residuals that reach the kernel's flanks, where a residual pulls no harder
+/// Factor on the variance of an estimate from residuals on the kernel's flanks, where a residual pulls no harder
 /// the larger it is. `curvature_ratio`: weighted mean of the curvature. An M-estimate's variance grows with its inverse
-/// square (Huber, "Robust Statistics", 1981, section 3.2): residuals without a peak at zero agree with every estimate. 1
-/// from `usual_ratio` on; `usual_ratio` 0: always 1.
+/// square (Huber, "Robust Statistics", 1981, section 3.2): residuals without a peak at zero agree with every estimate.
+/// 1 from `usual_ratio` on; `usual_ratio` 0: always 1.
 inline double kernelInflation(double curvature_ratio, double usual_ratio) {
   constexpr double kLeastRatio = 0.02;
   if (usual_ratio <= kLeastRatio) return 1.0;

@@ -22,9 +22,9 @@ constexpr int kReweightings = 3;
 constexpr double kMinTrust = 0.3;  // mean robust weight below which the tilt is let go
 constexpr double kLetGo = 1.0 * kDegree;
 constexpr std::size_t kMinProfiles = 6;
-// Of the leans' residuals, in scenery that stands: 0.55 to 0.85. In scenery that leans all ways (hedges, banks) there is no
-// peak at zero, the ratio is 0.2 to 0.4, and the lean tells next to nothing. What is off there is off in all looks at
-// it, so that it costs more than independent residuals would: the inflation's cube.
+// The curvature ratio of the leans' residuals (robust_kernel.hpp) is 0.55 to 0.85 where things stand upright. Hedges
+// and banks lean all ways: the residuals have no peak at zero, and the ratio is 0.2 to 0.4. Neighbouring looks see the
+// same scenery and share its error, so the variance grows with the cube of the inflation.
 constexpr double kUsualCurvatureRatio = 0.5, kSharedLean = 3.0;
 constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at standstill decides the direction
 
@@ -187,10 +187,11 @@ VerticalReference::LeanWeights VerticalReference::leanWeights(const std::vector<
     const double residual = e.lean_value - e.lean.dot(e.pick(x_));
     const double prior_variance = first ? e.leanVariance(P_) : 0.0;
     const double kernel2 = kKernelSigmas * kKernelSigmas * (1.0 + prior_variance);
-    const double weight = gemanMcClureWeight(residual * residual, kernel2);
+    const double residual2 = residual * residual;
+    const double weight = gemanMcClureWeight(residual2, kernel2);
     weights.kernel.push_back(weight);
     weights.sum += weight;
-    curvature += weight * gemanMcClureCurvature(weight, 1.0);
+    curvature += weight * gemanMcClureCurvature(residual2, residual2, kernel2);
   }
   weights.inflation =
       std::pow(kernelInflation(curvature / std::max(weights.sum, 1e-9), kUsualCurvatureRatio), kSharedLean);

@@ -186,9 +186,9 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
     result.covariance.col(tilt) *= params_.tilt_sigma_factor;
   }
   const Vector6d& step = best.step.dx;
+  // Where little is observed the step may stay large. Scattered residuals do not make it converge.
   const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(std::sqrt(inflation) * step,
-                                    result.covariance);  // the step may stay large where little is observed
+                      isWithinSigma(std::sqrt(inflation) * step, result.covariance);
   if (!best.converged) result.covariance += step * step.transpose();
   result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
   return result;

@@ -53,7 +53,7 @@ struct PlanePair {
   Eigen::Vector3d normal;
   Vector6d J;  ///< of the residual, dx as in normal_equations.hpp
   double residual_m = 0.0;
-  double kernel_weight = 0.0;
+  double kernel_weight = 0.0, kernel_curvature = 0.0;
   double weight = 0.0;  ///< kernel weight over the variance
 
   void addTo(NormalEquations& equations) const {
@@ -61,7 +61,7 @@ struct PlanePair {
     equations.b -= weight * residual_m * J;
     equations.weight += weight;
     equations.weight_unscaled += kernel_weight;
-    equations.curvature += weight * gemanMcClureCurvature(kernel_weight, 1.0);
+    equations.curvature += weight * kernel_curvature;
     equations.squared_error += kernel_weight * residual_m * residual_m;
     ++equations.inliers;
   }
@@ -107,6 +107,7 @@ class PlanePairs {
       pair.J << pair.normal, arm.cross(pair.normal);
       pair.residual_m = r;
       pair.kernel_weight = gemanMcClureWeight(r * r, kernel2);
+      pair.kernel_curvature = gemanMcClureCurvature(r * r, r * r, kernel2);
       pair.weight = pair.kernel_weight / (point_variance + match.variance);
       if (filter_.isGround(match.normal)) pair.weight *= params_.ground_weight;
       if (params_.range_weight_m > 0.0) pair.weight *= static_cast<double>(q.norm()) / params_.range_weight_m;

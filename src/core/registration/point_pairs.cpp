@@ -71,7 +71,7 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
     equations.squared_error += w * e2;
     ++equations.inliers;
     if (!params_.surface_information) {
-      equations.curvature += w * gemanMcClureCurvature(w, 1.0 / 3.0);  // mean over all directions
+      equations.curvature += w * gemanMcClureCurvature(e2 / 3.0, e2, kernel2);  // mean over all directions
       return;
     }
     double curvature = 0.0;
@@ -82,7 +82,7 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
       equations.information.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
       const double along = n.dot(e);
       equations.information_b += w * along * J;
-      curvature += gemanMcClureCurvature(w, along * along / std::max(e2, 1e-12));
+      curvature += gemanMcClureCurvature(along * along, e2, kernel2);
       ++directions;
     };
     if (forEachInformedDirection(map_.surface(match.voxel), inform)) {
