@@ -1,5 +1,8 @@
 #!/usr/bin/python3
-"""As minimal.cpp, in Python: reads DIR/velodyne/*.bin (ten a second), prints a line for each sweep. usage: minimal.py DIR"""
+"""As minimal.cpp, in Python: reads DIR/velodyne/*.bin (ten a second), prints a line for each sweep. usage: minimal.py DIR
+
+For KITTI's odometry scans, whose motion is compensated: parameters={"sensor.timing.source": "none"}.
+"""
 import pathlib
 import sys
 

@@ -25,12 +25,13 @@ def read(path):
     return run
 
 
-def read_truth(path):
+def read_truth(path, topic=None):
+    """`topic`: nav_msgs/Odometry; none: the one with "truth" in its name."""
     with _Bag(path) as bag:
-        truth = _read_truth(bag, None)
-    if truth is None:
-        raise InputError(f"{path}: no nav_msgs/Odometry topic with 'truth' in its name")
-    return truth
+        topic = bag.one(ODOMETRY, _is_truth if topic is None else topic.__eq__)
+        if topic is None:
+            raise InputError(f"{path}: no nav_msgs/Odometry topic of that name, or with 'truth' in its name")
+        return _odometry(bag, topic)
 
 
 def _refuse_other_recordings(path):
@@ -113,11 +114,15 @@ def _trajectory(rows):
                       poses.from_quaternion(np.array([row[1] for row in rows]), np.array([row[2] for row in rows])))
 
 
+def _odometry(bag, topic):
+    return _trajectory([(m.header.stamp.to_sec(),) + _pose_of(m.pose.pose) for m, _ in bag.messages(topic)])
+
+
 def _read_truth(bag, odometry_topic):
     """An odometry topic with "truth" in its name; else the base frame's other parent in /tf, as kitti2bag has it."""
     topic = bag.one(ODOMETRY, _is_truth)
     if topic is not None:
-        return _trajectory([(m.header.stamp.to_sec(),) + _pose_of(m.pose.pose) for m, _ in bag.messages(topic)])
+        return _odometry(bag, topic)
     if odometry_topic is None:
         return None
     first, _ = next(bag.messages(odometry_topic))

@@ -82,7 +82,8 @@ void addRunOptions(CLI::App& app, FailAwareRunOptions& options) {
   app.add_option("--run", options.runs, "folder that offline_odometry wrote; may be repeated")->required();
   app.add_option("--calib", options.calib, "KITTI calib.txt: the ground truths are in the camera frame");
   app.add_option("--parameters", options.parameters,
-                 "yaml file with parameters to replay the monitor with; may be repeated, the last one counts")
+                 "yaml file with parameters to replay the monitor with; may be repeated; for a key in several, the "
+                 "last one counts")
       ->take_all();
   app.add_option("--set", options.set, "key=value, one such parameter; may be repeated")->take_all();
 }

@@ -232,6 +232,43 @@ TEST_F(Report, TextFilesOfWindowsAreRead) {
   EXPECT_NE(page.find("0.98 m horizontal"), std::string::npos);
 }
 
+/// One row of 12 numbers.
+std::vector<double> kittiRow(std::istream& file) {
+  std::vector<double> row(12);
+  for (double& number : row) file >> number;
+  return row;
+}
+
+TEST_F(Report, MatchTruthMovesPosesToTheLidarAtItsStamps) {
+  std::ostringstream ins;  // base_link looks along y and drives there, 1 m/s; poses lie between the sweeps
+  for (int i = -1; i < 2 * kSweeps; ++i)
+    ins << 0.05 * i + 0.02 << " 3 " << 0.05 * i + 0.02 << " 0 0 0 0.70710678118654752 0.70710678118654752\n";
+  write("ins.txt", ins.str());
+  const ToolRun done =
+      runProgram(SCRIPTS "/match_truth",
+                 path("run") + " --poses " + path("ins.txt") + " --output " + path("matched.txt"), folder_);
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  std::ifstream matched(path("matched.txt"));
+  for (int i = 0; i < kSweeps; ++i) {
+    const std::vector<double> row = kittiRow(matched);
+    ASSERT_TRUE(matched) << i;
+    EXPECT_NEAR(row[3], 3.0, 1e-6);
+    EXPECT_NEAR(row[7], 0.1 * i - 0.5, 1e-6) << "lidar_in_base is 0.5 m behind and 1.7 m up";
+    EXPECT_NEAR(row[11], 1.7, 1e-6);
+    EXPECT_NEAR(row[4], 1.0, 1e-6);
+  }
+}
+
+TEST_F(Report, MatchTruthNamesSweepsWithoutAPose) {
+  write("ins.txt", "0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n");
+  const ToolRun done =
+      runProgram(SCRIPTS "/match_truth",
+                 path("run") + " --poses " + path("ins.txt") + " --output " + path("matched.txt"), folder_);
+  EXPECT_EQ(done.exit_code, 2);
+  EXPECT_NE(done.err.find("no pose for 58 of 60 sweeps, the first at 0.200 s"), std::string::npos) << done.err;
+  EXPECT_FALSE(fs::exists(path("matched.txt")));
+}
+
 TEST_F(Report, RefusesWhatItCannotUse) {
   const std::string run_folder = path("run"), truth = " --ground-truth ";
   expectRefused(path("absent"), "there is no");

@@ -123,6 +123,11 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
     if (params_.source == "field") {
       times_relative_to_stamp_s.clear();
       result.status = TimingStatus::kNoField;
+      if (result.refusal.empty()) {
+        result.refusal = result.field == TimeField::kAbsent
+                             ? "the cloud has no times, and sensor.timing.source is field"
+                             : "all times of the cloud are equal";
+      }
       return result;
     }
   }

@@ -43,7 +43,7 @@ struct TimingResult {
   double period_s = 0.1;                            ///< of a sweep
   bool period_known = false;                        ///< given or measured; otherwise nominal
   std::size_t outliers = 0;                         ///< points without a usable time: NaN
-  std::string refusal;  ///< why the field is refused (kNotFinite, kBadScale), for people; else empty
+  std::string refusal;  ///< why the field is refused, for people (a missing one only if `source` is field); else empty
 
   bool ok() const { return status == TimingStatus::kOk; }
   /// The field was refused, and no earlier sweep shows how to time this one.
