@@ -40,7 +40,7 @@ if(CLI11_INCLUDE_DIR)
   fail_aware_import(nlopt::nlopt nlopt nlopt.h libnlopt-dev)
 else()
   set(FAIL_AWARE_WITH_TOOLS OFF)
-  message(WARNING "CLI/CLI.hpp not found: the nodelets are built without tools, and what tests these is left out (Debian 12: "
+  message(WARNING "CLI/CLI.hpp not found: all but the tools is built, and what tests these is left out (Debian 12: "
                   "libcli11-dev; Debian 11 and Ubuntu 20.04 have no package: get CLI11's single header and give "
                   "-DCLI11_INCLUDE_DIR=FOLDER, scripts/build --cli11 FOLDER, where FOLDER/CLI/CLI.hpp is)")
 endif()

@@ -1,6 +1,7 @@
 // The odometry as a library, without ROS: reads a folder of scans in KITTI's layout (DIR/velodyne/*.bin, ten a second) and
 // prints for each sweep its stamp, position, standard deviation of the position since t1, state and time to failure. t1 is
-// the first sweep whose motion is observed. To build it: examples/minimal_project.
+// the first sweep whose motion is observed. Stamps of KITTI and of simulate_drive mean the middle of a sweep; without point
+// times, `auto` would take them for its end. To build it: examples/minimal_project.
 // usage: minimal DIR
 #include <cstdio>
 #include <exception>
@@ -15,7 +16,9 @@ int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: minimal DIR\n"), 2;
   const std::filesystem::directory_iterator folder(std::filesystem::path(argv[1]) / "velodyne");
   const std::set<std::filesystem::path> scans(begin(folder), end(folder));  // sorted
-  fail_aware::Odometry odometry;                                            // profile default, 2 threads
+  fail_aware::Parameters parameters;                                        // profile default
+  parameters.overrides["sensor.timing.stamp_reference"] = "mid";
+  fail_aware::Odometry odometry(parameters);
   odometry.startRedundant();
   double stamp_s = 0.0;
   for (const std::filesystem::path& path : scans) {

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """As minimal.cpp, in Python: reads DIR/velodyne/*.bin (ten a second), prints a line for each sweep. usage: minimal.py DIR
 
-For KITTI's odometry scans, whose motion is compensated: parameters={"sensor.timing.source": "none"}.
+Stamps of KITTI and of simulate_drive mean the middle of a sweep. For KITTI's odometry scans, whose motion is compensated,
+add "sensor.timing.source": "none".
 """
 import pathlib
 import sys
@@ -11,7 +12,7 @@ import numpy
 
 
 def main(folder):
-    odometry = fail_aware.Odometry(profile="default")
+    odometry = fail_aware.Odometry(profile="default", parameters={"sensor.timing.stamp_reference": "mid"})
     odometry.start_redundant()
     stamp = 0.0
     for path in sorted(pathlib.Path(folder, "velodyne").iterdir()):

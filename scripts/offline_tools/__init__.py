@@ -21,7 +21,7 @@ def find_tool(name, failure=end_of_script):
     scripts = pathlib.Path(__file__).resolve().parent.parent
     sourced = [pathlib.Path(prefix) for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(":") if prefix]
     built = [prefix / "lib" / PACKAGE / name for prefix in [scripts.parent / "build/workspace/devel"] + sourced]
-    for candidate in [scripts / name, shutil.which(name)] + built:
+    for candidate in [scripts / name, shutil.which(name)] + built + [scripts.parent / "build/plain/bin" / name]:
         if candidate and os.access(candidate, os.X_OK):
             return str(candidate)
     raise failure(f"{name} not found; build first (scripts/build)")

@@ -52,8 +52,8 @@ class _Bag:
     """A bag whose failures are InputErrors."""
 
     def __init__(self, path):
-        import rosbag  # only bags need it
         _refuse_other_recordings(path)
+        import rosbag  # only bags need it
         self._path = path
         try:
             self._bag = rosbag.Bag(path)

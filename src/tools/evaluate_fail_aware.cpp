@@ -162,7 +162,7 @@ int run(Options options) {
   }
   reportVerdict(kName, verdict(runs.size() > 1 ? reports["pooled"] : reports.front()),
                 folder.empty() ? "the same with --output DIR, for plot_fail_aware"
-                               : "rosrun fail_aware_lidar_odometry plot_fail_aware " + options.output);
+                               : callOf("plot_fail_aware") + " " + options.output);
   return kExitDone;
 }
 

@@ -277,7 +277,7 @@ int run(int argc, char** argv) {
   }
   reportVerdict(kName, verdict(json),
                 folder.empty() ? "the same with --output DIR, for plot_trajectory"
-                               : "rosrun fail_aware_lidar_odometry plot_trajectory " + options.output);
+                               : callOf("plot_trajectory") + " " + options.output);
   return kExitDone;
 }
 

@@ -222,7 +222,7 @@ int run(const Options& options) {
   if (results.allUnusable()) {
     return reportError(kName, "no scan of " + drive_name + " could be used", kExitFailed);
   }
-  reportVerdict(kName, results.verdict(), "rosrun fail_aware_lidar_odometry report " + options.output);
+  reportVerdict(kName, results.verdict(), callOf("report") + " " + options.output);
   return kExitDone;
 }
 

@@ -182,8 +182,8 @@ int run(Options& options) {
   verdict << options.output << ": " << options.simulation.scene << ", " << options.simulation.duration_s << " s, "
           << written << " sweeps, faults: " << faults.size();
   reportVerdict(kName, verdict.str(),
-                std::string("rosrun fail_aware_lidar_odometry offline_odometry ") +
-                    (isBag(options.output) ? "--bag " : "--kitti ") + options.output + " --output OUT");
+                callOf("offline_odometry") + " " + (isBag(options.output) ? "--bag " : "--kitti ") + options.output +
+                    " --output OUT");
   return kExitDone;
 }
 

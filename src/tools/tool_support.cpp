@@ -22,6 +22,14 @@ int reportError(const std::string& name, std::string message, int exit_code) {
   return exit_code;
 }
 
+std::string callOf(const std::string& tool) {
+#ifdef FAIL_AWARE_WITH_BAGS
+  return "rosrun fail_aware_lidar_odometry " + tool;
+#else
+  return tool;
+#endif
+}
+
 void reportVerdict(const std::string& name, const std::string& verdict, const std::string& next) {
   std::cerr << name << ": " << verdict << '\n' << name << ": next: " << next << std::endl;
 }

@@ -23,6 +23,9 @@ constexpr int kExitUsage = 2;
 /// One line "NAME: error: MESSAGE" on stderr; line breaks in the message become spaces. Returns `exit_code`.
 int reportError(const std::string& name, std::string message, int exit_code);
 
+/// How a user calls a tool of this build: by rosrun, or without ROS by its name.
+std::string callOf(const std::string& tool);
+
 /// The two lines that close a run, on stderr: "NAME: VERDICT" and "NAME: next: NEXT".
 void reportVerdict(const std::string& name, const std::string& verdict, const std::string& next);
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "../../src/tools/run_folder.hpp"
+#include "../../src/tools/tool_support.hpp"
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
 #include "core/integrity/monitor_replay.hpp"
@@ -165,8 +166,7 @@ TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
   EXPECT_NE(verdict[0].find(std::to_string(kScans) + " sweeps, 0 without points, 0 refused; final state "),
             std::string::npos)
       << verdict[0];
-  EXPECT_EQ(verdict[1],
-            "offline_odometry: next: rosrun fail_aware_lidar_odometry report " + (folder_ / "out").string());
+  EXPECT_EQ(verdict[1], "offline_odometry: next: " + callOf("report") + " " + (folder_ / "out").string());
   expectRows(kScans);
 
   // 12 numbers a row, lidar frame, first pose identity, row by row where the lidar was
@@ -289,8 +289,8 @@ TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
   const nlohmann::json described = summary()["run"];
   EXPECT_NEAR(described["t1_stamp_s"].get<double>(), 0.5, 1e-9);
   EXPECT_EQ(described["first"], 0);
-  for (const char* key : {"eta_threshold_rad", "horizon_s", "alert_limit_m", "comfortable_deceleration_mps2", "failing_s",
-                          "degraded_s"}) {
+  for (const char* key : {"eta_threshold_rad", "horizon_s", "alert_limit_m", "comfortable_deceleration_mps2",
+                          "failing_s", "degraded_s"}) {
     EXPECT_GT(described[key].get<double>(), 0.0) << key;
   }
 }

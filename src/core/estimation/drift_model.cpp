@@ -58,11 +58,6 @@ Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
 
 DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }
 
-// Of what is observed. The fourth power: on roads, u below 0.3, next to nothing; in the open, u of 0.4 to 1, the most.
-double DriftModel::accumulatedRatio(double unobserved_along) const {
-  return std::max(params_.measured_ratio, squared(squared(unobserved_along)));
-}
-
 // Of what stays open: on roads, u of 0.05 to 0.2, little more than the least; from an u of 0.4 on, all.
 double DriftModel::accumulatedRatioOfOpen(double unobserved_along) const {
   constexpr double kOpen = 0.4;
@@ -77,7 +72,7 @@ double DriftModel::pace(double distance_m, double dt_s) const {
 Matrix6d DriftModel::accumulated(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
                                  double pace) const {
   const double u = unobservedAlong(increment, unobserved);
-  Matrix6d accumulated = accumulatedRatioOfOpen(u) * unobserved + accumulatedRatio(u) * (increment - unobserved);
+  Matrix6d accumulated = accumulatedRatioOfOpen(u) * unobserved + params_.measured_ratio * (increment - unobserved);
   const double walk_m = pace * pace * distance_m;
   const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * walk_m;
   accumulated.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * walk_m;
@@ -91,8 +86,7 @@ Matrix6d DriftModel::transient(const Matrix6d& increment, const Matrix6d& unobse
   Vector6d root;
   root << Eigen::Vector3d::Constant(std::sqrt(params_.transient_ratio)),
       Eigen::Vector3d::Constant(std::sqrt(params_.transient_rotation_ratio));
-  return 0.5 * (1.0 - accumulatedRatio(unobservedAlong(increment, unobserved))) *
-         (root.asDiagonal() * (increment - unobserved) * root.asDiagonal());
+  return 0.5 * (1.0 - params_.measured_ratio) * (root.asDiagonal() * (increment - unobserved) * root.asDiagonal());
 }
 
 Eigen::Vector2d DriftModel::biasVariances() const {

@@ -4,7 +4,6 @@
 // about the map, the jitter does not add up. What adds up is
 //   - what the measurements leave open: FilterState::unobserved_covariance (types/filter_state.hpp); all of it where
 //     little of the way is observed (u below), else a share: the next sweeps look at the same part of the map again
-//   - where little of the way is observed (u below), that jitter, too, times u^4: there is hardly a map to hold on to
 //   - the slow drift of the map itself, which goes with the distance driven, not with the number of sweeps (a standing
 //     vehicle does not drift): a random walk in position, tilt and heading, per square root of a metre
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
@@ -30,7 +29,7 @@ namespace fail_aware {
 class DriftModel {
  public:
   struct Params {
-    double measured_ratio = 0.0;    ///< of the observed part's variance, that adds up too, at least
+    double measured_ratio = 0.0;    ///< of the observed part's variance, that adds up, too
     double unobserved_ratio = 0.6;  ///< of the variance of what stays open, that adds up, at least
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
@@ -86,7 +85,6 @@ class DriftModel {
 
  private:
   double accumulatedRatioOfOpen(double unobserved_along) const;
-  double accumulatedRatio(double unobserved_along) const;
 
   Params params_;
 };

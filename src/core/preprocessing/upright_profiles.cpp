@@ -50,6 +50,9 @@ Moments momentsOf(const Point* points, std::size_t count, const std::vector<floa
   return m;
 }
 
+/// `l`: eigenvalues of the points' covariance, ascending.
+bool isLine(const Eigen::Vector3f& l) { return l[2] > kLineShape * l[1] && l[1] < kMaxLineSigma_m * kMaxLineSigma_m; }
+
 }  // namespace
 
 void UprightProfilesParams::validate() const {
@@ -84,6 +87,14 @@ void UprightProfileFinder::find(const std::vector<Eigen::Vector3f>& points_lidar
   }
 }
 
+std::uint32_t UprightProfileFinder::columnOf(const Eigen::Vector3f& p) const {
+  const auto per_cell = static_cast<float>(1.0 / params_.column_m);
+  const auto cell = [&](float v) {
+    return std::clamp(static_cast<int>(std::floor(v * per_cell)) + cells_ / 2, 0, cells_ - 1);
+  };
+  return static_cast<std::uint32_t>(cell(p.x()) * cells_ + cell(p.y()));
+}
+
 void UprightProfileFinder::sortIntoColumns(const std::vector<Eigen::Vector3f>& points_lidar,
                                            const std::vector<std::uint16_t>& rings,
                                            const std::vector<BeamRange>& ranges, const Eigen::Matrix3f& R_odom_lidar) {
@@ -93,9 +104,7 @@ void UprightProfileFinder::sortIntoColumns(const std::vector<Eigen::Vector3f>& p
   const auto low = static_cast<float>(params_.min_height_m), high = static_cast<float>(params_.max_height_m);
   const auto near2 = static_cast<float>(params_.min_range_m * params_.min_range_m);
   const auto far2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
-  const auto per_cell = static_cast<float>(1.0 / params_.column_m);
   const auto beams_per_slope = static_cast<float>(1.0 / (params_.beam_step_deg * kDegree));
-  const int half = cells_ / 2;
   for (std::size_t i = 0; i < points_lidar.size(); ++i) {
     const Eigen::Vector3f& q = points_lidar[i];
     if (!(q.z() > low && q.z() < high)) continue;
@@ -113,9 +122,7 @@ void UprightProfileFinder::sortIntoColumns(const std::vector<Eigen::Vector3f>& p
     const BeamRange range = point.ring < ranges.size() ? ranges[point.ring] : BeamRange();
     point.kernel2_m2 = kSurfaceKernel_m * kSurfaceKernel_m + 4.0f * range.sigma_m * range.sigma_m;
     point.p = R_odom_lidar * ((1.0f - range.too_far_m / std::sqrt(r2)) * q);
-    const int x = std::clamp(static_cast<int>(std::floor(point.p.x() * per_cell)) + half, 0, cells_ - 1);
-    const int y = std::clamp(static_cast<int>(std::floor(point.p.y() * per_cell)) + half, 0, cells_ - 1);
-    point.column = static_cast<std::uint32_t>(x * cells_ + y);
+    point.column = columnOf(point.p);
     Column& c = columns_[point.column];
     c.low = c.points > 0 ? std::min(c.low, point.p.z()) : point.p.z();
     c.high = c.points > 0 ? std::max(c.high, point.p.z()) : point.p.z();
@@ -140,12 +147,8 @@ void UprightProfileFinder::readColumn(const Point* points, std::size_t count) {
   Moments m = momentsOf(points, count, weights_);
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> eigen;
   eigen.computeDirect(m.covariance);
-  const Eigen::Vector3f l = eigen.eigenvalues();
-  if (l[2] > kLineShape * l[1] && l[1] < kMaxLineSigma_m * kMaxLineSigma_m) {
-    if (std::abs(eigen.eigenvectors()(2, 2)) < kMinLineZ) return;
-    const Eigen::Vector2f away = m.mean.head<2>().normalized();
-    addProfile(UprightProfile::Kind::kLineAcross, {-away.y(), away.x()}, m.mean, points, count);
-    addProfile(UprightProfile::Kind::kLineAway, away, m.mean, points, count);
+  if (isLine(eigen.eigenvalues())) {
+    readLine(points[0].column, m.mean);
     return;
   }
   Eigen::Vector3f normal = eigen.eigenvectors().col(0);
@@ -171,6 +174,30 @@ void UprightProfileFinder::readColumn(const Point* points, std::size_t count) {
   }
   if (eigen.eigenvalues()[1] < kSurfaceShape * eigen.eigenvalues()[0] || !(std::abs(normal.z()) < kMaxNormalZ)) return;
   addProfile(UprightProfile::Kind::kSurface, normal.head<2>().normalized(), m.mean, points, count);
+}
+
+/// Judged with all that stands around it; of the columns that share a trunk, that of its middle counts.
+void UprightProfileFinder::readLine(std::uint32_t column, const Eigen::Vector3f& middle) {
+  const auto reach = static_cast<float>(0.5 * params_.column_m);
+  const int x = static_cast<int>(column) / cells_, y = static_cast<int>(column) % cells_;
+  around_.clear();
+  for (int i = std::max(x - 1, 0); i <= std::min(x + 1, cells_ - 1); ++i) {
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, cells_ - 1); ++j) {
+      const Column& c = columns_[static_cast<std::size_t>(i * cells_ + j)];
+      for (std::uint32_t k = c.first; k < c.first + c.points; ++k) {
+        if ((sorted_[k].p - middle).head<2>().squaredNorm() < reach * reach) around_.push_back(sorted_[k]);
+      }
+    }
+  }
+  weights_.assign(around_.size(), 1.0f);
+  const Moments m = momentsOf(around_.data(), around_.size(), weights_);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> eigen;
+  eigen.computeDirect(m.covariance);
+  if (!isLine(eigen.eigenvalues()) || std::abs(eigen.eigenvectors()(2, 2)) < kMinLineZ || columnOf(m.mean) != column)
+    return;
+  const Eigen::Vector2f away = m.mean.head<2>().normalized();
+  addProfile(UprightProfile::Kind::kLineAcross, {-away.y(), away.x()}, m.mean, around_.data(), around_.size());
+  addProfile(UprightProfile::Kind::kLineAway, away, m.mean, around_.data(), around_.size());
 }
 
 void UprightProfileFinder::addProfile(UprightProfile::Kind kind, const Eigen::Vector2f& direction,

@@ -4,7 +4,9 @@
 // The horizontal plane is divided into columns. A column that holds a wall's surface (a plane, fitted robustly: window
 // recesses, sills and leaves are left out) gives one profile, along the plane's horizontal normal. A trunk or pole gives
 // two: across the direction of sight the middle between its edges, which errors of the ranges do not shift; away from
-// the sensor its mean. A profile is the mean offset beam by beam, with the mean height of that beam's points.
+// the sensor its mean. A trunk is narrow with all that stands within half a column around it: a column's border also
+// cuts slivers out of walls, whose edges are upright in odom whatever its tilt. A profile is the mean offset beam by
+// beam, with the mean height of that beam's points.
 //
 // Frames: points in the sensor's; profiles in axes of odom, relative to the sensor.
 // Failure is data: no profiles. Cost: about 4 ms for 120 000 points in a town.
@@ -84,6 +86,8 @@ class UprightProfileFinder {
   void sortIntoColumns(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
                        const std::vector<BeamRange>& ranges, const Eigen::Matrix3f& R_odom_lidar);
   void readColumn(const Point* points, std::size_t count);
+  void readLine(std::uint32_t column, const Eigen::Vector3f& middle);
+  std::uint32_t columnOf(const Eigen::Vector3f& p) const;
   void addProfile(UprightProfile::Kind kind, const Eigen::Vector2f& direction, const Eigen::Vector3f& centre,
                   const Point* points, std::size_t count);
 
@@ -91,7 +95,8 @@ class UprightProfileFinder {
   int cells_;  ///< columns along a side of the grid
   std::vector<Point> unsorted_, sorted_;
   std::vector<Column> columns_;
-  std::vector<float> weights_;  ///< of one column's points
+  std::vector<Point> around_;   ///< a line's points
+  std::vector<float> weights_;  ///< of one column's points, or of those around a line
   std::vector<UprightProfile> profiles_;
   std::vector<UprightProfile::Beam> beams_;
 };

@@ -19,8 +19,6 @@ constexpr double kFewBeams = 16.0;       // of the head that new_map_tilt_deg wa
 constexpr std::size_t kUsualBeams = 64;  // of sweeps without rings
 constexpr double kKernelSigmas = 3.0;
 constexpr int kReweightings = 3;
-constexpr double kMinTrust = 0.3;  // mean robust weight below which the tilt is let go
-constexpr double kLetGo = 1.0 * kDegree;
 constexpr std::size_t kMinProfiles = 6;
 // The curvature ratio of the leans' residuals (robust_kernel.hpp) is 0.55 to 0.85 where things stand upright. Hedges
 // and banks lean all ways: the residuals have no peak at zero, and the ratio is 0.2 to 0.4. Neighbouring looks see the
@@ -74,21 +72,16 @@ void VerticalReference::forgetOdom() {
   x_.head<4>().setZero();
   P_.topRows<4>().setZero();
   P_.leftCols<4>().setZero();
-  letGoOfTheVertical(kStartTilt);
+  for (const Eigen::Index axis : {0, 1}) {  // the same now and at the start
+    const Eigen::Index now = VerticalState::kTilt + axis, start = VerticalState::kStart + axis;
+    for (const auto& [row, column] : {std::pair(now, now), {now, start}, {start, now}, {start, start}}) {
+      P_(row, column) = kStartTilt * kStartTilt;
+    }
+  }
   last_position_odom_.reset();
   pitch_axis_.setZero();
   since_look_m_ = params_.look_every_m;
   since_start_m_ = 0.0;
-}
-
-/// What stands may lean: by as much, now and at the start. How far odom has tilted since then stays known.
-void VerticalReference::letGoOfTheVertical(double sigma) {
-  for (const Eigen::Index axis : {0, 1}) {
-    const Eigen::Index now = VerticalState::kTilt + axis, start = VerticalState::kStart + axis;
-    for (const auto& [row, column] : {std::pair(now, now), {now, start}, {start, now}, {start, start}}) {
-      P_(row, column) += sigma * sigma;
-    }
-  }
 }
 
 void VerticalReference::apply(std::vector<Eigen::Vector3f>& points_lidar) const {
@@ -182,7 +175,7 @@ void VerticalReference::resizeBeams() {
 VerticalReference::LeanWeights VerticalReference::leanWeights(const std::vector<ProfileEquations>& all,
                                                               bool first) const {
   LeanWeights weights;
-  double curvature = 0.0;
+  double sum = 0.0, curvature = 0.0;
   for (const ProfileEquations& e : all) {
     const double residual = e.lean_value - e.lean.dot(e.pick(x_));
     const double prior_variance = first ? e.leanVariance(P_) : 0.0;
@@ -190,11 +183,10 @@ VerticalReference::LeanWeights VerticalReference::leanWeights(const std::vector<
     const double residual2 = residual * residual;
     const double weight = gemanMcClureWeight(residual2, kernel2);
     weights.kernel.push_back(weight);
-    weights.sum += weight;
+    sum += weight;
     curvature += weight * gemanMcClureCurvature(residual2, residual2, kernel2);
   }
-  weights.inflation =
-      std::pow(kernelInflation(curvature / std::max(weights.sum, 1e-9), kUsualCurvatureRatio), kSharedLean);
+  weights.inflation = std::pow(kernelInflation(curvature / std::max(sum, 1e-9), kUsualCurvatureRatio), kSharedLean);
   return weights;
 }
 
@@ -210,12 +202,10 @@ void VerticalReference::update() {
   const Eigen::VectorXd prior = x_;
   const Eigen::Index size = x_.size();
   Eigen::MatrixXd information, gain;
-  double trust = 0.0;
   for (int iteration = 0; iteration < kReweightings; ++iteration) {
     information.setZero(size, size);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
     const LeanWeights lean = leanWeights(all, iteration == 0);
-    trust = lean.sum;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const ProfileEquations& e = all[k];
       const double weight = lean.kernel[k] / params_.correlation_inflation;
@@ -241,7 +231,6 @@ void VerticalReference::update() {
     return;
   }
   P_ = 0.5 * (gain + gain.transpose());
-  if (trust < kMinTrust * static_cast<double>(all.size())) letGoOfTheVertical(kLetGo);
 }
 
 void VerticalReference::setBend() {

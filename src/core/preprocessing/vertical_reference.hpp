@@ -23,8 +23,7 @@
 //
 // Failure is data: where nothing stands upright the sigmas grow as the walk says, and the bend stays where it was.
 // Profiles off by more than their sigmas hardly count. Where they lean all ways (hedges, banks), their residuals have no
-// peak, and the look counts little (kernelInflation). When most are off, the scenery leans: the vertical is let go and
-// found anew, and only the walk says how far odom has tilted meanwhile.
+// peak, and the look counts little (kernelInflation).
 // Frames: points in the sensor's, tilt about odom's axes. Cost: apply 0.1 ms for 120 000 points, a look 5 ms.
 #pragma once
 
@@ -117,13 +116,11 @@ class VerticalReference {
   /// How much the leans of the profiles count.
   struct LeanWeights {
     std::vector<double> kernel;  ///< by profile
-    double sum = 0.0;
     double inflation = 1.0;  ///< of all their variances
   };
 
   LeanWeights leanWeights(const std::vector<ProfileEquations>& all, bool first) const;
   void forgetOdom();
-  void letGoOfTheVertical(double sigma);
   void advance(const Pose& T_odom_lidar);
   void beginLook();
   void resizeBeams();

@@ -113,6 +113,38 @@ TEST(UprightProfiles, APoleGivesItsMiddleAcrossAndItsMeanAway) {
   EXPECT_NEAR(slopeOf(away), 0.01 / 0.14, 0.005);
 }
 
+/// The border of a column cuts a sliver out of a wall that passes its corner. The sliver is narrow, and its edge upright.
+TEST(UprightProfiles, AWallThatPassesACornerGivesNoLine) {
+  for (const double corner_m : {0.1, 0.2, 0.3}) {
+    Points in;
+    for (int beam = 0; beam < 14; ++beam) {
+      const double z = -1.1 + 0.14 * beam, lean_m = 0.05 * z;
+      for (double t = -2.0; t < 2.0; t += 0.04) in.add(10.0 + corner_m - t + lean_m, t + lean_m, z, beam);
+    }
+    UprightProfileFinder finder{UprightProfilesParams()};
+    finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
+    EXPECT_FALSE(finder.profiles().empty());
+    for (const UprightProfile& profile : finder.profiles()) EXPECT_EQ(profile.kind, Kind::kSurface) << corner_m;
+  }
+}
+
+TEST(UprightProfiles, ATrunkOnABorderIsSeenOnceAndWhole) {
+  Points in;
+  for (int beam = 0; beam < 14; ++beam) {
+    const double z = -1.1 + 0.14 * beam;
+    for (double y = -0.15; y < 0.16; y += 0.03) in.add(12.5, 0.02 + y + 0.03 * z, z, beam);
+  }
+  UprightProfileFinder finder{UprightProfilesParams()};
+  finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
+  ASSERT_EQ(finder.profiles().size(), 2u);
+  const UprightProfile& across = finder.profiles()[0];
+  ASSERT_EQ(across.kind, Kind::kLineAcross);
+  const UprightProfile::Beam& low = finder.beams()[across.first];
+  const UprightProfile::Beam& high = finder.beams()[across.first + across.size - 1];
+  EXPECT_EQ(low.points, 11.0f);
+  EXPECT_NEAR((high.offset_m - low.offset_m) / (high.height_m - low.height_m), 0.03, 1e-3);
+}
+
 TEST(UprightProfiles, GroundBanksAndCeilingsGiveNone) {
   Points in;
   for (int beam = 0; beam < 12; ++beam) {
