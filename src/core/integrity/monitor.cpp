@@ -57,7 +57,8 @@ void FailAwareMonitor::reset() {
   covariance_.reset();
   hysteresis_.reset();
   intervals_s_.clear();
-  speed_wander_ = 0.0;
+  unobserved_.clear();
+  speed_wander_.clear();
   error_unbounded_ = false;
   has_previous_ = false;
   start_pending_ = serving;
@@ -122,8 +123,8 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftS
   growth.cross << drift.accumulated.block<2, 3>(0, DriftState::kHeadingBias),
       drift.accumulated.block<1, 3>(5, DriftState::kHeadingBias);
   growth.transient = drift.transient.topLeftCorner<2, 2>();
-  growth.speed_wander = speed_wander_;
-  growth.unobserved = drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance);
+  growth.speed_wander = speed_wander_.median();
+  growth.unobserved = unobserved_.median();
   growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
   const Eigen::Matrix3d R_mark_cog = T_odom_mark.linear().transpose() * state.T_odom_cog.linear();
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
@@ -168,7 +169,8 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     const double speed_variance = covariance_.speedVariance();
     const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
     error_unbounded_ = error_unbounded_ || !added;
-    speed_wander_ = std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s;
+    speed_wander_.add(std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s);
+    unobserved_.add(drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance));
     const double distance_m = state.T_previous_now.translation().norm();
     // What a drive begins with is unknown, and says nothing of what follows.
     if (state.motionObserved() || rate_.rate())

@@ -96,8 +96,11 @@ class FailAwareMonitor {
   double t1_stamp_s_ = -1.0;
   int odom_reset_count_ = 0;
   MovingMedian intervals_s_{kUsualIntervals};  ///< of the last sweeps
+  // What the prediction takes for lasting, of the last sweeps: one that is blinded alone says nothing of the future.
+  static constexpr std::size_t kLasting = 5;
+  MovingMedian unobserved_{kLasting};    ///< DriftModel::unobservedAlong()
+  MovingMedian speed_wander_{kLasting};  ///< growth of the speed error's variance, m^2/s^3
   bool has_previous_ = false;
-  double speed_wander_ = 0.0;     ///< growth of the speed error's variance in the last sweep, m^2/s^3
   bool error_unbounded_ = false;  ///< since t1 there was an increment that could not be added
   bool start_pending_ = false;
 };

@@ -237,6 +237,25 @@ TEST(FailAwareMonitor, TheCovariancesTimeToFailureRunsDown) {
   EXPECT_NE(output.reasons & kReasonCovarianceLimit, 0u);
 }
 
+TEST(FailAwareMonitor, ASingleBlindedSweepIsNotTheFuture) {
+  FailAwareMonitor monitor{MonitorParameters()};
+  monitor.start();
+  Road road;
+  road.sigma_m = 0.001;
+  road.sigma_yaw_step_rad = 1e-5;
+  const double before_s = drive(monitor, road, 60).time_to_failure_covariance.seconds;
+  const auto blinded = [&] {
+    FilterState state = road.next();
+    state.unobserved_covariance = 0.9 * state.increment_covariance;
+    state.speed_error = {0.04, 0.99};
+    return monitor.update(state, {}).time_to_failure_covariance.seconds;
+  };
+  EXPECT_GT(blinded(), 0.5 * before_s);
+  EXPECT_GT(drive(monitor, road, 1).time_to_failure_covariance.seconds, 0.5 * before_s);
+  for (int i = 0; i < 5; ++i) blinded();
+  EXPECT_LT(blinded(), 0.5 * before_s);
+}
+
 TEST(FailAwareMonitor, ACovarianceThatNothingCanBeToldOfIsAFailure) {
   FailAwareMonitor monitor(independentSweeps());
   monitor.start();
