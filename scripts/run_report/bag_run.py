@@ -28,10 +28,11 @@ def read(path):
 def read_truth(path, topic=None):
     """`topic`: nav_msgs/Odometry; none: the one with "truth" in its name."""
     with _Bag(path) as bag:
-        topic = bag.one(ODOMETRY, _is_truth if topic is None else topic.__eq__)
-        if topic is None:
-            raise InputError(f"{path}: no nav_msgs/Odometry topic of that name, or with 'truth' in its name")
-        return _odometry(bag, topic)
+        found = bag.one(ODOMETRY, _is_truth if topic is None else topic.__eq__)
+        if found is None:
+            wanted = "with 'truth' in its name" if topic is None else topic
+            raise InputError(f"{path}: no nav_msgs/Odometry topic {wanted}; there are: {', '.join(bag.topics(ODOMETRY)) or 'none'}")
+        return _odometry(bag, found)
 
 
 def _refuse_other_recordings(path):

@@ -169,14 +169,17 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     const double speed_variance = covariance_.speedVariance();
     const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
     error_unbounded_ = error_unbounded_ || !added;
-    speed_wander_.add(std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s);
-    unobserved_.add(drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance));
     const double distance_m = state.T_previous_now.translation().norm();
     // What a drive begins with is unknown, and says nothing of what follows.
-    if (state.motionObserved() || rate_.rate())
+    if (state.motionObserved() || rate_.rate()) {
+      if (added) {
+        speed_wander_.add(std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s);
+        unobserved_.add(drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance));
+      }
       rate_.update(drift_.accumulated(state.increment_covariance, state.unobserved_covariance, distance_m,
                                       drift_.pace(distance_m, state.dt_s)),
                    state.dt_s);
+    }
   }
   if (state.odom_reset_count != odom_reset_count_ && indicator_.started()) start_pending_ = true;
   odom_reset_count_ = state.odom_reset_count;

@@ -189,6 +189,7 @@ void UprightProfileFinder::readLine(std::uint32_t column, const Eigen::Vector3f&
       }
     }
   }
+  if (around_.empty()) return;  // two things in the corners, and nothing in the middle
   weights_.assign(around_.size(), 1.0f);
   const Moments m = momentsOf(around_.data(), around_.size(), weights_);
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> eigen;

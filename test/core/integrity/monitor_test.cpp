@@ -256,6 +256,24 @@ TEST(FailAwareMonitor, ASingleBlindedSweepIsNotTheFuture) {
   EXPECT_LT(blinded(), 0.5 * before_s);
 }
 
+TEST(FailAwareMonitor, WhatADriveBeginsWithIsNotTheFuture) {
+  const auto timeAfterStart_s = [](bool blind) {
+    FailAwareMonitor monitor{MonitorParameters()};
+    Road road;
+    road.sigma_m = 0.001;
+    road.sigma_yaw_step_rad = 1e-5;
+    for (int i = 0; i < 5; ++i) {
+      FilterState state = road.next();
+      state.motion_status = MotionStatus::kUnknown;
+      if (blind) state.unobserved_covariance = 0.9 * state.increment_covariance;
+      monitor.update(state, {});
+    }
+    monitor.start();
+    return drive(monitor, road, 1).time_to_failure_covariance.seconds;
+  };
+  EXPECT_EQ(timeAfterStart_s(true), timeAfterStart_s(false));
+}
+
 TEST(FailAwareMonitor, ACovarianceThatNothingCanBeToldOfIsAFailure) {
   FailAwareMonitor monitor(independentSweeps());
   monitor.start();

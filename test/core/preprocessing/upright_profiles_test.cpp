@@ -128,6 +128,17 @@ TEST(UprightProfiles, AWallThatPassesACornerGivesNoLine) {
   }
 }
 
+TEST(UprightProfiles, TwoThingsInOppositeCornersAreHarmless) {
+  Points in;
+  for (int i = 0; i < 8; ++i) {
+    in.add(10.09 + 0.001 * i, 0.09, -1.1 + 0.001 * i, i);
+    in.add(10.91 - 0.001 * i, 0.91, 2.9 - 0.001 * i, 20 + i);
+  }
+  UprightProfileFinder finder{UprightProfilesParams()};
+  finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
+  EXPECT_TRUE(finder.profiles().empty());
+}
+
 TEST(UprightProfiles, ATrunkOnABorderIsSeenOnceAndWhole) {
   Points in;
   for (int beam = 0; beam < 14; ++beam) {
