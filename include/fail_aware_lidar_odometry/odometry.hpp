@@ -35,6 +35,8 @@ class Odometry {
   /// t1: from the next sweep that is not before `from_stamp_s` and whose motion is observed, the odometry serves as the
   /// localisation, and the time to failure counts the error since then.
   void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
+  /// Another localisation serves again: no t1, no time to failure.
+  void stopRedundant();
 
   /// Everything anew; the next sweep is the first.
   void reset();

@@ -92,6 +92,8 @@ Result Odometry::step(Sweep sweep) {
 
 void Odometry::startRedundant(double from_stamp_s) { implementation_->pipeline.startRedundant(from_stamp_s); }
 
+void Odometry::stopRedundant() { implementation_->pipeline.stopRedundant(); }
+
 void Odometry::reset() { implementation_->pipeline.reset(); }
 
 std::string Odometry::setPose(const ExternalPose& pose) { return implementation_->pipeline.setPose(pose); }

@@ -273,6 +273,11 @@ SweepResult OdometryPipeline::step(Sweep& sweep) { return stages_->step(sweep); 
 
 void OdometryPipeline::startRedundant(double from_stamp_s) { stages_->start_from_stamp_s = from_stamp_s; }
 
+void OdometryPipeline::stopRedundant() {
+  stages_->start_from_stamp_s.reset();
+  stages_->monitor.stop();
+}
+
 void OdometryPipeline::reset() {
   stages_->check.reset();
   stages_->estimator.reset();

@@ -75,6 +75,7 @@ class OdometryPipeline {
   /// Starts the time t1 at the next accepted sweep that is not before `from_stamp_s`; from t1 on the odometry serves as
   /// the localisation. MonitorOutput says which sweep it was.
   void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
+  void stopRedundant();
 
   /// Resets everything; the next sweep is the first.
   void reset();

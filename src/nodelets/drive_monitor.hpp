@@ -29,6 +29,14 @@ class DriveMonitor {
     asked_ = true;
   }
 
+  /// The localisation of before serves again. False: it always serves, and goes on.
+  bool stopServing() {
+    if (always_serves_) return false;
+    monitor_.stop();
+    asked_ = false;
+    return true;
+  }
+
   void setLimits(const MonitorParameters& params) {
     params_ = params;
     monitor_.setLimits(params);

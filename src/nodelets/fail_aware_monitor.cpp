@@ -1,7 +1,7 @@
 // The fail-aware monitor in the live graph (core/integrity/monitor.hpp).
 // In: filter_state. Out: time_to_failure, one per filter state; without a filter state for stale_sweeps periods it is
 // FAILED (UNKNOWN if there never was one) with reason STALE at 10 Hz; markers (text, uncertainty, alert limit) with
-// each. Service: ~start_redundant.
+// each. Services: ~start_redundant, ~stop_redundant.
 // Silence is measured on the graph's clock: simulated time if it is in use, otherwise the steady clock.
 #include "fail_aware_lidar_odometry/FailAwareMonitorConfig.h"
 #include <pluginlib/class_list_macros.hpp>
@@ -54,7 +54,8 @@ class FailAwareMonitorNodelet : public GraphNodelet {
         private_node, tuning, [this](const FailAwareMonitorTuning& changed) { monitor_->setLimits(changed.monitor); });
     publisher_ = node.advertise<messages::TimeToFailure>(topics::kTimeToFailure, topics::kQueue);
     marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1);
-    service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
+    start_service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
+    stop_service_ = private_node.advertiseService("stop_redundant", &FailAwareMonitorNodelet::onStopRedundant, this);
     silence_ = SilenceWatch(params.silence, now_s());
     subscriber_ = node.subscribe(topics::kFilterState, topics::kQueue, &FailAwareMonitorNodelet::onState, this);
     timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
@@ -112,6 +113,13 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     return true;
   }
 
+  bool onStopRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+    response.success = monitor_->stopServing();
+    response.message = response.success ? "does not serve as the localisation any more"
+                                        : "it always serves: the parameter start_redundant is true";
+    return true;
+  }
+
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
     using Level = diagnostic_msgs::DiagnosticStatus;
     const bool failed = output_.state == FailAwareState::kFailed || output_.state == FailAwareState::kFailing;
@@ -149,7 +157,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;
   ros::Subscriber subscriber_;
-  ros::ServiceServer service_;
+  ros::ServiceServer start_service_, stop_service_;
   ros::SteadyTimer timer_;
   std::unique_ptr<Health> health_;
 };

@@ -210,6 +210,8 @@ PYBIND11_MODULE(fail_aware, module) {
            "t1: from the next sweep that is not before from_stamp (s) and whose motion is observed, the odometry "
            "serves as\n"
            "the localisation, and the time to failure counts the error since then.")
+      .def("stop_redundant", &Odometry::stopRedundant,
+           "Another localisation serves again: no t1; the state is UNKNOWN until start_redundant.")
       .def(
           "set_pose",
           [](Odometry& odometry, const py::object& pose, double stamp, const py::object& covariance) {

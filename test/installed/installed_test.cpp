@@ -211,7 +211,7 @@ odometry.step(good.tolist(), 0.1, point_times=[0.0, 0.1, 0.2, 0.3])
 odometry.set_pose(numpy.eye(4))
 odometry.reset()
 assert fail_aware.__version__.count(".") == 2
-for name in ("step", "set_pose", "start_redundant"):
+for name in ("step", "set_pose", "start_redundant", "stop_redundant"):
     assert getattr(fail_aware.Odometry, name).__doc__
 )");
   EXPECT_EQ(run.exit_code, 0) << run.out << run.err;

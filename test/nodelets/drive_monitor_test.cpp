@@ -35,6 +35,16 @@ TEST(DriveMonitor, ARequestSinceTheLastStateIsForTheNewDrive) {
   EXPECT_TRUE(servesAfter(monitor, 0.0));
 }
 
+TEST(DriveMonitor, ItStopsServingUnlessItAlwaysServes) {
+  DriveMonitor always(MonitorParameters(), true), asked(MonitorParameters(), false);
+  EXPECT_FALSE(always.stopServing());
+  EXPECT_TRUE(always.monitor().started());
+  asked.serve();
+  EXPECT_TRUE(asked.stopServing());
+  EXPECT_FALSE(servesAfter(asked, 0.1));
+  EXPECT_FALSE(servesAfter(asked, 0.0)) << "nor in the next drive";
+}
+
 TEST(DriveMonitor, LimitsOutlastTheDrive) {
   DriveMonitor monitor(MonitorParameters(), true);
   MonitorParameters changed;

@@ -202,6 +202,12 @@ TEST_F(Faults, ResetEndsTheServiceUntilAskedAgain) {
     return !last().t1.isZero();
   };
   EXPECT_TRUE(driveUntilServing());
+  ASSERT_TRUE(call("fail_aware_monitor/stop_redundant"));
+  drive();
+  EXPECT_TRUE(last().t1.isZero());
+  EXPECT_EQ(last().state, Reason::UNKNOWN);
+  ASSERT_TRUE(call("fail_aware_monitor/start_redundant"));
+  EXPECT_TRUE(driveUntilServing());
   ASSERT_TRUE(call("fusion_ukf/reset"));
   for (int i = 0; i < 3; ++i) {
     drive();

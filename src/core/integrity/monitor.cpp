@@ -50,19 +50,29 @@ FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
       covariance_(params.drift),
       hysteresis_(params.sweeps_to_recover) {}
 
+void FailAwareMonitor::start() {
+  stop();
+  start_pending_ = true;
+}
+
+void FailAwareMonitor::stop() {
+  indicator_.stop();
+  hysteresis_.reset();
+  start_pending_ = false;
+  t1_stamp_s_ = -1.0;
+}
+
 void FailAwareMonitor::reset() {
   const bool serving = started();
-  indicator_.stop();
+  stop();
   rate_.reset();
   covariance_.reset();
-  hysteresis_.reset();
   intervals_s_.clear();
   unobserved_.clear();
   speed_wander_.clear();
   error_unbounded_ = false;
   has_previous_ = false;
   start_pending_ = serving;
-  t1_stamp_s_ = -1.0;
 }
 
 void FailAwareMonitor::setLimits(const MonitorParameters& params) {
@@ -110,6 +120,7 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
 }
 
 Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
+  if (!indicator_.started()) return Eigen::Matrix2d::Zero();
   const Eigen::Matrix3d R = T_odom_mark_.linear();
   return (R * covariance_.sinceMark().topLeftCorner<3, 3>() * R.transpose()).topLeftCorner<2, 2>();
 }
@@ -181,7 +192,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
                    state.dt_s);
     }
   }
-  if (state.odom_reset_count != odom_reset_count_ && indicator_.started()) start_pending_ = true;
+  if (state.odom_reset_count != odom_reset_count_ && indicator_.started()) start();
   odom_reset_count_ = state.odom_reset_count;
   has_previous_ = true;
   if (start_pending_ && state.motionObserved()) begin(state);

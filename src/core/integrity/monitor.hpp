@@ -57,9 +57,11 @@ class FailAwareMonitor {
  public:
   explicit FailAwareMonitor(const MonitorParameters& params);
 
-  /// t1 = the stamp of the next update() whose motion is observed. Once it serves, a pose set from outside (FilterState::odom_reset_count) is a new
-  /// t1: what went wrong before is mended by it.
-  void start() { start_pending_ = true; }
+  /// t1 = the stamp of the next update() whose motion is observed. An earlier t1 ends now, and its state with it. Once
+  /// it serves, a pose set from outside (FilterState::odom_reset_count) is a new t1.
+  void start();
+  /// No t1 any more: the state is UNKNOWN, and standby is given again.
+  void stop();
   bool started() const { return indicator_.started() || start_pending_; }
   /// Asked for, but the motion has not been observed since.
   bool startPending() const { return start_pending_; }

@@ -168,6 +168,43 @@ TEST(FailAwareMonitor, StandbySaysWhatServingFromNowOnWouldGive) {
   EXPECT_FALSE(blind.standby_time_to_failure.isKnown());
 }
 
+TEST(FailAwareMonitor, ASecondStartLeavesNothingOfTheFirst) {
+  FailAwareMonitor monitor(independentSweeps());
+  Road road;
+  drive(monitor, road, 20);
+  monitor.start();
+  drive(monitor, road, 20);
+  FilterState lost = road.next();
+  lost.increment_covariance *= 1e6;
+  ASSERT_EQ(monitor.update(lost, {}).state, FailAwareState::kFailed);
+
+  monitor.start();
+  EXPECT_TRUE(monitor.startPending());
+  FilterState blind = road.next();
+  blind.motion_status = MotionStatus::kDeadReckoning;
+  const MonitorOutput waiting = monitor.update(blind, {});
+  EXPECT_EQ(waiting.state, FailAwareState::kUnknown);
+  EXPECT_EQ(waiting.t1_stamp_s, -1.0);
+  EXPECT_TRUE(monitor.horizontalCovarianceOdom().isZero());
+  const MonitorOutput served = drive(monitor, road, 1);
+  EXPECT_LT(served.protection_level_m, 0.6);
+  EXPECT_NE(served.state, FailAwareState::kUnknown);
+  EXPECT_EQ(served.t1_stamp_s, served.stamp_s);
+}
+
+TEST(FailAwareMonitor, StoppedItIsOnStandby) {
+  FailAwareMonitor monitor(independentSweeps());
+  Road road;
+  monitor.start();
+  ASSERT_EQ(drive(monitor, road, 20).state, FailAwareState::kOk);
+  monitor.stop();
+  EXPECT_FALSE(monitor.started());
+  const MonitorOutput output = drive(monitor, road, 1);
+  EXPECT_EQ(output.state, FailAwareState::kUnknown);
+  EXPECT_FALSE(output.time_to_failure.isKnown());
+  EXPECT_EQ(output.standby_state, FailAwareState::kOk);
+}
+
 TEST(FailAwareMonitor, EarlyStartIsUnknownForOneSweep) {
   FailAwareMonitor monitor{independentSweeps()};
   Road road;
