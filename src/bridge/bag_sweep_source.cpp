@@ -220,9 +220,10 @@ ReadResult BagSweepSource::next(Sweep& sweep) {
   ++part.at;
   if (!cloud) {
     sweep = Sweep();
-    sweep.stamp_s = recorded.toSec();
+    sweep.stamp_s = recorded.toSec() + stamp_minus_recorded_s_;
     return {ReadStatus::kUnreadable, name() + ": cannot be read: " + reason};
   }
+  stamp_minus_recorded_s_ = cloud->header.stamp.toSec() - recorded.toSec();
   if (withoutSlash(cloud->header.frame_id) != lidar_frame_) {
     sweep = Sweep();
     sweep.stamp_s = cloud->header.stamp.toSec();

@@ -60,6 +60,7 @@ class BagSweepSource : public SweepSource {
   /// The part with the earliest unread cloud. Must not be called beyond the end.
   Part& earliest();
 
+  double stamp_minus_recorded_s_ = 0.0;  ///< of the last readable cloud: gives one that cannot be read its stamp
   std::string topic_;
   std::string lidar_frame_;
   std::vector<std::unique_ptr<Part>> parts_;  ///< in order of their first cloud

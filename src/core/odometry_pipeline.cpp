@@ -183,6 +183,8 @@ void OdometryPipeline::Stages::beginDrive() {
   registration.reset();
   corner_svd.reset();
   monitor.reset();
+  // a request that waits stays valid; its stamp was that of another clock
+  if (start_from_stamp_s) start_from_stamp_s = std::numeric_limits<double>::lowest();
 }
 
 std::optional<SweepPrediction> OdometryPipeline::Stages::predict(double stamp_s) {

@@ -237,7 +237,9 @@ SweepAccount MeasurementSources::close() {
   for (Source& source : sources_) {
     if (!source.used || !source.exact) continue;
     if (!source.measurement) source.record.miss();
-    account.sources.push_back({source.name, source.measurement, true, source.kind});
+    // a partial one comes with the answer of its nodelet, whose absence is told by that
+    const bool expected = source.kind != FusionInput::Kind::kPartial || source.subscriber.getNumPublishers() > 0;
+    account.sources.push_back({source.name, source.measurement, expected, source.kind});
   }
   open_ = ros::Time();
   return account;

@@ -68,7 +68,11 @@ MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& m
     skipped_sweeps_ = 0;
     decision.out_of_sight = true;
   }
-  held_sweeps_ = sweep.velocity_unobservable ? held_sweeps_ + 1 : 0;
+  if (!sweep.velocity_unobservable) {
+    held_sweeps_ = 0;
+  } else if (sweep.measured) {
+    ++held_sweeps_;
+  }
   const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isOfAnIcp);
   const bool spoilt = held_sweeps_ >= kMaxHeldSweeps;
   if (spoilt || icps_began) held_sweeps_ = 0;

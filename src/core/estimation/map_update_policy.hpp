@@ -8,7 +8,7 @@
 //   half of a revolution.
 // Restart, at an estimate whose error stays in every later pose:
 // - after consecutive sweeps that were registered and fitted nowhere: the reference is out of sight;
-// - after consecutive sweeps in which the velocity was unobservable: the inserted ones spoil the reference;
+// - after measured sweeps in which the velocity was unobservable, one after the other: the inserted ones spoil the reference;
 // - when the motion is lost (lost_motion.hpp): the sweeps inserted during dead reckoning spoil the reference;
 // - when both ICPs have no reference, unless a pose was set: setting a pose moves odom, and both ICPs must begin again.
 //   If only one ICP has no reference, its nodelet was restarted.
@@ -31,6 +31,7 @@ class MapUpdatePolicy {
  public:
   struct Sweep {
     bool motion_known = false;           ///< SweepPrediction::motionKnown()
+    bool measured = false;               ///< FilterState::measurement_applied
     bool observed = false;               ///< corrected by a measurement that observes roll and pitch
     bool velocity_unobservable = false;  ///< ConsistencyMonitor::Inflation's, of the last corrected sweep
     bool follows = false;                ///< the last sweep was measured, and the interval to it is not long
@@ -54,7 +55,7 @@ class MapUpdatePolicy {
   bool started_ = false;
   bool pose_set_ = false;
   int skipped_sweeps_ = 0;  ///< consecutive, registered against the reference without success
-  int held_sweeps_ = 0;     ///< consecutive, velocity unobservable
+  int held_sweeps_ = 0;     ///< of consecutive ones with unobservable velocity, the measured ones
 };
 
 }  // namespace fail_aware

@@ -162,6 +162,11 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   since_mark_covariance_.setZero();
 }
 
+void OdometryCovariance::enterOdom() {
+  gap_.reset();
+  map_distance_.reset();
+}
+
 void OdometryCovariance::mark(const Pose& T_odom_mark) {
   since_mark_ = DriftState();
   since_mark_covariance_.setZero();

@@ -56,6 +56,9 @@ class OdometryCovariance {
   /// Starts again; the mark is forgotten.
   void reset(const Matrix6d& start_covariance = Matrix6d::Zero());
 
+  /// The vehicle was set to another pose in odom, and a new map begins there. Covariances stay.
+  void enterOdom();
+
   /// From here on (the monitor's t1) sinceMark() is the covariance of T_mark_base, about the mark's axes.
   void mark(const Pose& T_odom_mark);
   const Matrix6d& sinceMark() const { return since_mark_covariance_; }

@@ -7,6 +7,7 @@
 
 #include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/largest_values.hpp"
+#include "core/estimation/prediction_noise.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
@@ -138,41 +139,13 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
   if (started_) {
     prediction_.dt_s = dt;
     prediction_.motion_status = state_.motion_status;
-    Matrix6d Q = model_.processNoise(dt, ukf_.state()[5]);
-    const Eigen::Matrix3d R_odom_body = state_.T_odom_cog.linear();
-    const auto inOdom = [&](const Eigen::Matrix4d& increment) -> Eigen::Matrix3d {  // the position's covariance
-      return R_odom_body * increment.topLeftCorner<3, 3>() * R_odom_body.transpose();
-    };
-    double uncertain_yaw = 0.0;
-    if (!prediction_.motionKnown()) {
-      const double sigma = params_.initial_speed_sigma_mps * dt;  // of the distance along the road
-      const Eigen::Vector2d forward(std::cos(ukf_.state()[5]), std::sin(ukf_.state()[5]));
-      Q.topLeftCorner<2, 2>() += sigma * sigma * forward * forward.transpose();
-    } else if (motion_.deadReckoning().active()) {
-      const Eigen::Matrix4d uncertain = motion_.deadReckoning().incrementCovariance(dt);
-      Q.topLeftCorner<3, 3>() += inOdom(uncertain);
-      uncertain_yaw = uncertain(3, 3);
-    }
-    if (prediction_.motionKnown() && interval_sigma_s_ > 0.0) {  // the distance is as uncertain as the interval
-      const Eigen::Vector3d distance_m = R_odom_body * motion_.motion().velocity_body_mps * interval_sigma_s_;
-      const double turn_rad = motion_.motion().rpy_rates_rad_s.z() * interval_sigma_s_;
-      Q.topLeftCorner<3, 3>() += distance_m * distance_m.transpose();
-      Q(5, 5) += turn_rad * turn_rad;
-    }
-    process_noise_ = Q;
-    process_noise_(5, 5) += uncertain_yaw;                    // in Q it would shorten the unscented mean of every step
-    if (prediction_.motionKnown() && dt > kLongInterval_s) {  // the model's noise is that of consecutive sweeps
-      const Eigen::Matrix4d driven =
-          motion_.deadReckoning().drivenCovariance(dt, state_.dt_s, motion_.motion().velocity_body_mps.norm());
-      Q.topLeftCorner<3, 3>() += inOdom(driven);
-      Q(5, 5) += driven(3, 3);
-    }
-    if (!state_.measurement_applied) {
-      // Roll and pitch stay close to the road: P gains at most one step's noise. Accumulated over many sweeps it would
-      // shorten the unscented mean of every step by cos(pitch), a tenth of the speed.
-      for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - ukf_.covariance()(i, i));
-    }
-    ukf_.predict([&](const Vector6d& x) { return model_.predict(x, motion_.motion(), dt, motion_.roadPlane()); }, Q);
+    const PredictionNoise noise =
+        predictionNoise(model_, motion_, state_,
+                        {dt, interval_sigma_s_, ukf_.state()[5], prediction_.motionKnown(), params_.initial_speed_sigma_mps});
+    process_noise_ = noise.increment;
+    const MotionDerivatives motion = dt > kLongInterval_s ? fading(motion_.motion(), dt) : motion_.motion();
+    ukf_.predict([&](const Vector6d& x) { return model_.predict(x, motion, dt, motion_.roadPlane()); },
+                 noise.filter);
   }
   prediction_.T_odom_cog = poseFromVector(ukf_.state());
   prediction_.covariance = poseCovarianceFromState(ukf_.covariance(), ukf_.state());
@@ -220,6 +193,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   sweep.motion_known = prediction_.motionKnown();
   sweep.follows = motion_.lastMeasured() && next.dt_s <= kLongInterval_s;
   sweep.observed = next.measurement_applied && observesTilt(next.fusion, predicted_P);
+  sweep.measured = next.measurement_applied;
   sweep.velocity_unobservable = motion_.velocityUnobservable();
   sweep.motion_lost = inflation.motion_lost;
   const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
@@ -245,7 +219,9 @@ MotionStatus PoseFilter::motionStatus() const {
 FilterState PoseFilter::stateAsDriven() const {
   FilterState state = state_;
   if (!prediction_.motionKnown() && !state.measurement_applied) state.dt_s = 0.0;
-  if (!state.clock_jump) return state;
+  // from a prediction to a measured pose: the increment takes back the prediction's error
+  const bool takes_back = state.measurement_applied && state.dt_s > 0.0 && !motion_.previousMeasured();
+  if (!state.clock_jump && !takes_back) return state;
   state.dt_s = std::min(state.dt_s, kLongInterval_s);  // the vehicle turns by less than half a turn within it
   Vector6d twist_cog;
   twist_cog << motion_.motion().velocity_body_mps, 0.0, 0.0, motion_.motion().rpy_rates_rad_s.z();

@@ -138,7 +138,9 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
     line_.add(last_.turn + 1.0, stamp_s, noise_s());
     return advance(1.0, since_s);
   }
-  const double turns = std::min(turnsIn(stamp_s - line_.at(last_.turn)), turnsIn(stamps_apart_s));
+  // The difference of two stamps is the noisier one; it is needed where the last stamp was left out.
+  const double by_line = turnsIn(stamp_s - line_.at(last_.turn));
+  const double turns = deviations_.empty() ? by_line : std::min(by_line, turnsIn(stamps_apart_s));
   if (turns == 1.0) {
     jitter_.add(stamps_apart_s);
   } else {

@@ -15,6 +15,7 @@ EstimateTrack::Increment EstimateTrack::add(const FilterState& state) {
     unplaced_.push_back({state.dt_s, state.set_back_s});
   }
   speed_observed_ = state.measurement_applied && state.speed_error.variance_m2_s2 == 0.0;
+  if (state.motion_status == MotionStatus::kUnknown) speed_was_observed_ = false;  // lost: it is searched for anew
   speed_was_observed_ = speed_was_observed_ || (speed_observed_ && state.dt_s > 0.0);
   speed_sigma_mps_ = std::sqrt(state.speed_error.variance_m2_s2);
   // if the clouds contradict the prediction, a long interval may be an undetected clock jump

@@ -19,10 +19,6 @@ const MonitorParameters& validated(const MonitorParameters& params) {
   return params;
 }
 
-double speedOf(const FilterState& state) {
-  return state.dt_s > 0.0 ? state.T_previous_now.translation().norm() / state.dt_s : 0.0;
-}
-
 }  // namespace
 
 void MonitorParameters::validate() const {
@@ -67,6 +63,8 @@ void FailAwareMonitor::reset() {
   stop();
   rate_.reset();
   covariance_.reset();
+  motion_ = Motion();
+  last_measured_ = false;
   intervals_s_.clear();
   unobserved_.clear();
   speed_wander_.clear();
@@ -129,7 +127,6 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftS
                                           const Pose& T_odom_mark) const {
   CovarianceGrowth growth;
   growth.covariance = horizontalBlock(drift.accumulated.topLeftCorner<6, 6>());
-  if (error_unbounded_) growth.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   growth.drivers = drift.accumulated.bottomRightCorner<3, 3>();
   growth.cross << drift.accumulated.block<2, 3>(0, DriftState::kHeadingBias),
       drift.accumulated.block<1, 3>(5, DriftState::kHeadingBias);
@@ -139,10 +136,10 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftS
   growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
   const Eigen::Matrix3d R_mark_cog = T_odom_mark.linear().transpose() * state.T_odom_cog.linear();
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
-  if (state.dt_s > 0.0) {
-    growth.speed_mps = state.T_previous_now.translation().x() / state.dt_s;
-    growth.pace = drift_.pace(state.T_previous_now.translation().norm(), state.dt_s);
-    growth.yaw_rate_rps = rpyFromRotation(state.T_previous_now.linear()).z() / state.dt_s;
+  if (motion_.dt_s > 0.0) {
+    growth.speed_mps = motion_.T_previous_now.translation().x() / motion_.dt_s;
+    growth.pace = drift_.pace(motion_.T_previous_now.translation().norm(), motion_.dt_s);
+    growth.yaw_rate_rps = rpyFromRotation(motion_.T_previous_now.linear()).z() / motion_.dt_s;
   }
   return growth;
 }
@@ -151,6 +148,13 @@ std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutpu
   if (!time.isKnown()) return std::nullopt;
   if (time.status != TimeToFailureStatus::kReached) return time.seconds;
   return -std::max(0.0, output.protection_level_m);
+}
+
+// From a predicted to a measured pose the increment takes back the prediction's error: that is no motion.
+void FailAwareMonitor::keepMotion(const FilterState& state) {
+  const bool from_prediction = !last_measured_ && motion_.dt_s > 0.0;
+  if (!(state.measurement_applied && from_prediction)) motion_ = {state.T_previous_now, state.dt_s};
+  last_measured_ = state.measurement_applied || !(state.dt_s > 0.0);
 }
 
 void FailAwareMonitor::begin(const FilterState& state) {
@@ -170,10 +174,16 @@ void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& outpu
   const CovariancePrediction prediction = predictor_.predict(growth(state, marked.driftSinceMark(), state.T_odom_cog));
   output.standby_time_to_failure = prediction.time_to_failure;
   output.standby_state = stateFor(prediction.time_to_alarm, prediction.time_to_failure, params_.thresholds,
-                                  output.reasons, speedOf(state));
+                                  output.reasons, motion_.speed_mps());
 }
 
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
+  keepMotion(state);
+  if (state.odom_reset_count != odom_reset_count_) {
+    covariance_.enterOdom();
+    if (indicator_.started()) start();
+  }
+  odom_reset_count_ = state.odom_reset_count;
   if (has_previous_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
   if (has_previous_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
@@ -192,12 +202,10 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
                    state.dt_s);
     }
   }
-  if (state.odom_reset_count != odom_reset_count_ && indicator_.started()) start();
-  odom_reset_count_ = state.odom_reset_count;
   has_previous_ = true;
   if (start_pending_ && state.motionObserved()) begin(state);
   if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
-    indicator_.update(state.time_s(), state.sigma_yaw_rad, speedOf(state));
+    indicator_.update(state.time_s(), state.sigma_yaw_rad, motion_.speed_mps());
   }
 
   MonitorOutput output;
@@ -215,8 +223,9 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
     output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
     if (rate_.rate()) {
-      const CovariancePrediction prediction =
-          predictor_.predict(growth(state, covariance_.driftSinceMark(), T_odom_mark_));
+      CovarianceGrowth since_start = growth(state, covariance_.driftSinceMark(), T_odom_mark_);
+      if (error_unbounded_) since_start.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+      const CovariancePrediction prediction = predictor_.predict(since_start);
       output.time_to_failure_covariance = prediction.time_to_failure;
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
@@ -228,7 +237,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   if (output.protection_level_m >= params_.predictor.alert_limit_m) output.reasons |= kReasonCovarianceLimit;
   output.state =
       hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm), output.time_to_failure,
-                                  params_.thresholds, output.reasons, speedOf(state)));
+                                  params_.thresholds, output.reasons, motion_.speed_mps()));
   if (!indicator_.started()) addStandby(state, output);
   return output;
 }

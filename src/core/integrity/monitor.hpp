@@ -83,6 +83,7 @@ class FailAwareMonitor {
  private:
   std::uint32_t reasonsFor(const FilterState& state, const SweepCondition& condition) const;
   bool isAfterGap(double dt_s);
+  void keepMotion(const FilterState& state);
   void begin(const FilterState& state);
   CovarianceGrowth growth(const FilterState& state, const DriftState& since_mark, const Pose& T_odom_mark) const;
   void addStandby(const FilterState& state, MonitorOutput& output) const;
@@ -102,6 +103,13 @@ class FailAwareMonitor {
   static constexpr std::size_t kLasting = 5;
   MovingMedian unobserved_{kLasting};    ///< DriftModel::unobservedAlong()
   MovingMedian speed_wander_{kLasting};  ///< growth of the speed error's variance, m^2/s^3
+  struct Motion {
+    Pose T_previous_now = Pose::Identity();
+    double dt_s = 0.0;
+    double speed_mps() const { return dt_s > 0.0 ? T_previous_now.translation().norm() / dt_s : 0.0; }
+  };
+  Motion motion_;
+  bool last_measured_ = false;
   bool has_previous_ = false;
   bool error_unbounded_ = false;  ///< since t1 there was an increment that could not be added
   bool start_pending_ = false;

@@ -103,7 +103,9 @@ void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar
   if (!params_.enabled || !isFinite(T_odom_lidar)) return;
   if (odom_reset_count != odom_reset_count_) forgetOdom();
   odom_reset_count_ = odom_reset_count;
-  if (!rings.empty()) beams_ = std::max(beams_, std::size_t{1} + *std::max_element(rings.begin(), rings.end()));
+  for (const std::uint16_t ring : rings) {
+    if (ring < UprightProfileFinder::kMaxBeams) beams_ = std::max(beams_, std::size_t{1} + ring);
+  }
   advance(T_odom_lidar);
   if (since_look_m_ >= params_.look_every_m) {
     since_look_m_ = 0.0;

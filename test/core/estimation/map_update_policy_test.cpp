@@ -31,10 +31,10 @@ std::vector<FusionInput> bothIcps(const Measurement* points, const Measurement* 
   return {{kIcpPointToPoint, points}, {kIcpPointToPlane, planes}};
 }
 
-constexpr Sweep kMeasured = {true, true, false};
-constexpr Sweep kPredicted = {true, false, false};
-constexpr Sweep kFollowing = {true, false, false, true};
-constexpr Sweep kHeld = {true, true, true};
+constexpr Sweep kMeasured = {true, true, true, false};
+constexpr Sweep kPredicted = {true, false, false, false};
+constexpr Sweep kFollowing = {true, false, false, false, true};
+constexpr Sweep kHeld = {true, true, true, true};
 
 /// Its first sweep is behind it.
 MapUpdatePolicy underWay() {
@@ -120,6 +120,16 @@ TEST(MapUpdatePolicy, BeginsAnewAtTheTenthSweepThatTellsNoMotion) {
   for (int i = 0; i < 9; ++i) policy.add({{"m", &kFound}}, kHeld);
   policy.add({{"m", &kFound}}, kMeasured);
   EXPECT_FALSE(isRestart(policy.add({{"m", &kFound}}, kHeld))) << "one that tells ends the row";
+}
+
+TEST(MapUpdatePolicy, SweepsWithoutAMeasurementSpoilNoMap) {
+  MapUpdatePolicy policy = underWay();
+  Sweep blind = kPredicted;
+  blind.velocity_unobservable = true;  // of the last measured sweep
+  policy.add({{"m", &kFound}}, kHeld);
+  for (int i = 0; i < 30; ++i) EXPECT_TRUE(isSkipped(policy.add({{"m", &kBlind}}, blind))) << i;
+  for (int i = 0; i < 8; ++i) EXPECT_FALSE(isRestart(policy.add({{"m", &kFound}}, kHeld))) << i;
+  EXPECT_TRUE(isRestart(policy.add({{"m", &kFound}}, kHeld))) << "the tenth that is measured";
 }
 
 /// Their error from before is in the new map: a gap that was open must not be forgiven.

@@ -329,6 +329,49 @@ TEST(PoseFilter, CoastsAtTheLastSpeedWithoutRunningAway) {
   }
 }
 
+/// An acceleration of the last moment lasts for the push on a pedal, not for the gap.
+TEST(PoseFilter, OverALongIntervalThePushOnAPedalFades) {
+  PoseFilter filter = makeFilter();
+  const auto at = [](double t_s) { return pose(10.0 * t_s + 1.5 * t_s * t_s, 0, 0, 0, 0, 0.15 * t_s * t_s); };
+  step(filter, 100.0, {});
+  for (int i = 1; i <= 10; ++i) step(filter, 100.0 + kDt_s * i, {measured(at(kDt_s * i))});
+  const Pose T_begin = filter.state().T_odom_cog;
+  SweepPrediction prediction;
+  ASSERT_TRUE(filter.predict(104.0, prediction));  // 3 s at 13 m/s, 3 m/s^2, 0.3 rad/s, 0.3 rad/s^2
+  const Pose T_begin_now = T_begin.inverse() * prediction.T_odom_cog;
+  EXPECT_LT(std::abs(rpyFromRotation(T_begin_now.linear()).z()), 1.2) << "0.9 by the rate, 2.2 with the acceleration";
+  EXPECT_LT(T_begin_now.translation().norm(), 3.0 * 13.0 + 5.0);
+  const FilterState state = filter.correct({});
+  EXPECT_GT(std::sqrt(state.increment_covariance(0, 0)), 1.0) << "what a driver may do in 3 s";
+}
+
+TEST(PoseFilter, AfterALongIntervalItDrivesOnAsFast) {
+  for (const double gap_s : {1.0, 3.0, 5.0, 20.0}) {
+    PoseFilter filter = makeFilter();
+    const Drive drive;
+    driveMeasured(filter, drive, 20);
+    step(filter, drive.stamp(20) + gap_s, {});
+    const FilterState state = step(filter, drive.stamp(21) + gap_s, {}).state;
+    EXPECT_NEAR(state.T_previous_now.translation().x(), 1.4, 0.1) << gap_s;
+  }
+}
+
+/// From a predicted to a measured pose the increment takes back the prediction's error.
+TEST(PoseFilter, TheTwistAfterABlindSecondIsNoCorrection) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  driveMeasured(filter, drive, 20);
+  for (int i = 21; i <= 30; ++i) step(filter, drive.stamp(i), {});
+  const Pose T_odom_braked = drive.at(31) * pose(-0.5, 0, 0, 0, 0, 0);
+  step(filter, drive.stamp(31), {measured(T_odom_braked)});
+  ASSERT_LT(filter.state().T_previous_now.translation().x(), 1.1) << "the correction";
+  const FilterState state = filter.stateAsDriven();
+  EXPECT_NEAR(state.T_previous_now.translation().x() / state.dt_s, 13.0, 1.5);
+  EXPECT_GT(std::sqrt(state.increment_covariance(0, 0)) / state.dt_s, 0.9);
+  EXPECT_NEAR(step(filter, drive.stamp(32), {measured(drive.at(32) * pose(-0.5, 0, 0, 0, 0, 0))}).state.dt_s, kDt_s, 1e-6);
+  EXPECT_EQ(filter.stateAsDriven().increment_covariance, filter.state().increment_covariance);
+}
+
 TEST(PoseFilter, UnobservedSpeedIsHeld) {
   PoseFilter filter = makeFilter();
   Drive drive;

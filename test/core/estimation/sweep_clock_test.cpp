@@ -130,6 +130,17 @@ TEST_F(SweepClockTest, DroppedSweepsAreWholeTurns) {
   }
 }
 
+TEST_F(SweepClockTest, LostSweepBetweenALateAndAnEarlyStampIsSeen) {
+  turns(20);
+  intervalNoise(0.003, 60);
+  for (int i = 0; i < 5; ++i) {
+    turn(0.008);
+    turn(-0.008, kPeriod_s, 2);
+    EXPECT_NEAR(interval_error_s, 0.0, 0.003) << i;
+    intervalNoise(0.003, 20);
+  }
+}
+
 TEST_F(SweepClockTest, ClockThatWasSetIsFollowedAfterThreeStamps) {
   for (const double step_s : {0.03, 0.07, -0.06}) {
     clock.reset();

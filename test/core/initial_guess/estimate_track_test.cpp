@@ -12,6 +12,7 @@ FilterState drivenTo(double x_m, bool measured) {
   state.T_odom_cog.translation().x() = x_m;
   state.T_previous_now.translation().x() = 1.0;
   state.measurement_applied = measured;
+  state.motion_status = measured ? MotionStatus::kObserved : MotionStatus::kDeadReckoning;
   state.map_update = measured ? MapUpdate::kInsert : MapUpdate::kSkip;
   return state;
 }
@@ -83,6 +84,9 @@ TEST(EstimateTrack, TheSpeedIsObservedUnlessTheFilterCoasts) {
   EXPECT_FALSE(track.speedObserved());
   EXPECT_TRUE(track.speedWasObserved());
   EXPECT_EQ(track.speedSigma_mps(), 2.0);
+  dead_reckoning.motion_status = MotionStatus::kUnknown;
+  track.add(dead_reckoning);
+  EXPECT_FALSE(track.speedWasObserved()) << "it was lost, and is searched for anew";
 }
 
 }  // namespace

@@ -192,6 +192,29 @@ TEST(FailAwareMonitor, ASecondStartLeavesNothingOfTheFirst) {
   EXPECT_EQ(served.t1_stamp_s, served.stamp_s);
 }
 
+TEST(FailAwareMonitor, WhatTakesBackAPredictionIsNoSpeed) {
+  FailAwareMonitor monitor(independentSweeps());
+  Road road;
+  monitor.start();
+  const double before_s = drive(monitor, road, 20).time_to_failure.seconds;
+  FilterState blind = road.next();
+  blind.measurement_applied = false;
+  monitor.update(blind, {});
+  FilterState corrected = road.next();
+  corrected.T_previous_now.translation().x() += 8.0;  // 80 m/s more
+  EXPECT_NEAR(monitor.update(corrected, {}).time_to_failure.seconds, before_s, 0.3 * before_s);
+}
+
+TEST(FailAwareMonitor, AnUnboundedErrorBeforeT1IsNoneOfStandby) {
+  FailAwareMonitor monitor(independentSweeps());
+  Road road;
+  drive(monitor, road, 20);
+  FilterState state = road.next();
+  state.increment_covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  monitor.update(state, {});
+  EXPECT_EQ(drive(monitor, road, 20).standby_state, FailAwareState::kOk);
+}
+
 TEST(FailAwareMonitor, StoppedItIsOnStandby) {
   FailAwareMonitor monitor(independentSweeps());
   Road road;

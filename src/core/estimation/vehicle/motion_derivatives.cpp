@@ -152,4 +152,17 @@ MotionDerivatives MotionHistory::derivatives() const {
   return out;
 }
 
+MotionDerivatives fading(const MotionDerivatives& motion, double dt_s) {
+  constexpr double kAcceleration_s = 0.5, kTurnAcceleration_s = 0.25, kTilting_s = 0.5;  // how long they last
+  // the way of an acceleration that decays with `time_s`, against that of a constant one
+  const auto lasting = [dt_s](double time_s) {
+    return 2.0 * time_s / dt_s * (1.0 - time_s / dt_s * (1.0 - std::exp(-dt_s / time_s)));
+  };
+  MotionDerivatives faded = motion;
+  faded.acceleration_body_mps2 *= lasting(kAcceleration_s);
+  faded.rpy_accelerations_rad_s2 *= lasting(kTurnAcceleration_s);
+  faded.rpy_rates_rad_s.head<2>() *= std::min(1.0, kTilting_s / dt_s);
+  return faded;
+}
+
 }  // namespace fail_aware

@@ -36,6 +36,10 @@ struct MotionDerivatives {
   Eigen::Vector3d rpy_accelerations_rad_s2 = Eigen::Vector3d::Zero();
 };
 
+/// Over a long interval accelerations and the rates of roll and pitch do not last. The constant ones with the same mean
+/// effect over dt_s.
+MotionDerivatives fading(const MotionDerivatives& motion, double dt_s);
+
 class MotionHistory {
  public:
   struct Params {

@@ -76,7 +76,7 @@ Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const
   const std::vector<Pair> associated = associate(corners_cog, reference_odom, T_odom_cog_predicted);
   const std::vector<Pair> pairs = agreeing(associated);
   measurement.inliers = pairs.size();
-  measurement.iterations = 1;
+  measurement.iterations = corners_cog.empty() ? 0 : 1;  // a sweep without corners did not search
   measurement.status = MeasurementStatus::kTooFewCorners;
   if (associated.size() < static_cast<std::size_t>(params_.min_corners)) return measurement;
   measurement.inlier_ratio = static_cast<double>(pairs.size()) / static_cast<double>(associated.size());

@@ -88,7 +88,9 @@ TEST(CornerAlignment, HeightRollPitchStayPredicted) {
 
 TEST(CornerAlignment, OneCornerIsTooFew) {
   EXPECT_EQ(align({cornerAt(12, 6)}, town(), Pose::Identity()).status, MeasurementStatus::kTooFewCorners);
+  EXPECT_EQ(align({cornerAt(12, 6)}, town(), Pose::Identity()).iterations, 1);
   EXPECT_EQ(align({}, town(), Pose::Identity()).status, MeasurementStatus::kTooFewCorners);
+  EXPECT_EQ(align({}, town(), Pose::Identity()).iterations, 0) << "a sweep without corners did not search";
 }
 
 TEST(CornerAlignment, WithoutAReferenceThereIsNoReference) {
