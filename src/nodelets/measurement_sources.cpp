@@ -237,7 +237,7 @@ SweepAccount MeasurementSources::close() {
   for (Source& source : sources_) {
     if (!source.used || !source.exact) continue;
     if (!source.measurement) source.record.miss();
-    // a partial one comes with the answer of its nodelet, whose absence is told by that
+    // The nodelet of a partial measurement has a full one, too. If the nodelet is absent, the full one reports it.
     const bool expected = source.kind != FusionInput::Kind::kPartial || source.subscriber.getNumPublishers() > 0;
     account.sources.push_back({source.name, source.measurement, expected, source.kind});
   }

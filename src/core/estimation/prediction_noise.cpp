@@ -41,10 +41,12 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
   }
   noise.increment = Q;
   noise.increment(5, 5) += uncertain_yaw;  // in Q it would shorten the unscented mean of every step
-  const Matrix6d one_step = model.processNoise(std::min(dt_s, kUsualPeriod_s), interval.yaw_rad);
-  for (int i = 3; i < 5; ++i) {
-    if (dt_s > kLongInterval_s) Q(i, i) = std::min(Q(i, i), one_step(i, i));
-    if (!last.measurement_applied) Q(i, i) = std::max(0.0, Q(i, i) - last.covariance(i, i));
+  if (dt_s > kLongInterval_s) {
+    const Matrix6d one_step = model.processNoise(kUsualPeriod_s, interval.yaw_rad);
+    for (int i = 3; i < 5; ++i) Q(i, i) = std::min(Q(i, i), one_step(i, i));
+  }
+  if (!last.measurement_applied) {
+    for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - last.covariance(i, i));
   }
   return noise;
 }
