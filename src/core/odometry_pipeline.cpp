@@ -1,6 +1,7 @@
 #include "core/odometry_pipeline.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -13,11 +14,21 @@
 #include "core/preprocessing/sweep_check.hpp"
 #include "core/preprocessing/sweep_corrector.hpp"
 #include "core/registration/corner_svd/corner_svd.hpp"
-#include "core/stopwatch.hpp"
 
 namespace fail_aware {
 
 namespace {
+
+class Stopwatch {
+ public:
+  double lapMs() {
+    const auto begin = std::exchange(last_, std::chrono::steady_clock::now());
+    return std::chrono::duration<double, std::milli>(last_ - begin).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 PipelineParameters validated(const PipelineParameters& params) {
   params.validate();
