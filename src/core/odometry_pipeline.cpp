@@ -14,6 +14,7 @@
 #include "core/preprocessing/sweep_check.hpp"
 #include "core/preprocessing/sweep_corrector.hpp"
 #include "core/registration/corner_svd/corner_svd.hpp"
+#include "core/types/exchanged.hpp"
 
 namespace fail_aware {
 
@@ -33,26 +34,6 @@ class Stopwatch {
 PipelineParameters validated(const PipelineParameters& params) {
   params.validate();
   return params;
-}
-
-// Stages exchange rounded data, as if by message. A different number of roundings would change some of the
-// registration's decisions and finally give another trajectory than the live graph.
-
-SweepPrediction exchanged(SweepPrediction prediction) {
-  prediction.T_odom_cog_previous = quaternionRoundTrip(prediction.T_odom_cog_previous);
-  prediction.T_odom_cog = quaternionRoundTrip(prediction.T_odom_cog);
-  return prediction;
-}
-
-Measurement exchanged(Measurement measurement) {
-  measurement.T_odom_cog = quaternionRoundTrip(measurement.T_odom_cog);
-  return measurement;
-}
-
-FilterState exchanged(FilterState state) {
-  state.T_odom_cog = quaternionRoundTrip(state.T_odom_cog);
-  state.T_previous_now = quaternionRoundTrip(state.T_previous_now);
-  return state;
 }
 
 }  // namespace
