@@ -20,6 +20,8 @@ constexpr double kWidestDriven_rad = 0.25;
 void DeadReckoning::Params::validate() const {
   requirePositive("observed_sigma_m", observed_sigma_m);
   requirePositive("observed_sigma_deg", observed_sigma_deg);
+  requirePositive("sure_sigma_m", sure_sigma_m);
+  requireParameter(unsure_sigma_m > sure_sigma_m, "unsure_sigma_m", unsure_sigma_m, "> sure_sigma_m");
   requireWithin("observed_sweeps", observed_sweeps, 1, 1000);
   requireNotNegative("acceleration_mps2", acceleration_mps2);
   requireNotNegative("lateral_acceleration_mps2", lateral_acceleration_mps2);
@@ -52,14 +54,15 @@ bool DeadReckoning::observes(const Measured& measured) const {
          measured.yaw_variance <= max_sigma_rad * max_sigma_rad;
 }
 
-bool DeadReckoning::settles(const Measured& measured) const {
+// A single accurate pose between inaccurate ones does not end the dead reckoning.
+bool DeadReckoning::isObservedWith(const Measured& measured) const {
   return observes(measured) && (!active_ || observed_in_a_row_ + 1 >= params_.observed_sweeps);
 }
 
-void DeadReckoning::observed(const Measured& measured, double dt_s) {
-  const double two_poses = std::sqrt(2.0) / dt_s;
-  reset(Eigen::Vector3d::Zero(), two_poses * std::sqrt(measured.yaw_variance));
-  S_.topLeftCorner<3, 3>() = two_poses * two_poses * measured.R;
+double DeadReckoning::sureness(const Measured& measured) const {
+  if (active_) return 0.0;
+  const double sigma_m = std::sqrt(std::max(measured.R(0, 0), measured.R(1, 1)));
+  return std::clamp((params_.unsure_sigma_m - sigma_m) / (params_.unsure_sigma_m - params_.sure_sigma_m), 0.0, 1.0);
 }
 
 double DeadReckoning::yawAcceleration_rad_s2(double speed_mps) const {
@@ -67,8 +70,7 @@ double DeadReckoning::yawAcceleration_rad_s2(double speed_mps) const {
   return params_.yaw_acceleration_rad_s2 * slowness * slowness;
 }
 
-DeadReckoning::Motion DeadReckoning::begin(const Motion& before, double dt_s) {
-  active_ = true;
+DeadReckoning::Motion DeadReckoning::predict(const Motion& before, double dt_s) {
   const double kept = std::exp(-dt_s / params_.acceleration_time_s);
   Matrix6d F = Matrix6d::Identity();
   F.topRightCorner<3, 3>().diagonal().setConstant(dt_s);
@@ -122,10 +124,11 @@ void DeadReckoning::correctYawRate(const Measured& measured, double dt_s, Motion
   S_yaw_ -= gain * S_rate.transpose();
 }
 
-DeadReckoning::Motion DeadReckoning::coast(const Motion& before, double dt_s, const Measured* measured) {
+DeadReckoning::Motion DeadReckoning::filter(const Motion& before, double dt_s, const Measured* measured) {
   kept_ = active_ ? 1.0 : 0.0;
+  active_ = measured == nullptr || !isObservedWith(*measured);
   observed_in_a_row_ = measured && observes(*measured) ? observed_in_a_row_ + 1 : 0;
-  Motion motion = begin(before, dt_s);
+  Motion motion = predict(before, dt_s);
   if (measured) {
     correctVelocity(*measured, dt_s, motion);
     correctYawRate(*measured, dt_s, motion);

@@ -1,9 +1,11 @@
-// The vehicle's motion while registration does not observe it (a tunnel, an open field). Not in the paper.
+// The vehicle's velocity and yaw rate, and how uncertain they are while registration does not observe them (a tunnel,
+// an open field). Not in the paper.
 //
 // Along an unobserved direction the poses are predictions; derivatives taken from them would feed back on themselves.
-// So a separate Kalman filter estimates velocity v and acceleration a (a: first-order Markov, standard deviation
-// `acceleration_mps2`, correlation time `acceleration_time_s`). A sweep's fused measurement with covariance R corrects
-// the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. The yaw rate
+// Where little is observed, the derivatives of unsure poses wander: on highways until posts are paired with their
+// neighbours. So a separate Kalman filter estimates velocity v and acceleration a (a: first-order Markov, standard
+// deviation `acceleration_mps2`, correlation time `acceleration_time_s`). A sweep's fused measurement with covariance R
+// corrects the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. The yaw rate
 // is treated the same way; the yaw acceleration decreases with speed, since fast bends are wide (`turning_speed_mps`).
 // A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
 // speedError() gives the accumulated covariance the size of the error along the road and how much of it persists.
@@ -21,11 +23,14 @@ namespace fail_aware {
 class DeadReckoning {
  public:
   struct Params {
-    /// largest sigma of R along and across the road with which poses give the velocity; 0.7 m/s from two poses at 10 Hz
+    /// largest sigma of R along and across the road that observes the motion
     double observed_sigma_m = 0.05;
     double observed_sigma_deg = 0.15;  ///< the same for the heading
     /// this many consecutive observed sweeps end the dead reckoning: then the windows of the derivatives are full
     int observed_sweeps = 5;
+    /// sigma of R up to which the poses alone give the velocity (0.3 m/s from two poses at 10 Hz), and from which on
+    /// the filter does
+    double sure_sigma_m = 0.02, unsure_sigma_m = 0.04;
     double acceleration_mps2 = 0.7;           ///< standard deviation along the road
     double lateral_acceleration_mps2 = 0.15;  ///< standard deviation of the components across the road and up
     double acceleration_time_s = 1.5;         ///< correlation time of the acceleration: one push on a pedal
@@ -71,19 +76,14 @@ class DeadReckoning {
   /// Whether a measurement observes the motion on the road.
   bool observes(const Measured& measured) const;
 
-  /// Whether this measurement ends the dead reckoning (or keeps it off). A single accurate pose between inaccurate ones
-  /// does not: velocity and acceleration from the poses before it would be noise.
-  bool settles(const Measured& measured) const;
+  /// How far the poses up to this measurement give the velocity better than the filter: 0 to 1; dead reckoning: 0.
+  double sureness(const Measured& measured) const;
 
   /// From the first sweep that is not observed until `observed_sweeps` consecutive observed ones.
   bool active() const { return active_; }
 
-  /// Finishes a sweep whose measurement settles().
-  void observed(const Measured& measured, double dt_s);
-
-  /// Finishes a sweep whose measurement does not settle, or that has none (null). `before` is the motion at the last
-  /// sweep; returns the motion now.
-  Motion coast(const Motion& before, double dt_s, const Measured* measured);
+  /// Finishes a sweep, or one without a measurement (null). `before`: at the last sweep; returns the motion now.
+  Motion filter(const Motion& before, double dt_s, const Measured* measured);
 
   /// Covariance that the uncertain motion adds to the next increment (x y z, m^2; yaw, rad^2). Zero unless active.
   Eigen::Matrix4d incrementCovariance(double dt_s) const;
@@ -100,7 +100,8 @@ class DeadReckoning {
 
  private:
   double yawAcceleration_rad_s2(double speed_mps) const;
-  Motion begin(const Motion& before, double dt_s);
+  Motion predict(const Motion& before, double dt_s);
+  bool isObservedWith(const Measured& measured) const;
   void correctVelocity(const Measured& measured, double dt_s, Motion& motion);
   void correctYawRate(const Measured& measured, double dt_s, Motion& motion);
 

@@ -98,7 +98,8 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   return measured;
 }
 
-void MotionTracker::coast(const MotionDerivatives& last, double dt_s, const DeadReckoning::Measured* measured) {
+void MotionTracker::filterVelocity(const MotionDerivatives& last, double dt_s,
+                                   const DeadReckoning::Measured* measured) {
   DeadReckoning::Motion before;
   before.velocity_mps = last.velocity_body_mps;
   before.yaw_rate_rad_s = last.rpy_rates_rad_s.z();
@@ -106,11 +107,20 @@ void MotionTracker::coast(const MotionDerivatives& last, double dt_s, const Dead
     before.acceleration_mps2 = last.acceleration_body_mps2;
     before.yaw_acceleration_rad_s2 = last.rpy_accelerations_rad_s2.z();
   }
-  const DeadReckoning::Motion motion = dead_reckoning_.coast(before, dt_s, measured);
+  const DeadReckoning::Motion motion = dead_reckoning_.filter(before, dt_s, measured);
   motion_.velocity_body_mps = motion.velocity_mps;
   motion_.acceleration_body_mps2 = motion.acceleration_mps2;
   motion_.rpy_rates_rad_s.z() = motion.yaw_rate_rad_s;
   motion_.rpy_accelerations_rad_s2.z() = motion.yaw_acceleration_rad_s2;
+}
+
+void MotionTracker::blendVelocity(const MotionDerivatives& of_poses, double ratio) {
+  motion_.velocity_body_mps += ratio * (of_poses.velocity_body_mps - motion_.velocity_body_mps).eval();
+  motion_.acceleration_body_mps2 += ratio * (of_poses.acceleration_body_mps2 - motion_.acceleration_body_mps2).eval();
+  double& yaw_rate = motion_.rpy_rates_rad_s.z();
+  yaw_rate += ratio * (of_poses.rpy_rates_rad_s.z() - yaw_rate);
+  double& yaw_acceleration = motion_.rpy_accelerations_rad_s2.z();
+  yaw_acceleration += ratio * (of_poses.rpy_accelerations_rad_s2.z() - yaw_acceleration);
 }
 
 // The heading stays weakly observed when the speed is not: everything in sight turns about the vehicle.
@@ -135,19 +145,17 @@ void MotionTracker::updateMotion(const Sweep& sweep) {
   }
   if (state.dt_s > 0.0) {
     if (!state.measurement_applied) {
-      coast(last, state.dt_s, nullptr);
+      filterVelocity(last, state.dt_s, nullptr);
     } else if (!state.clock_jump && (velocity_unobservable_ || velocity_was_unobservable_)) {
       MotionDerivatives steady = last;
       steady.acceleration_body_mps2.setZero();
       const DeadReckoning::Measured turn = measuredTurn(sweep);
-      coast(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
+      filterVelocity(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
     } else if (told) {
       const DeadReckoning::Measured measured = measuredMotion(sweep);
-      if (dead_reckoning_.settles(measured)) {
-        dead_reckoning_.observed(measured, state.dt_s);
-      } else {
-        coast(last, state.dt_s, &measured);
-      }
+      const MotionDerivatives of_poses = motion_;
+      filterVelocity(last, state.dt_s, &measured);
+      blendVelocity(of_poses, dead_reckoning_.sureness(measured));
     }
   }
   const double speed = motion_.velocity_body_mps.norm();

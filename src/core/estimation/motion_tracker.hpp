@@ -66,7 +66,9 @@ class MotionTracker {
   void remember(const Sweep& sweep);
   MotionDerivatives historyDerivatives() const;
   void updateMotion(const Sweep& sweep);
-  void coast(const MotionDerivatives& last, double dt_s, const DeadReckoning::Measured* measured);
+  void filterVelocity(const MotionDerivatives& last, double dt_s, const DeadReckoning::Measured* measured);
+  /// Takes `ratio` of the velocity that the poses give in place of the filter's.
+  void blendVelocity(const MotionDerivatives& of_poses, double ratio);
   DeadReckoning::Measured measuredMotion(const Sweep& sweep) const;
   DeadReckoning::Measured measuredTurn(const Sweep& sweep) const;
 

@@ -140,6 +140,8 @@ PlanePatch VoxelMap::fitPlane(const Statistics& s) const {
   patch.mean = mean;
   patch.normal = solver.eigenvectors().col(0).cast<float>();
   patch.variance = static_cast<float>(smallest);
+  const double apart = std::max(lambda[1] - smallest, 1e-9);
+  patch.normal_variance = static_cast<float>(std::min(1.0, smallest * lambda[1] / (s.n * apart * apart)));
   patch.post = !plane && lambda[1] <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
                lambda[2] >= params_.min_plane_flatness * lambda[1] && std::abs(solver.eigenvectors()(2, 2)) >= kUpright;
   return patch;
@@ -205,6 +207,7 @@ bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, N
     match.normal = plane.normal;
     match.distance_m = plane.normal.dot(local - plane.mean);
     match.variance = plane.variance;
+    match.normal_variance = plane.normal_variance;
     match.samples = plane.samples;
     match.voxel = i;
     return true;

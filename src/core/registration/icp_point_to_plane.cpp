@@ -45,7 +45,7 @@ Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_co
       pair.addTo(equations);
       if (!support) return;
       const double along = direction->dot(pair.normal.head<2>());
-      support->add(pair.position, pair.weight * along * along);
+      support->add(pair.position, pair.weight * along * along, pair.weight * pair.normal_variance);
     });
     equations.H = equations.H.selfadjointView<Eigen::Lower>();
     return equations;

@@ -3,6 +3,9 @@
 // A vehicle ahead that keeps its distance may be the only surface that observes the motion along a smooth tunnel: its
 // information is precise and wrong. True information comes from several places. Therefore no place (a square of
 // `cell_m`) counts for more than `max_place_ratio` of all the information that counts.
+//
+// The normals of the walls and rails along a road are tilted by chance, some forwards, some backwards, and seem to
+// observe the way along it. Therefore what a place has by chance does not count.
 // Cost: about 20 ns per point; used only where a direction is weakly observed.
 #pragma once
 
@@ -30,14 +33,19 @@ class InformationSupport {
 
   explicit InformationSupport(const Params& params) : params_(params) {}
 
-  void add(const Eigen::Vector3d& position_m, double information);
+  /// `by_chance`: what the errors of the normal alone are expected to add to the information.
+  void add(const Eigen::Vector3d& position_m, double information, double by_chance = 0.0);
 
   /// The ratio of the information that counts, 0..1.
   double countedRatio() const;
 
  private:
+  struct Place {
+    double information = 0.0, by_chance = 0.0;
+  };
+
   Params params_;
-  std::unordered_map<VoxelKey, double, VoxelHash> places_;
+  std::unordered_map<VoxelKey, Place, VoxelHash> places_;
 };
 
 /// The horizontal direction with the least information, a unit vector in odom.

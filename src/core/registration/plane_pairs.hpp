@@ -51,7 +51,8 @@ class NormalFilter {
 struct PlanePair {
   Eigen::Vector3d position;  ///< of the point, in odom
   Eigen::Vector3d normal;
-  Vector6d J;  ///< of the residual, dx as in normal_equations.hpp
+  double normal_variance = 0.0;  ///< rad^2
+  Vector6d J;                    ///< of the residual, dx as in normal_equations.hpp
   double residual_m = 0.0;
   double kernel_weight = 0.0, kernel_curvature = 0.0;
   double weight = 0.0;  ///< kernel weight over the variance
@@ -104,6 +105,7 @@ class PlanePairs {
       if (!(std::abs(match.distance_m) <= max_distance_m) || !filter_.keeps(match.normal)) continue;
       const double r = match.distance_m;
       pair.normal = match.normal.cast<double>();
+      pair.normal_variance = match.normal_variance;
       pair.J << pair.normal, arm.cross(pair.normal);
       pair.residual_m = r;
       pair.kernel_weight = gemanMcClureWeight(r * r, kernel2);

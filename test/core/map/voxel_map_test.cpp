@@ -75,6 +75,21 @@ TEST(VoxelMap, FitsAPlaneWithItsScatter) {
   EXPECT_NEAR(moved.distance_m - match.distance_m, 0.2f, 1e-5f);
 }
 
+TEST(VoxelMap, KnowsHowFarItsNormalsAreTiltedByChance) {
+  constexpr int kPatches = 400, kSamples = 30;
+  const Eigen::Vector3f n = Eigen::Vector3f::UnitX(), centre(0.5f, 0.5f, 0.5f);
+  double scatter = 0.0, told = 0.0;
+  for (int i = 0; i < kPatches; ++i) {
+    VoxelMap map(testParams());
+    map.insert(patch(centre, n, kSamples, 0.05f, static_cast<unsigned>(i)), Pose::Identity());
+    VoxelMap::PlaneMatch match;
+    ASSERT_TRUE(map.findPlane(centre.cast<double>(), match));
+    scatter += match.normal.y() * match.normal.y() / kPatches;
+    told += match.normal_variance / kPatches;
+  }
+  EXPECT_NEAR(told / scatter, 1.2, 0.25) << "about the axis that is known worse, so somewhat more";
+}
+
 TEST(VoxelMap, TheSameSweepTurnedGivesTurnedPlanes) {
   const Points points = patch({0.5f, 0.5f, 0.5f}, {0.0f, 0.0f, 1.0f}, 100, 0.01f, 2);
   const Pose T = poseFromVector((Vector6d() << 3.0, -4.0, 1.0, M_PI / 2.0, 0.0, 0.7).finished());

@@ -276,6 +276,23 @@ TEST(IcpPointToPlane, OnlyTheGroundTellsTheHeight) {
   EXPECT_LT(std::sqrt(walls_only.covariance(0, 0)), 0.1 * params.observability.weak_sigma_m);
 }
 
+// The planes of rough walls are tilted by chance, some forwards, some backwards: they seem to observe the way along.
+TEST(IcpPointToPlane, WhatRoughWallsSayByChanceDoesNotCount) {
+  constexpr double kRough_m = 0.06;
+  IcpPointToPlane::Params params = testParams();
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const Points reference = seenFrom(sampleScene(corridor(), 6.0, kRough_m, seed), Pose::Identity());
+    const Points points =
+        seenFrom(sampleScene(corridor(), 4.0, kRough_m, seed + 10), poseOf(1.0, 0.1, 0.0, 0.0, 0.0, 0.0), 25.0);
+    const Measurement m = IcpPointToPlane(params).align(points, mapOf(reference, Pose::Identity()),
+                                                        poseOf(0.4, 0.0, 0.0, 0.0, 0.0, 0.0), 0.0);
+    ASSERT_TRUE(m.ok());
+    EXPECT_GT(m.min_information_ratio, params.observability.min_information_ratio) << "too smooth for this test";
+    EXPECT_GT(std::sqrt(m.covariance(0, 0)), 0.19) << "0.14 to 0.16 m if all that the normals say counted";
+    EXPECT_NEAR(m.T_odom_cog.translation().y(), 0.1, 0.02);
+  }
+}
+
 TEST(IcpPointToPlane, AlongACorridorItStaysAtThePrediction) {
   const IcpPointToPlane icp(testParams());
   for (const double heading_deg : {0.0, 35.0}) {

@@ -49,6 +49,16 @@ TEST(InformationSupport, FewPlacesAreNoSupport) {
   EXPECT_EQ(support.countedRatio(), 0.0) << "a vehicle ahead lies in up to four cells";
 }
 
+TEST(InformationSupport, WhatErrorsOfTheNormalMakeDoesNotCount) {
+  InformationSupport half(testParams()), none(testParams());
+  for (int k = 0; k < 10; ++k) {
+    half.add(place(k), 0.3, 0.15);
+    none.add(place(k), 0.3, 0.4);
+  }
+  EXPECT_NEAR(half.countedRatio(), 0.5, 1e-9);
+  EXPECT_EQ(none.countedRatio(), 0.0) << "less than by chance is nothing, and takes nothing from other places";
+}
+
 TEST(InformationSupport, FindsTheWeakestHorizontalDirection) {
   const Eigen::Vector2d along(std::cos(0.3), std::sin(0.3)), across(-along.y(), along.x());
   const Eigen::Matrix2d information = 0.01 * along * along.transpose() + across * across.transpose();
