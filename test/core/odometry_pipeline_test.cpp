@@ -501,7 +501,7 @@ TEST(OdometryPipeline, SweepsThatAreCompensatedAlreadyNeedNoTiming) {
 // A head whose zero is off, and whose clouds begin at its own rear. Compensated clouds are timed by it, too.
 TEST(OdometryPipeline, AzimuthOffsetIsCorrected) {
   constexpr double kOff_deg = -6.0;
-  constexpr double kRounding_m = 0.002;  // a sigma at its limit (DeadReckoning) falls on one side or the other
+  constexpr double kRounding_m = 0.002;  // the turned points are rounded otherwise, which moves a pose by 1.5 mm
   const Eigen::Matrix3f turn = rotationFromRpy(0.0, 0.0, kOff_deg * kDegree).cast<float>();
   for (const std::string source : {"azimuth", "none"}) {
     PipelineParameters params = streetParameters();

@@ -61,6 +61,7 @@ bool DeadReckoning::isObservedWith(const Measured& measured) const {
 
 double DeadReckoning::sureness(const Measured& measured) const {
   if (active_) return 0.0;
+  if (observed_in_a_row_ < params_.observed_sweeps) return 1.0;  // a drive's first: the filter knows too few
   const double sigma_m = std::sqrt(std::max(measured.R(0, 0), measured.R(1, 1)));
   return std::clamp((params_.unsure_sigma_m - sigma_m) / (params_.unsure_sigma_m - params_.sure_sigma_m), 0.0, 1.0);
 }

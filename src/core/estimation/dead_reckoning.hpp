@@ -77,7 +77,8 @@ class DeadReckoning {
   /// Whether a measurement observes the motion on the road.
   bool observes(const Measured& measured) const;
 
-  /// How far the poses up to this measurement give the velocity better than the filter: 0 to 1; dead reckoning: 0.
+  /// How far the poses up to this measurement give the velocity better than the filter: 0 to 1; dead reckoning: 0,
+  /// the first sweeps of a drive: 1.
   double sureness(const Measured& measured) const;
 
   /// From the first sweep that is not observed until `observed_sweeps` consecutive observed ones.

@@ -79,6 +79,17 @@ TEST(DeadReckoning, AnObservedButUnsureSpeedIsFilteredAndNotDeadReckoned) {
   EXPECT_FALSE(dead_reckoning.active());
 }
 
+TEST(DeadReckoning, InTheFirstSweepsOfADriveThePosesGiveTheSpeed) {
+  DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  const DeadReckoning::Measured unsure = measured(10.0, 0.045);
+  for (int i = 1; i < DeadReckoning::Params().observed_sweeps; ++i) {
+    dead_reckoning.filter(motionOf(10.0), kDt_s, &unsure);
+    EXPECT_EQ(dead_reckoning.sureness(unsure), 1.0) << i;
+  }
+  dead_reckoning.filter(motionOf(10.0), kDt_s, &unsure);
+  EXPECT_EQ(dead_reckoning.sureness(unsure), 0.0);
+}
+
 TEST(DeadReckoning, KeepsTheSpeedThatNothingObserves) {
   DeadReckoning dead_reckoning = lastObserved();
   EXPECT_FALSE(dead_reckoning.active());
