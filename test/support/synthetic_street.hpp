@@ -18,7 +18,7 @@ namespace synthetic {
 /// Turns clockwise seen from above, begins at the rear, its stamp is the sweep's middle (facing forward), as KITTI's.
 struct Lidar {
   int beams = 64;
-  int columns = 200;
+  int columns = 300;
   double lowest_deg = -24.0, highest_deg = 6.0;
   double max_range_m = 70.0;
   double noise_m = 0.01;  ///< along the ray, standard deviation

@@ -140,6 +140,8 @@ PlanePatch VoxelMap::fitPlane(const Statistics& s) const {
   patch.mean = mean;
   patch.normal = solver.eigenvectors().col(0).cast<float>();
   patch.variance = static_cast<float>(smallest);
+  patch.tangent = solver.eigenvectors().col(1).cast<float>();
+  patch.spread = static_cast<float>(std::max(lambda[1], 1e-6));
   const double apart = std::max(lambda[1] - smallest, 1e-9);
   patch.normal_variance = static_cast<float>(std::min(1.0, smallest * lambda[1] / (s.n * apart * apart)));
   patch.post = !plane && lambda[1] <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
@@ -203,11 +205,13 @@ bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, N
     if (i == Neighborhood::kNone) return false;
     const PlanePatch& plane = planes_[i];
     if (plane.samples <= 0.0f) return false;
-    const Eigen::Vector3f local = (query_odom - centreOf(neighborhood.at(place))).cast<float>();
+    const Eigen::Vector3f offset = (query_odom - centreOf(neighborhood.at(place))).cast<float>() - plane.mean;
     match.normal = plane.normal;
-    match.distance_m = plane.normal.dot(local - plane.mean);
+    match.distance_m = plane.normal.dot(offset);
+    match.tangential_m = plane.tangent.dot(offset);
     match.variance = plane.variance;
     match.normal_variance = plane.normal_variance;
+    match.spread = plane.spread;
     match.samples = plane.samples;
     match.voxel = i;
     return true;

@@ -29,8 +29,10 @@ struct PlanePatch {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, odom axes
   float variance = 0.0f;                             ///< m^2, of the points along the normal
   float normal_variance = 0.0f;  ///< rad^2, of the normal's tilt, about the axis that is known worse
-  float samples = 0.0f;          ///< points fitted; 0: no plane here
-  bool post = false;             ///< no plane but thin and upright: a post, a trunk, an edge of a house
+  Eigen::Vector3f tangent = Eigen::Vector3f::Zero();  ///< unit, in the plane, across the points' longest extent
+  float spread = 0.0f;                                ///< m^2, variance of the points along `tangent`
+  float samples = 0.0f;                               ///< points fitted; 0: no plane here
+  bool post = false;  ///< no plane but thin and upright: a post, a trunk, an edge of a house
 };
 
 class VoxelMap {
@@ -116,7 +118,9 @@ class VoxelMap {
     float distance_m;        ///< signed, along the normal: n . (query - mean)
     Eigen::Vector3f normal;  ///< odom axes
     float variance;          ///< m^2 along the normal
-    float normal_variance;   ///< as in PlanePatch
+    float normal_variance;   ///< as in PlanePatch, and so is spread
+    float spread;
+    float tangential_m;  ///< distance of the query from the mean, along PlanePatch::tangent
     float samples;
     std::uint32_t voxel;  ///< index, valid until the map changes
   };

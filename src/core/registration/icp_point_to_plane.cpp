@@ -17,6 +17,7 @@ void IcpPointToPlane::Params::validate() const {
   requirePositive("kernel_m", kernel_m);
   requirePositive("initial_kernel_m", initial_kernel_m);
   requirePositive("point_sigma_m", point_sigma_m);
+  requireNotNegative("scan_line_sigma_m", scan_line_sigma_m);
   requirePositive("ground_weight", ground_weight);
   requireNotNegative("range_weight_m", range_weight_m);
   requireWithin("max_iterations", max_iterations, 1, 1000);

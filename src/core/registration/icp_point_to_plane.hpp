@@ -10,6 +10,12 @@
 // turns into a false pitch of about 2 e / d a metre driven, the same way on every metre. So ground counts less than
 // walls (`ground_weight`), and what is far counts more (`range_weight_m`): the lever is longer.
 //
+// Where the lidar is sparse, a voxel holds one scan line or two. Range noise makes a patch of a single line, too: that of
+// the rays, which leans against the ground by the beam's elevation and is nearly level on a wall. A vehicle that drives on
+// meets the surfaces beside these lines, and such patches turn its pitch the same way on every metre (16 beams without
+// errors: 5 deg within 60 m). So a residual counts less the farther it is from the points across their line
+// (`scan_line_sigma_m`).
+//
 // Directions that the patches do not observe stay at the prediction and get `weak_sigma` in R (status says how many).
 #pragma once
 
@@ -38,6 +44,8 @@ class IcpPointToPlane {
     double initial_kernel_m = 0.4;
     /// of one point along the normal, added to the patch's own scatter: range noise
     double point_sigma_m = 0.03;
+    double scan_line_sigma_m =
+        0.04;                      ///< common to the points of one scan line: the beam's errors, the pose's; see above
     double ground_weight = 0.1;    ///< of ground-like patches against the others, see above
     double range_weight_m = 20.0;  ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;

@@ -110,7 +110,7 @@ class PlanePairs {
       pair.residual_m = r;
       pair.kernel_weight = gemanMcClureWeight(r * r, kernel2);
       pair.kernel_curvature = gemanMcClureCurvature(r * r, r * r, kernel2);
-      pair.weight = pair.kernel_weight / (point_variance + match.variance);
+      pair.weight = pair.kernel_weight / (point_variance + match.variance + tiltVariance(match));
       if (filter_.isGround(match.normal)) pair.weight *= params_.ground_weight;
       if (params_.range_weight_m > 0.0) pair.weight *= static_cast<double>(q.norm()) / params_.range_weight_m;
       take(pair, i);
@@ -118,6 +118,17 @@ class PlanePairs {
   }
 
  private:
+  /// What the tilt of the patch may do to the residual, m^2. The points of one scan line err alike (scan_line_sigma_m), so a
+  /// patch of few lines is tilted about them by up to scan_line_sigma_m / sqrt(spread), rad; that of a single line may be a
+  /// floor or a wall. It does no harm among the points: spread evenly, they reach as far as sqrt(3 spread). What lies off
+  /// the plane moves with the square of the tilt.
+  double tiltVariance(const VoxelMap::PlaneMatch& match) const {
+    const double spread = match.spread, tangential_m = match.tangential_m, distance_m = match.distance_m;
+    const double beyond = std::max(0.0, tangential_m * tangential_m - 3.0 * spread);
+    const double tilt = std::min(1.0, params_.scan_line_sigma_m * params_.scan_line_sigma_m / spread);
+    return tilt * beyond + tilt * tilt * distance_m * distance_m;
+  }
+
   const IcpPointToPlane::Params& params_;
   const std::vector<Eigen::Vector3f>& points_cog_;
   const VoxelMap& map_;

@@ -102,6 +102,7 @@ TEST(IcpPointToPlane, AStepIsThatOfFiniteDifferences) {
   params.kernel_m = params.initial_kernel_m = 0.3;
   params.ground_weight = 1.0;
   params.observability.min_information_ratio = 0.0;
+  params.scan_line_sigma_m = 0.0;
   const VoxelMap map = mapOf(room(), 1);
   const Pose T0 = poseOf(0.1, -0.05, 0.03, 0.3, -0.2, 1.0);
   const Points points = sweepOf(room(), poseOf(0.2, 0.1, 0.0, 0.0, 0.0, 0.0), 2);
@@ -161,6 +162,7 @@ TEST(IcpPointToPlane, WhatIsFarCountsMore) {
 
 TEST(IcpPointToPlane, GroundCountsLess) {
   IcpPointToPlane::Params params = testParams();
+  params.scan_line_sigma_m = 0.0;                     // the walls' lowest cells are half empty
   params.kernel_m = params.initial_kernel_m = 100.0;  // all alike
   const VoxelMap floor = mapOf(room(), 1);
   Points lowered = sweepOf(room(), Pose::Identity(), 2);  // ahead, the ground seems 0.1 m lower: a false pitch
@@ -174,6 +176,44 @@ TEST(IcpPointToPlane, GroundCountsLess) {
   const double pitch_walls = std::abs(
       rpyFromRotation(IcpPointToPlane(params).align(lowered, floor, Pose::Identity(), 0.0).T_odom_cog.linear()).y());
   EXPECT_GT(pitch_ground, 2.0 * pitch_walls);
+}
+
+/// What a lidar of few beams, 1.7 m above flat ground between four walls, sees from `forward_m`: a circle a beam, with
+/// noise along the ray, and the walls.
+Points circlesOnGround(double forward_m, unsigned seed) {
+  constexpr double kHeight_m = 1.7;
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> noise_m(0.0, 0.02);
+  const Scene walls = {wall(25.0, -6.0, 25.0, 6.0, 8.0), wall(-25.0, -6.0, -25.0, 6.0, 8.0),
+                       wall(-20.0, -25.0, 20.0, -25.0, 2.0), wall(-20.0, 25.0, 20.0, 25.0, 2.0)};
+  Points points = seenFrom(sampleScene(walls, 25.0, kNoise_m, seed), poseOf(forward_m, 0.0, 0.0, 0.0, 0.0, 0.0));
+  for (const double below_deg : {5.0, 7.0, 9.0, 11.0, 13.0}) {
+    const double below = below_deg * kDegree;
+    for (int i = 0; i < 720; ++i) {
+      const double azimuth = 0.5 * i * kDegree, range_m = kHeight_m / std::sin(below) + noise_m(generator);
+      points.emplace_back(range_m * std::cos(below) * std::cos(azimuth), range_m * std::cos(below) * std::sin(azimuth),
+                          -range_m * std::sin(below));
+    }
+  }
+  return points;
+}
+
+// Each circle makes patches that lean as its rays do. Whoever drives on over them would tip forward.
+TEST(IcpPointToPlane, ScanLinesOnTheGroundHardlyTipTheVehicle) {
+  constexpr double kForward_m = 0.3;
+  const VoxelMap map = mapOf(circlesOnGround(0.0, 1), Pose::Identity());
+  const Points later = circlesOnGround(kForward_m, 2);
+  const Pose truth = poseOf(kForward_m, 0.0, 0.0, 0.0, 0.0, 0.0);
+  const auto pitchErrorDeg = [&](double scan_line_sigma_m) {
+    IcpPointToPlane::Params params = testParams();
+    params.scan_line_sigma_m = scan_line_sigma_m;
+    const Measurement m = IcpPointToPlane(params).align(later, map, truth, 0.0);
+    EXPECT_TRUE(m.ok()) << toString(m.status);
+    return std::abs(rpyFromRotation(m.T_odom_cog.linear()).y()) / kDegree;
+  };
+  const double tipped_deg = pitchErrorDeg(0.0);
+  EXPECT_GT(tipped_deg, 0.1);
+  EXPECT_LT(pitchErrorDeg(IcpPointToPlane::Params().scan_line_sigma_m), 0.3 * tipped_deg);
 }
 
 TEST(IcpPointToPlane, AMovedCarDoesNotMatter) {
