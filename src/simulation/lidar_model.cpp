@@ -5,6 +5,7 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
+#include "simulation/lidar_head.hpp"
 #include "simulation/random.hpp"
 
 namespace fail_aware {
@@ -15,26 +16,10 @@ namespace {
 constexpr float kWeakestReturn = 1.25e-5f;
 constexpr float kIncidenceFloor = 0.3f;  // ratio of the return that does not depend on the angle
 
-/// From below; none: no such head.
-std::vector<double> elevationsDeg(const std::string& head) {
-  std::vector<double> elevations;
-  if (head == "hdl64e") {
-    for (int ring = 0; ring < 32; ++ring) elevations.push_back(-8.83 - 15.5 + 0.5 * ring);
-    for (int ring = 32; ring < 64; ++ring) elevations.push_back(2.0 - (63 - ring) / 3.0);
-  } else if (head == "vlp32c") {
-    elevations = {-25.0, -15.639, -11.31, -8.843, -7.254, -6.148, -5.333, -4.667};
-    for (int step = -12; step <= 5; ++step) elevations.push_back(step / 3.0);
-    elevations.insert(elevations.end(), {2.333, 3.333, 4.667, 7.0, 10.333, 15.0});
-  } else if (head == "vlp16") {
-    for (int ring = 0; ring < 16; ++ring) elevations.push_back(-15.0 + 2.0 * ring);
-  }
-  return elevations;
-}
-
 }  // namespace
 
 void LidarModel::Params::validate() const {
-  requireParameter(!elevationsDeg(head).empty(), "head", head, "one of hdl64e, vlp32c, vlp16");
+  requireParameter(!lidarHeadElevationsDeg(head).empty(), "head", head, "a head of lidar_head.hpp");
   requireParameter(columns >= 16 && columns <= 20000, "columns", columns, "in [16, 20000]");
   requireWithin("period_s", period_s, 0.02, 1.0);
   requireParameter(std::isfinite(period_s) && std::abs(period_s * 1e3 - std::round(period_s * 1e3)) < 1e-6, "period_s",
@@ -50,7 +35,7 @@ void LidarModel::Params::validate() const {
 LidarModel::LidarModel(std::uint64_t seed, const Params& params) : params_(params) {
   params_.validate();
   RandomStream random(combineKeys(seed, 51));
-  for (const double elevation_deg : elevationsDeg(params_.head)) {
+  for (const double elevation_deg : lidarHeadElevationsDeg(params_.head)) {
     const double nominal = elevation_deg * kDegree;
     const double real = nominal + params_.elevation_error_deg * kDegree * random.normal();
     beams_.push_back({static_cast<float>(std::sin(nominal)), static_cast<float>(std::cos(nominal)),

@@ -1,10 +1,7 @@
 // A spinning lidar's geometry and errors. Default: a Velodyne HDL-64E as in KITTI (clockwise from
 // the rear, 10 Hz, 2083 columns).
 //
-// Heads, with the elevations of their data sheets:
-//   hdl64e: 64 beams, 32 upper ones from +2 deg in steps of 1/3 deg, 32 lower ones from -8.83 deg in steps of 1/2 deg
-//   vlp32c: 32 beams from -25 to +15 deg, the middle ones in steps of 1/3 deg
-//   vlp16:  16 beams from -15 to +15 deg in steps of 2 deg
+// The head gives the elevations of the beams (lidar_head.hpp).
 // Calibration is imperfect: each beam has a range bias and an elevation error, constant over a drive and drawn from the
 // seed. Added to this: range noise, the surface's roughness, pulses lost at random or because the return is weak
 // (reflectivity, incidence, range squared). Rings count from the lowest beam. No failure modes. Cost: some ns a return.
@@ -48,7 +45,7 @@ class LidarModel {
     void validate() const;
   };
 
-  static constexpr std::size_t kMaxBeams = 64;
+  static constexpr std::size_t kMaxBeams = 128;
 
   LidarModel(std::uint64_t seed, const Params& params);
 

@@ -1,6 +1,7 @@
 // simulate_drive: a simulated drive with a spinning lidar, as a KITTI folder or a bag, with truth and optional faults.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -12,6 +13,7 @@
 #include "core/io/kitti_writer.hpp"
 #include "json.hpp"
 #include "simulation/fault_injector.hpp"
+#include "simulation/lidar_head.hpp"
 #include "simulation/sweep_stamping.hpp"
 #include "simulation_options.hpp"
 #include "tool_support.hpp"
@@ -31,6 +33,7 @@ struct Options {
   std::vector<std::string> faults;
   bool no_rolling_shutter = false, no_traffic = false;
   int threads = 1;
+  int rate_hz = 10;
   double beam_errors = 1.0;
   DriveSimulation::Params simulation;
 };
@@ -56,8 +59,11 @@ void addOptions(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--no-rolling-shutter", options.no_rolling_shutter,
                "all points from the sweep's middle (and no point times)");
-  app.add_option("--head", simulation.lidar.head, "the lidar: hdl64e, vlp32c or vlp16")
-      ->check(CLI::IsMember({"hdl64e", "vlp32c", "vlp16"}))
+  app.add_option("--head", simulation.lidar.head, "the lidar")
+      ->check(CLI::IsMember(lidarHeadNames()))
+      ->capture_default_str();
+  app.add_option("--rate", options.rate_hz, "revolutions a second: 5, 10 or 20")
+      ->check(CLI::IsMember({5, 10, 20}))
       ->capture_default_str();
   app.add_flag("--no-traffic", options.no_traffic, "no other vehicles");
   app.add_option("--beam-errors", options.beam_errors,
@@ -142,6 +148,7 @@ void writeNotes(const Options& options, const std::vector<Fault>& faults, std::s
   notes["rolling_shutter"] = options.simulation.rolling_shutter;
   notes["traffic"] = options.simulation.traffic;
   notes["head"] = options.simulation.lidar.head;
+  notes["rate_hz"] = options.rate_hz;
   notes["beam_errors"] = options.beam_errors;
   notes["speed_mps"] = options.simulation.drive.speed.speed_mps;
   notes["start_speed_mps"] = options.simulation.drive.start_speed_mps;
@@ -154,8 +161,11 @@ void writeNotes(const Options& options, const std::vector<Fault>& faults, std::s
 int run(Options& options) {
   options.simulation.rolling_shutter = !options.no_rolling_shutter;
   options.simulation.traffic = !options.no_traffic;
-  options.simulation.lidar.range_bias_m *= options.beam_errors;
-  options.simulation.lidar.elevation_error_deg *= options.beam_errors;
+  LidarModel::Params& lidar = options.simulation.lidar;
+  lidar.columns = static_cast<int>(std::lround(lidar.columns * 10.0 / options.rate_hz));  // as many pulses a second
+  lidar.period_s = 1.0 / options.rate_hz;
+  lidar.range_bias_m *= options.beam_errors;
+  lidar.elevation_error_deg *= options.beam_errors;
   options.simulation.validate();
   const std::vector<Fault> faults = parseFaults(options.faults, options.simulation.duration_s);
   DriveSimulation simulation(options.simulation, options.threads);

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
+#include "simulation/lidar_head.hpp"
 #include "simulation/random.hpp"
 
 namespace fail_aware {
@@ -56,17 +59,32 @@ TEST(LidarModel, HasTheBeamsOfAnHdl64e) {
 }
 
 TEST(LidarModel, HasTheBeamsOfOtherHeads) {
+  struct Head {
+    const char* name;
+    std::size_t beams;
+    double lowest_deg, highest_deg, least_step_deg;
+  };
+  const Head heads[] = {{"hdl32e", 32, -30.67, 10.67, 1.333},
+                        {"vlp32c", 32, -25.0, 15.0, 1.0 / 3.0},
+                        {"vlp16", 16, -15.0, 15.0, 2.0},
+                        {"os1_64", 64, -22.5, 22.5, 45.0 / 63.0},
+                        {"os1_128", 128, -22.5, 22.5, 45.0 / 127.0},
+                        {"pandar64", 64, -25.0, 15.0, 1.0 / 6.0}};
+  ASSERT_EQ(std::size(heads) + 1, lidarHeadNames().size()) << "and hdl64e";
+  for (const Head& head : heads) {
+    SCOPED_TRACE(head.name);
+    LidarModel::Params params = perfect();
+    params.head = head.name;
+    const std::vector<double> elevations = elevationsDeg(LidarModel(1, params), 0.3);
+    ASSERT_EQ(elevations.size(), head.beams);
+    EXPECT_NEAR(elevations.front(), head.lowest_deg, 1e-3);
+    EXPECT_NEAR(elevations.back(), head.highest_deg, 1e-3);
+    double least_step_deg = 90.0;
+    for (std::size_t i = 1; i < elevations.size(); ++i)
+      least_step_deg = std::min(least_step_deg, elevations[i] - elevations[i - 1]);
+    EXPECT_NEAR(least_step_deg, head.least_step_deg, 2e-3);
+  }
   LidarModel::Params params = perfect();
-  params.head = "vlp16";
-  const std::vector<double> few = elevationsDeg(LidarModel(1, params), 0.3);
-  ASSERT_EQ(few.size(), 16u);
-  for (std::size_t i = 0; i < few.size(); ++i) EXPECT_NEAR(few[i], -15.0 + 2.0 * static_cast<double>(i), 1e-3);
-  params.head = "vlp32c";
-  const std::vector<double> elevations = elevationsDeg(LidarModel(1, params), 0.3);
-  ASSERT_EQ(elevations.size(), 32u);
-  EXPECT_NEAR(elevations.front(), -25.0, 1e-3);
-  EXPECT_NEAR(elevations.back(), 15.0, 1e-3);
-  for (std::size_t i = 1; i < elevations.size(); ++i) EXPECT_GT(elevations[i], elevations[i - 1]);
   params.head = "another";
   EXPECT_THROW(LidarModel(1, params), ParameterError);
 }

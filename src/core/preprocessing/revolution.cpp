@@ -45,7 +45,10 @@ double revolutionFromTimes(const std::vector<Eigen::Vector3f>& points_lidar, con
   if (times_s.size() != points_lidar.size() || points_lidar.empty()) return 0.0;
   const std::size_t stride = (points_lidar.size() / kUsedPoints) | 1u;
   std::vector<float> sorted_s;
-  for (std::size_t i = 0; i < times_s.size(); i += stride) sorted_s.push_back(times_s[i]);
+  for (std::size_t i = 0; i < times_s.size(); i += stride) {
+    if (std::isfinite(times_s[i])) sorted_s.push_back(times_s[i]);
+  }
+  if (sorted_s.empty()) return 0.0;
   std::sort(sorted_s.begin(), sorted_s.end());
   const auto outside = static_cast<std::size_t>(kOutside * static_cast<float>(sorted_s.size()));
   const float begin_s = sorted_s[outside], end_s = sorted_s[sorted_s.size() - 1 - outside];

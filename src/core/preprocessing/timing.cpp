@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 #include "core/preprocessing/point_times.hpp"
+#include "core/preprocessing/revolution.hpp"
 #include "core/stamp_difference.hpp"
 #include "point_block.hpp"
 
@@ -140,6 +142,15 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
 
 namespace {
 
+/// Of one cloud, by its own times. The first cloud of a driver may begin anywhere: what is more than half a revolution
+/// counts as a whole one.
+std::optional<double> cloudPeriod_s(const Sweep& sweep, double span_s) {
+  constexpr double kPart = 0.6;
+  const double revolution_s = revolutionFromTimes(sweep.points_lidar, sweep.times_s);
+  if (!(revolution_s > 0.0)) return std::nullopt;
+  return span_s > kPart * revolution_s ? std::max(1.0, std::round(span_s / revolution_s)) * revolution_s : span_s;
+}
+
 std::string inMs(double time_s) {
   std::string text = std::to_string(1e3 * time_s);
   return text.substr(0, text.find('.') + 2) + " ms";
@@ -205,6 +216,7 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
     return refuse(TimeField::kBadScale, "its values are too coarse: 32 bits hold them to " + inMs(resolution_s));
   }
 
+  if (!result.period_known) result.period_s = cloudPeriod_s(sweep, range->span_s()).value_or(kUsualPeriod_s);
   const double offset_s = fieldOffset_s(sweep, *range, limit, result);
   times_s.resize(size);
   for (std::size_t i = 0; i < size; ++i) {

@@ -21,8 +21,9 @@
 //
 // `stamp_reference`, the instant of the sweep that its stamp means, gives the result's interval: start [0, T], mid
 // [-T/2, T/2], end [-T, 0]. "auto": from the sign of the field, else end. KITTI: mid.
-// T: `sweep_period_s`, or the period from the sweep clock (sweep_clock.hpp). That period is wrong if every other sweep
-// is lost from the start and points have no times: then set the period.
+// T: `sweep_period_s`, or the period from the sweep clock (sweep_clock.hpp), or, while that knows none, what the field's
+// times show, or 0.1 s. The clock's period is wrong if every other sweep is lost from the start and points have no times:
+// then set the period.
 //
 // Failure: with any status but kOk the times are empty. Cost: about 0.25 ms for 120 000 points.
 #pragma once

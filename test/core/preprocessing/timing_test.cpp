@@ -342,6 +342,29 @@ TEST(SweepTiming, PeriodIsTheGivenThenTheMeasuredThenANominalOne) {
   EXPECT_EQ(nominal.period_s, 0.1);
 }
 
+// Otherwise the first clouds of a head at 20 Hz are timed as if it turned at 10 Hz, and the vehicle seems to jump when the
+// clock knows better.
+TEST(SweepTiming, UntilThePeriodIsKnownTheFieldTellsIt) {
+  SweepTimingParams params = paramsWith("auto", "mid");
+  params.sweep_period_s = 0.0;
+  for (const double period_s : {0.05, 0.1, 0.2}) {
+    for (const double held : {0.5, 0.8, 1.0}) {  // of a revolution, in the cloud
+      Sweep whole = revolution(100.0), sweep = whole;
+      const auto points = static_cast<std::size_t>(held * static_cast<double>(whole.size()));
+      sweep.points_lidar.resize(points);
+      sweep.times_s.resize(points);
+      for (float& time_s : sweep.times_s) time_s *= static_cast<float>(period_s / kPeriod_s);
+      std::vector<float> times_s;
+      const TimingResult result = SweepTiming(params).assign(sweep, 0.0, times_s);
+      const double cloud_s = held > 0.6 ? period_s : held * period_s;
+      EXPECT_EQ(result.field, TimeField::kUsed);
+      EXPECT_FALSE(result.period_known);
+      EXPECT_NEAR(result.period_s, cloud_s, 1e-3 * period_s);
+      EXPECT_NEAR(times_s.front(), -0.5 * cloud_s, 1e-3 * period_s);
+    }
+  }
+}
+
 TEST(SweepTiming, RefusesBadParameters) {
   const auto broken = [](void (*change)(SweepTimingParams&)) {
     SweepTimingParams params;
