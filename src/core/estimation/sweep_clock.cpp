@@ -82,7 +82,8 @@ void SweepClock::setPeriod(double period_s, double sigma_s) {
   deviations_.clear();
 }
 
-// A period from point times alone is accurate to a thousandth: enough to judge stamps, too little to time points.
+// A period from point times alone is accurate to a thousandth: enough to judge stamps, too little to time
+// points, but for the first sweeps (timing.hpp).
 std::optional<double> SweepClock::period_s() const {
   if (!hasPeriod() || (!(given_period_s_ > 0.0) && intervals_ < kIntervalsNeeded)) return std::nullopt;
   return wholeMicroseconds(line_.period_s());

@@ -17,8 +17,9 @@ constexpr int kMostCloudsARevolution = 4;
 
 }  // namespace
 
-void HeldTiming::keep(const Sweep& sweep, const std::vector<float>& times_s, double first_s, double period_s) {
-  head_.reset();
+std::optional<HeldTiming::Head> HeldTiming::headOf(const Sweep& sweep, const std::vector<float>& times_s,
+                                                   double first_s, double period_s) {
+  std::optional<Head> head;
   const std::size_t stride = (sweep.size() / kPointsLookedAt) | 1u;
   double best = kFollows;
   for (int clouds = 1; clouds <= kMostCloudsARevolution; ++clouds) {
@@ -39,9 +40,10 @@ void HeldTiming::keep(const Sweep& sweep, const std::vector<float>& times_s, dou
       const double follows = std::abs(sum) / looked_at;  // NaN without points
       if (!(follows > best)) continue;
       best = follows;
-      head_ = Head{sweep.stamp_s, first_s, period_s, revolution_s, std::arg(sum), is_clockwise};
+      head = Head{sweep.stamp_s, first_s, period_s, revolution_s, std::arg(sum), is_clockwise};
     }
   }
+  return head;
 }
 
 bool HeldTiming::apply(const Sweep& sweep, std::vector<float>& times_s) const {

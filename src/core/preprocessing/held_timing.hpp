@@ -17,16 +17,6 @@ namespace fail_aware {
 
 class HeldTiming {
  public:
-  /// Keeps the timing of a sweep with a valid field. times_s: relative to its stamp, may hold NaN; first_s: the first
-  /// time.
-  void keep(const Sweep& sweep, const std::vector<float>& times_s, double first_s, double period_s);
-
-  /// False: no sweep was kept, or its azimuth did not follow its times. Times: relative to the stamp.
-  bool apply(const Sweep& sweep, std::vector<float>& times_s) const;
-
-  void reset() { head_.reset(); }
-
- private:
   struct Head {
     double stamp_s = 0.0;  ///< of the sweep that shows it
     double first_s = 0.0;  ///< first time of its points, relative to the stamp
@@ -36,6 +26,22 @@ class HeldTiming {
     bool clockwise = true;
   };
 
+  /// The head that a sweep with a valid field shows. times_s: relative to its stamp, may hold NaN; first_s: the first time.
+  /// None: the azimuth does not follow the times.
+  static std::optional<Head> headOf(const Sweep& sweep, const std::vector<float>& times_s, double first_s,
+                                    double period_s);
+
+  void keep(const std::optional<Head>& head) { head_ = head; }
+
+  /// The head that is kept turns the other way.
+  bool turnsAgainst(const Head& head) const { return head_ && head_->clockwise != head.clockwise; }
+
+  /// False: no sweep was kept, or its azimuth did not follow its times. Times: relative to the stamp.
+  bool apply(const Sweep& sweep, std::vector<float>& times_s) const;
+
+  void reset() { head_.reset(); }
+
+ private:
   std::optional<Head> head_;
 };
 

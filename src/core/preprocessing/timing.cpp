@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kShortestPeriod_s = 0.02;  // 50 Hz: no known head rotates faster
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
+constexpr int kMostBackward = 100;  // sweeps in a row; then the head turns that way, whatever the parameters say
 constexpr double kFieldLimitPeriods = 2.5;           // the field still times two revolutions in one cloud
 constexpr double kCoarsestFieldResolution_s = 1e-3;  // of an absolute time in a float
 constexpr double kZeroTolerance = 0.1;               // of the spread: a packet's points lie on both sides of its stamp
@@ -82,6 +83,7 @@ SweepTiming::SweepTiming(const Params& params) : params_(params) { params_.valid
 void SweepTiming::reset() {
   clock_.reset();
   held_.reset();
+  backward_sweeps_ = 0;
 }
 
 StampReference SweepTiming::referenceOr(StampReference automatic) const {
@@ -142,13 +144,21 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
 
 namespace {
 
-/// Of one cloud, by its own times. The first cloud of a driver may begin anywhere: what is more than half a revolution
-/// counts as a whole one.
-std::optional<double> cloudPeriod_s(const Sweep& sweep, double span_s) {
-  constexpr double kPart = 0.6;
-  const double revolution_s = revolutionFromTimes(sweep.points_lidar, sweep.times_s);
+/// Of one cloud, by its own times: of a whole revolution, or of a half, a third or a quarter of one, which begins or ends
+/// at zero. A driver's first cloud may hold any other part: that of a whole revolution.
+std::optional<double> cloudPeriod_s(const Sweep& sweep, const TimeRange& range) {
+  constexpr double kNear = 0.03;  // of the cloud's span
+  std::vector<float> times_s = sweep.times_s;
+  for (float& time_s : times_s) {
+    if (!range.contains(time_s)) time_s = std::numeric_limits<float>::quiet_NaN();
+  }
+  const double revolution_s = revolutionFromTimes(sweep.points_lidar, times_s), span_s = range.span_s();
   if (!(revolution_s > 0.0)) return std::nullopt;
-  return span_s > kPart * revolution_s ? std::max(1.0, std::round(span_s / revolution_s)) * revolution_s : span_s;
+  const double clouds = std::round(revolution_s / span_s);
+  const double first_s = range.first_s + sweep.time_field.origin_s, last_s = first_s + span_s;
+  const bool is_part = clouds >= 2.0 && clouds <= 4.0 && std::abs(clouds * span_s / revolution_s - 1.0) < kNear &&
+                       std::min(std::abs(first_s), std::abs(last_s)) < kNear * span_s;
+  return is_part ? revolution_s / clouds : revolution_s;
 }
 
 std::string inMs(double time_s) {
@@ -216,7 +226,7 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
     return refuse(TimeField::kBadScale, "its values are too coarse: 32 bits hold them to " + inMs(resolution_s));
   }
 
-  if (!result.period_known) result.period_s = cloudPeriod_s(sweep, range->span_s()).value_or(kUsualPeriod_s);
+  if (!result.period_known) result.period_s = cloudPeriod_s(sweep, *range).value_or(kUsualPeriod_s);
   const double offset_s = fieldOffset_s(sweep, *range, limit, result);
   times_s.resize(size);
   for (std::size_t i = 0; i < size; ++i) {
@@ -224,9 +234,16 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
     times_s[i] = usable ? static_cast<float>(sweep.times_s[i] + offset_s) : std::numeric_limits<float>::quiet_NaN();
     if (!usable) ++result.outliers;
   }
+  const std::optional<HeldTiming::Head> head =
+      HeldTiming::headOf(sweep, times_s, range->first_s + offset_s, result.period_s);
+  if (head && held_.turnsAgainst(*head) && head->clockwise != params_.clockwise && backward_sweeps_ < kMostBackward) {
+    ++backward_sweeps_;
+    return refuse(TimeField::kBackward, "its values run against the head's sense of rotation");
+  }
+  backward_sweeps_ = 0;
   last_first_s_ = range->first_s + offset_s;
   last_reference_ = result.reference;
-  held_.keep(sweep, times_s, last_first_s_, result.period_s);
+  held_.keep(head);
   return TimeField::kUsed;
 }
 

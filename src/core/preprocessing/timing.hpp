@@ -11,6 +11,8 @@
 // Units: point_times.hpp. A field that spans more than 2.5 periods is refused.
 // Missing and isolated times are outliers: NaN in the result, and counted; leave these points out. Up to a tenth of a
 // sweep's times may be outliers; with more the field is refused (not_finite, bad_scale).
+// Backward: a head does not turn the other way from one sweep to the next. Times that run against the earlier sweeps and
+// against `clockwise` have the wrong sign, and are refused, for 100 sweeps at most.
 // Held: a sweep whose field fails (refused, absent, or all equal) takes the timing of the sweeps before it
 // (held_timing.hpp). If there is none, the sweep is timed by azimuth; `guessed()` tells a refused field from a field
 // that the driver leaves empty.
@@ -101,6 +103,7 @@ class SweepTiming {
   HeldTiming held_;
   StampReference last_reference_ = StampReference::kEnd;
   double last_first_s_ = 0.0;
+  int backward_sweeps_ = 0;  ///< in a row, so far
 };
 
 }  // namespace fail_aware

@@ -39,6 +39,7 @@ const char* toString(TimeField field) {
     case TimeField::kNotFinite: return "not_finite";
     case TimeField::kNoSpread: return "no_spread";
     case TimeField::kBadScale: return "bad_scale";
+    case TimeField::kBackward: return "backward";
   }
   return "unknown";
 }

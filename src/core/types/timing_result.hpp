@@ -26,7 +26,8 @@ enum class TimeField {
   kAbsent,     ///< no field, or not one value per point
   kNotFinite,  ///< more than a tenth of the values are NaN or infinite
   kNoSpread,   ///< all values are equal
-  kBadScale    ///< no unit gives the times of a sweep, or the resolution is too coarse
+  kBadScale,   ///< no unit gives the times of a sweep, or the resolution is too coarse
+  kBackward    ///< the times run against the head's sense of rotation
 };
 
 const char* toString(TimingSource source);
@@ -41,7 +42,7 @@ struct TimingResult {
   StampReference reference = StampReference::kEnd;
   std::optional<StampReference> field_reference{};  ///< from the signs of the field's times, if the field is used
   double period_s = 0.1;                            ///< of a sweep
-  bool period_known = false;                        ///< given or measured; otherwise nominal
+  bool period_known = false;                        ///< given or measured; otherwise by the field, or nominal
   std::size_t outliers = 0;                         ///< points without a usable time: NaN
   std::string refusal;  ///< why the field is refused, for people (a missing one only if `source` is field); else empty
 

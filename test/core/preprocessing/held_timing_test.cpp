@@ -47,7 +47,7 @@ TEST(HeldTiming, TimesASweepAsTheOneBeforeItForAnyHeadAndReference) {
         for (std::size_t i = 0; i < times_s.size(); i += 50) times_s[i] = std::numeric_limits<float>::quiet_NaN();
         HeldTiming held;
         EXPECT_FALSE(held.apply(sweep, times_s));
-        held.keep(sweep, times_s, first_s, 0.1);
+        held.keep(HeldTiming::headOf(sweep, times_s, first_s, 0.1));
         const Sweep next = sweepOf(head, 0.0, 0.1, 50.3);  // two were lost
         ASSERT_TRUE(held.apply(next, times_s));
         expectTimes(times_s, next, first_s, std::to_string(start_deg));
@@ -66,7 +66,7 @@ TEST(HeldTiming, KnowsWhereTheNextPartOfARevolutionBegins) {
       return sweepOf(head, i % parts * part_s, (i % parts + 1) * part_s, 9.0 + i * part_s);
     };
     HeldTiming held;
-    held.keep(part(0), part(0).times_s, 0.0, part_s);
+    held.keep(HeldTiming::headOf(part(0), part(0).times_s, 0.0, part_s));
     for (int i = 1; i < 6; ++i) {
       std::vector<float> times_s;
       ASSERT_TRUE(held.apply(part(i), times_s)) << parts;
@@ -82,10 +82,10 @@ TEST(HeldTiming, HoldsNothingWhereTheAzimuthDoesNotFollowTheTimes) {
     sweep.points_lidar[i] = {static_cast<float>(std::cos(yaw)), static_cast<float>(std::sin(yaw)), 0.0f};
   }
   HeldTiming held;
-  held.keep(sweep, sweep.times_s, 0.0, 0.1);
+  held.keep(HeldTiming::headOf(sweep, sweep.times_s, 0.0, 0.1));
   std::vector<float> times_s;
   EXPECT_FALSE(held.apply(sweep, times_s));
-  held.keep(Sweep(), {}, 0.0, 0.1);
+  held.keep(HeldTiming::headOf(Sweep(), {}, 0.0, 0.1));
   EXPECT_FALSE(held.apply(sweep, times_s));
 }
 

@@ -342,27 +342,64 @@ TEST(SweepTiming, PeriodIsTheGivenThenTheMeasuredThenANominalOne) {
   EXPECT_EQ(nominal.period_s, 0.1);
 }
 
+/// Of a revolution of `period_s`, the part from `from` to `to`, with times from the revolution's start.
+Sweep partOfRevolution(double period_s, double from, double to) {
+  const Sweep whole = revolution(100.0);
+  Sweep part = sweepAt({});
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    const double ratio = static_cast<double>(whole.times_s[i]) / kPeriod_s;
+    if (ratio < from || ratio >= to) continue;
+    part.points_lidar.push_back(whole.points_lidar[i]);
+    part.times_s.push_back(static_cast<float>(period_s * ratio));
+  }
+  return part;
+}
+
 // Otherwise the first clouds of a head at 20 Hz are timed as if it turned at 10 Hz, and the vehicle seems to jump when the
 // clock knows better.
 TEST(SweepTiming, UntilThePeriodIsKnownTheFieldTellsIt) {
+  struct Part {
+    double from, to, period;  ///< in revolutions
+  };
+  const Part parts[] = {{0.0, 1.0, 1.0}, {0.0, 0.5, 0.5}, {0.0, 0.25, 0.25}, {0.0, 0.8, 1.0},
+                        {0.0, 0.4, 1.0}, {0.6, 1.0, 1.0}, {0.5, 1.0, 1.0},   {0.38, 1.0, 1.0}};
   SweepTimingParams params = paramsWith("auto", "mid");
   params.sweep_period_s = 0.0;
   for (const double period_s : {0.05, 0.1, 0.2}) {
-    for (const double held : {0.5, 0.8, 1.0}) {  // of a revolution, in the cloud
-      Sweep whole = revolution(100.0), sweep = whole;
-      const auto points = static_cast<std::size_t>(held * static_cast<double>(whole.size()));
-      sweep.points_lidar.resize(points);
-      sweep.times_s.resize(points);
-      for (float& time_s : sweep.times_s) time_s *= static_cast<float>(period_s / kPeriod_s);
-      std::vector<float> times_s;
-      const TimingResult result = SweepTiming(params).assign(sweep, 0.0, times_s);
-      const double cloud_s = held > 0.6 ? period_s : held * period_s;
-      EXPECT_EQ(result.field, TimeField::kUsed);
-      EXPECT_FALSE(result.period_known);
-      EXPECT_NEAR(result.period_s, cloud_s, 1e-3 * period_s);
-      EXPECT_NEAR(times_s.front(), -0.5 * cloud_s, 1e-3 * period_s);
+    for (const Part& part : parts) {
+      for (const bool has_strays : {false, true}) {
+        SCOPED_TRACE(std::to_string(period_s) + " " + std::to_string(part.from) + " " + std::to_string(part.to));
+        Sweep sweep = partOfRevolution(period_s, part.from, part.to);
+        for (std::size_t i = 7; has_strays && i < sweep.size(); i += 20)
+          sweep.times_s[i] = i % 40 == 7 ? 1e9f : std::numeric_limits<float>::quiet_NaN();
+        std::vector<float> times_s;
+        const TimingResult result = SweepTiming(params).assign(sweep, 0.0, times_s);
+        EXPECT_EQ(result.field, TimeField::kUsed);
+        EXPECT_FALSE(result.period_known);
+        EXPECT_NEAR(result.period_s, part.period * period_s, 5e-3 * period_s);
+        EXPECT_NEAR(times_s.front(), (part.from - 0.5 * part.period) * period_s, 5e-3 * period_s);
+      }
     }
   }
+}
+
+TEST(SweepTiming, TimesThatRunBackwardAreRefused) {
+  SweepTiming timing(paramsWith("auto", "end"));
+  const auto assign = [&](int i, bool backward, std::vector<float>& times_s) {
+    Sweep sweep = revolution(100.0 + i * kPeriod_s);
+    for (float& time_s : sweep.times_s) time_s = backward ? static_cast<float>(kPeriod_s) - time_s : time_s;
+    return timing.assign(sweep, 0.0, times_s);
+  };
+  std::vector<float> right_s, times_s;
+  EXPECT_EQ(assign(0, false, right_s).field, TimeField::kUsed);
+  for (int i = 1; i <= 100; ++i) {
+    const TimingResult result = assign(i, true, times_s);
+    EXPECT_EQ(result.field, TimeField::kBackward) << i;
+    EXPECT_EQ(result.source, TimingSource::kHeld) << i;
+    for (std::size_t k = 50; k + 50 < times_s.size(); k += 100) ASSERT_NEAR(times_s[k], right_s[k], 1e-3) << i;
+  }
+  EXPECT_EQ(assign(101, true, times_s).field, TimeField::kUsed) << "the head turns that way, after all";
+  EXPECT_EQ(assign(102, false, times_s).field, TimeField::kUsed) << "as the parameter says";
 }
 
 TEST(SweepTiming, RefusesBadParameters) {

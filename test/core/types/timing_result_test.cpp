@@ -23,10 +23,10 @@ TEST(TimingResult, EveryValueHasItsOwnName) {
     add(status);
   }
   for (const TimeField field : {TimeField::kNotRead, TimeField::kUsed, TimeField::kAbsent, TimeField::kNotFinite,
-                                TimeField::kNoSpread, TimeField::kBadScale}) {
+                                TimeField::kNoSpread, TimeField::kBadScale, TimeField::kBackward}) {
     add(field);
   }
-  EXPECT_EQ(names.size(), 17u);
+  EXPECT_EQ(names.size(), 18u);
   EXPECT_EQ(names.count("unknown"), 0u);
 }
 
