@@ -116,7 +116,7 @@ class VerticalReference {
   /// How much the leans of the profiles count.
   struct LeanWeights {
     std::vector<double> kernel;  ///< by profile
-    double inflation = 1.0;  ///< of all their variances
+    double inflation = 1.0;      ///< of all their variances
   };
 
   LeanWeights leanWeights(const std::vector<ProfileEquations>& all, bool first) const;

@@ -118,7 +118,8 @@ TEST(SweepCorrector, AzimuthOffsetIsCorrected) {
   MovingSweep moving = scan(3.0, 0.5);
   const Pose T_corrected_head = poseFromVector(vector6(0.0, 0.0, 0.0, 0.0, 0.0, sensor.azimuth.angle_deg * kDegree));
   // what the scan holds is of a lidar whose azimuths are right; the corrected frame is turned against it
-  SweepCorrector corrector({}, sensor.azimuth, sensor.correctedTiming(), SweepCorrectionParams(), VerticalReferenceParams());
+  SweepCorrector corrector({}, sensor.azimuth, sensor.correctedTiming(), SweepCorrectionParams(),
+                           VerticalReferenceParams());
   CorrectedSweep corrected;
   corrector.correct(moving.sweep, predictionAt(3.0, 0.1), kT_cog_lidar * T_corrected_head.inverse(), corrected);
   for (Eigen::Vector3d& p : moving.truth_lidar) p = T_corrected_head * p;
