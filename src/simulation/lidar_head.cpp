@@ -39,15 +39,16 @@ Elevations pandar64() {
   return elevations;
 }
 
-const std::vector<std::pair<std::string, std::function<Elevations()>>>& heads() {
-  static const std::vector<std::pair<std::string, std::function<Elevations()>>> kHeads = {
-      {"hdl64e", hdl64e},
-      {"hdl32e", [] { return evenly(32, -30.67, 10.67); }},
-      {"vlp32c", vlp32c},
-      {"vlp16", [] { return evenly(16, -15.0, 15.0); }},
-      {"os1_64", [] { return evenly(64, -22.5, 22.5); }},
-      {"os1_128", [] { return evenly(128, -22.5, 22.5); }},
-      {"pandar64", pandar64}};
+using Heads = std::vector<std::pair<std::string, std::function<Elevations()>>>;
+
+const Heads& heads() {
+  static const Heads kHeads = {{"hdl64e", hdl64e},
+                               {"hdl32e", [] { return evenly(32, -30.67, 10.67); }},
+                               {"vlp32c", vlp32c},
+                               {"vlp16", [] { return evenly(16, -15.0, 15.0); }},
+                               {"os1_64", [] { return evenly(64, -22.5, 22.5); }},
+                               {"os1_128", [] { return evenly(128, -22.5, 22.5); }},
+                               {"pandar64", pandar64}};
   return kHeads;
 }
 

@@ -238,6 +238,8 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
       HeldTiming::headOf(sweep, times_s, range->first_s + offset_s, result.period_s);
   if (head && held_.turnsAgainst(*head) && head->clockwise != params_.clockwise && backward_sweeps_ < kMostBackward) {
     ++backward_sweeps_;
+    result.field_reference.reset();  // what a field says that is not used
+    result.outliers = 0;
     return refuse(TimeField::kBackward, "its values run against the head's sense of rotation");
   }
   backward_sweeps_ = 0;

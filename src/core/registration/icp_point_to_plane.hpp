@@ -44,8 +44,8 @@ class IcpPointToPlane {
     double initial_kernel_m = 0.4;
     /// of one point along the normal, added to the patch's own scatter: range noise
     double point_sigma_m = 0.03;
-    double scan_line_sigma_m =
-        0.04;                      ///< common to the points of one scan line: the beam's errors, the pose's; see above
+    /// common to the points of one scan line: the beam's errors, the pose's; see above
+    double scan_line_sigma_m = 0.04;
     double ground_weight = 0.1;    ///< of ground-like patches against the others, see above
     double range_weight_m = 20.0;  ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;

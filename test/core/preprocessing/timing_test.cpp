@@ -396,6 +396,7 @@ TEST(SweepTiming, TimesThatRunBackwardAreRefused) {
     const TimingResult result = assign(i, true, times_s);
     EXPECT_EQ(result.field, TimeField::kBackward) << i;
     EXPECT_EQ(result.source, TimingSource::kHeld) << i;
+    EXPECT_FALSE(result.field_reference.has_value()) << i;
     for (std::size_t k = 50; k + 50 < times_s.size(); k += 100) ASSERT_NEAR(times_s[k], right_s[k], 1e-3) << i;
   }
   EXPECT_EQ(assign(101, true, times_s).field, TimeField::kUsed) << "the head turns that way, after all";
