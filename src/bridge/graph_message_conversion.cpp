@@ -172,7 +172,11 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.motion_status = static_cast<std::uint8_t>(state.motion_status);
   message.increment = toPoseMessage(state.T_previous_now);
   message.increment_covariance = toCovarianceMessage(state.increment_covariance);
-  message.unobserved_covariance = toCovarianceMessage(state.unobserved_covariance);
+  message.motion_covariance = toCovarianceMessage(state.motion_covariance);
+  message.registration_covariance = toCovarianceMessage(state.registration_covariance);
+  message.registered = state.registered;
+  message.doubt = state.doubt.sigma_m;
+  message.doubt_yaw = state.doubt.sigma_yaw_rad;
   message.speed_variance = state.speed_error.variance_m2_s2;
   message.speed_kept = state.speed_error.kept;
   message.clock_jump = state.clock_jump;
@@ -229,7 +233,10 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   take(message.motion_status, state.motion_status);
   state.T_previous_now = *increment;
   state.increment_covariance = fromMessage(message.increment_covariance);
-  state.unobserved_covariance = fromMessage(message.unobserved_covariance);
+  state.motion_covariance = fromMessage(message.motion_covariance);
+  state.registration_covariance = fromMessage(message.registration_covariance);
+  state.registered = message.registered;
+  state.doubt = {message.doubt, message.doubt_yaw};
   state.speed_error.variance_m2_s2 = message.speed_variance;
   state.speed_error.kept = message.speed_kept;
   state.clock_jump = message.clock_jump != 0;

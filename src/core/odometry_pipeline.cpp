@@ -102,16 +102,16 @@ struct OdometryPipeline::Stages {
 /// A new source: a line here.
 std::vector<OdometryPipeline::Stages::Source> OdometryPipeline::Stages::makeSources() {
   const RegistrationParameters& use = params.profile.registration;
-  const auto kPose = FusionInput::Kind::kPose, kPartial = FusionInput::Kind::kPartial;
+  using Kind = FusionInput::Kind;
   return {
-      {kIcpPointToPoint, use.use_icp_point_to_point, kPose, true,
+      {kIcpPointToPoint, use.use_icp_point_to_point, Kind::kPose, true,
        [this](const SweepPrediction&) { return registration.align(icp_point_to_point); }},
-      {kIcpPointToPlane, use.use_icp_point_to_plane, kPose, true,
+      {kIcpPointToPlane, use.use_icp_point_to_plane, Kind::kPose, true,
        [this](const SweepPrediction& p) { return registration.align(icp_point_to_plane, p.sigma_yaw_rad); }},
-      {kCornerSvd, use.use_corner_svd, kPose, false,
+      {kCornerSvd, use.use_corner_svd, Kind::kPose, false,
        [this](const SweepPrediction& p) { return corner_svd.measure(corrected, p, T_cog_lidar); }},
-      {kRoadProfile, true, kPartial, true, [this](const SweepPrediction&) { return registration.roadProfile(); }},
-      {kAboveGround, true, kPartial, true, [this](const SweepPrediction&) { return registration.aboveGround(); }},
+      {kRoadProfile, true, Kind::kMotion, true, [this](const SweepPrediction&) { return registration.roadProfile(); }},
+      {kAboveGround, true, Kind::kPartial, true, [this](const SweepPrediction&) { return registration.aboveGround(); }},
   };
 }
 

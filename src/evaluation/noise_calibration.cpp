@@ -106,19 +106,19 @@ Params scaled(Params params, const Fields<Params>& fields, const std::vector<dou
   return params;
 }
 
-// measured_ratio is that of a variance, the others are standard deviations.
+// registration_ratio is that of a variance, the others are standard deviations.
 DriftModel::Params scaledDrift(DriftModel::Params params, const Fields<DriftModel::Params>& fields,
                                std::vector<double> factors) {
   factors.front() *= factors.front();
   params = scaled(params, fields, factors);
-  params.measured_ratio = std::min(params.measured_ratio, 1.0);
+  params.registration_ratio = std::min(params.registration_ratio, 1.0);
   return params;
 }
 
 Fields<DriftModel::Params> driftFields() {
   using P = DriftModel::Params;
-  return {&P::measured_ratio, &P::position_per_root_metre_m, &P::heading_per_root_metre_deg, &P::heading_bias_deg_per_m,
-          &P::scale_bias};
+  return {&P::registration_ratio, &P::position_per_root_metre_m, &P::heading_per_root_metre_deg,
+          &P::heading_bias_deg_per_m, &P::scale_bias};
 }
 
 // The fitted parameters' squares enter the covariance linearly: C = fixed + sum (field / start)^2 per_start.
@@ -244,7 +244,7 @@ DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel:
   begin.position_per_root_metre_m = begin.heading_per_root_metre_deg = 0.005;
   begin.heading_bias_deg_per_m = 0.0002;
   begin.scale_bias = 0.0005;
-  begin.measured_ratio = kFirstRatio;
+  begin.registration_ratio = kFirstRatio;
   addCovariances(runs, begin, samples);
   const auto cost = [&](const std::vector<double>& factors) {
     double sum = 0.0;

@@ -43,7 +43,7 @@ struct DriftFitOptions {
   double episode_every_s = 5.0, every_s = 5.0, until_s = 60.0;
 };
 
-/// `others` with measured_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws
+/// `others` with registration_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws
 /// InputError without data.
 DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
                             const DriftFitOptions& options = {});

@@ -23,7 +23,7 @@ struct BuiltIn {
 constexpr BuiltIn kBuiltIn[] = {{kIcpPointToPoint, FusionInput::Kind::kPose},
                                 {kIcpPointToPlane, FusionInput::Kind::kPose},
                                 {kCornerSvd, FusionInput::Kind::kPose},
-                                {kRoadProfile, FusionInput::Kind::kPartial},
+                                {kRoadProfile, FusionInput::Kind::kMotion},
                                 {kAboveGround, FusionInput::Kind::kPartial}};
 
 }  // namespace
@@ -238,7 +238,7 @@ SweepAccount MeasurementSources::close() {
     if (!source.used || !source.exact) continue;
     if (!source.measurement) source.record.miss();
     // The nodelet of a partial measurement has a full one, too. If the nodelet is absent, the full one reports it.
-    const bool expected = source.kind != FusionInput::Kind::kPartial || source.subscriber.getNumPublishers() > 0;
+    const bool expected = !FusionInput::isPartial(source.kind) || source.subscriber.getNumPublishers() > 0;
     account.sources.push_back({source.name, source.measurement, expected, source.kind});
   }
   open_ = ros::Time();

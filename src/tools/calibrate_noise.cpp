@@ -79,9 +79,9 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   return runTool(kName, [&] {
     CLI::App app(
-        "Fits filter.increment_* and of monitor.drift measured_ratio, position_ and heading_per_root_metre, "
+        "Fits filter.increment_* and of monitor.drift registration_ratio, position_ and heading_per_root_metre, "
         "heading_bias and scale_bias to recorded runs with ground truth, by (Gaussian) maximum likelihood. The "
-        "part of the error that passes (transient_*), unobserved_ratio, the tilt and the predictor's "
+        "part of the error that passes (transient_*), map_length_m, the tilt and the predictor's "
         "degrees_of_freedom stay as they are: choose them by the "
         "coverage that evaluate_fail_aware shows. Use runs on which the odometry was not lost, and judge the result on "
         "others: evaluate_fail_aware --parameters FILE shows the drift's effect at once; the increments' is seen after "

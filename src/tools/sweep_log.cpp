@@ -114,7 +114,7 @@ void SweepLog::logSweep(std::size_t row, const SweepResult& r) {
   if (r.state.dt_s <= 0.0) return;
   for (std::size_t i = 0; i < r.sources.size(); ++i) {
     const SourceResult& source = r.sources[i];
-    if (source.kind == FusionInput::Kind::kPartial || !source.measurement.ok()) continue;
+    if (FusionInput::isPartial(source.kind) || !source.measurement.ok()) continue;
     measurement_log_ << measurementLogRow(measuredMotion(row, i, source.measurement, r.state)) << '\n';
   }
 }

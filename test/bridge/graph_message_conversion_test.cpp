@@ -152,7 +152,10 @@ FilterState someState() {
   state.map_update = MapUpdate::kRestart;
   state.T_previous_now = somePose(1.2);
   state.increment_covariance = 0.1 * someCovariance();
-  state.unobserved_covariance = 0.01 * someCovariance();
+  state.motion_covariance = 0.01 * someCovariance();
+  state.registration_covariance = 0.02 * someCovariance();
+  state.registered = true;
+  state.doubt = {0.3, 0.04};
   state.speed_error = {2.5, 0.75};
   state.clock_jump = true;
   state.set_back_s = 0.3;
@@ -185,7 +188,11 @@ TEST(GraphMessages, StateThereAndBack) {
   EXPECT_EQ(back->map_update, MapUpdate::kRestart);
   EXPECT_TRUE(back->T_previous_now.isApprox(state.T_previous_now, 1e-14));
   EXPECT_EQ(back->increment_covariance, state.increment_covariance);
-  EXPECT_EQ(back->unobserved_covariance, state.unobserved_covariance);
+  EXPECT_EQ(back->motion_covariance, state.motion_covariance);
+  EXPECT_EQ(back->registration_covariance, state.registration_covariance);
+  EXPECT_TRUE(back->registered);
+  EXPECT_EQ(back->doubt.sigma_m, state.doubt.sigma_m);
+  EXPECT_EQ(back->doubt.sigma_yaw_rad, state.doubt.sigma_yaw_rad);
   EXPECT_EQ(back->speed_error.variance_m2_s2, 2.5);
   EXPECT_EQ(back->speed_error.kept, 0.75);
   EXPECT_TRUE(back->clock_jump);

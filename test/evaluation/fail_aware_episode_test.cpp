@@ -24,10 +24,11 @@ struct Drive {
       input.state.T_odom_cog.translation() << i, drift_m * i, 0.0;
       if (i > 0) input.state.T_previous_now.translation() << 1.0, drift_m, 0.0;
       input.state.measurement_applied = true;
+      input.state.map_update = MapUpdate::kInsert;
       input.state.motion_status = MotionStatus::kObserved;
       input.state.fusion.valid_inputs = 3;
       input.state.fusion.confirmed = true;
-      input.state.increment_covariance = 1e-4 * Matrix6d::Identity();
+      input.state.increment_covariance = input.state.motion_covariance = 1e-4 * Matrix6d::Identity();
       log.push_back(input);
     }
   }

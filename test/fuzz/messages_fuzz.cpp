@@ -262,7 +262,8 @@ SweepAccount account(FieldSource& source, const SweepPrediction& prediction, con
 void promiseState(const FilterState& state) {
   promiseCovariance(state.covariance, "the filter's covariance is one");
   promiseCovariance(state.increment_covariance, "an increment's covariance is one");
-  promiseCovariance(state.unobserved_covariance, "what is unobserved is a covariance");
+  promiseCovariance(state.motion_covariance, "a motion's covariance is one");
+  if (state.registered) promiseCovariance(state.registration_covariance, "a registration's covariance is one");
   promiseCovariance(state.fusion.R, "what is fused has a covariance");
   for (const double weight : state.fusion.weights) promise(weight >= 0.0 && weight <= 1.0, "weights are in 0..1");
   promise(state.speed_error.variance_m2_s2 >= 0.0, "a variance is not negative");

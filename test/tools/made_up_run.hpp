@@ -51,6 +51,7 @@ struct MadeUpRun {
       s.stamp_s = 0.1 * i;
       s.sigma_yaw_rad = 1e-3 + 1e-6 * (i % 2);
       s.measurement_applied = true;
+      s.map_update = MapUpdate::kInsert;
       s.motion_status = MotionStatus::kObserved;
       s.fusion.valid_inputs = 3;
       s.fusion.confirmed = true;
@@ -68,6 +69,7 @@ struct MadeUpRun {
         T = T * s.T_previous_now;
         s.increment_covariance.diagonal().head<3>().setConstant(said_sigma_m * said_sigma_m);
         s.increment_covariance.diagonal().tail<3>().setConstant(said_sigma_yaw_rad * said_sigma_yaw_rad);
+        s.motion_covariance = s.increment_covariance;
         for (const std::size_t source : {0u, 1u}) {
           const double scale = source == 0u ? 1.0 : 4.0;
           measurements << measurementLogRow({input.row, source, s.T_previous_now, scale * s.increment_covariance})

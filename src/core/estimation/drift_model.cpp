@@ -19,8 +19,8 @@ double squared(double value) { return value * value; }
 }  // namespace
 
 void DriftModel::Params::validate() const {
-  requireWithin("measured_ratio", measured_ratio, 0.0, 1.0);
-  requireWithin("unobserved_ratio", unobserved_ratio, 0.0, 1.0);
+  requireWithin("map_length_m", map_length_m, 0.0, kLargestParameter);
+  requireWithin("registration_ratio", registration_ratio, 0.0, kLargestParameter);
   requireNotNegative("position_per_root_metre_m", position_per_root_metre_m);
   requireNotNegative("tilt_per_root_metre_deg", tilt_per_root_metre_deg);
   requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
@@ -34,15 +34,15 @@ void DriftModel::Params::validate() const {
 
 DriftModel::Params DriftModel::Params::independent() {
   Params params;
-  params.measured_ratio = 1.0;
-  params.unobserved_ratio = 1.0;
+  params.map_length_m = 0.0;
+  params.registration_ratio = 1.0;
   params.position_per_root_metre_m = 0.0;
   params.tilt_per_root_metre_deg = 0.0;
   params.heading_per_root_metre_deg = 0.0;
   params.heading_bias_deg_per_m = 0.0;
   params.scale_bias = 0.0;
-  params.transient_ratio = 1.0;
-  params.transient_rotation_ratio = 1.0;
+  params.transient_ratio = 0.0;
+  params.transient_rotation_ratio = 0.0;
   params.new_map_m = 0.0;
   return params;
 }
@@ -58,44 +58,32 @@ Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
 
 DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }
 
-// Of what stays open: on roads, u of 0.05 to 0.2, little more than the least; from an u of 0.4 on, all.
-double DriftModel::accumulatedRatioOfOpen(double unobserved_along) const {
-  constexpr double kOpen = 0.4;
-  const double openness = std::min(1.0, squared(unobserved_along / kOpen));
-  return params_.unobserved_ratio + (1.0 - params_.unobserved_ratio) * openness;
-}
-
 double DriftModel::pace(double distance_m, double dt_s) const {
   return dt_s > 0.0 ? std::clamp(distance_m / (dt_s * params_.slow_mps), 1.0, kMaxPace) : 1.0;
 }
 
-Matrix6d DriftModel::accumulated(const Matrix6d& increment, const Matrix6d& unobserved, double distance_m,
-                                 double pace) const {
-  const double u = unobservedAlong(increment, unobserved);
-  Matrix6d accumulated = accumulatedRatioOfOpen(u) * unobserved + params_.measured_ratio * (increment - unobserved);
+Vector6d DriftModel::walkVariances(double distance_m, double pace) const {
   const double walk_m = pace * pace * distance_m;
   const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * walk_m;
-  accumulated.diagonal().head<3>().array() += squared(params_.position_per_root_metre_m) * walk_m;
-  accumulated(3, 3) += tilt;
-  accumulated(4, 4) += tilt;
-  accumulated(5, 5) += squared(params_.heading_per_root_metre_deg * kDegree) * walk_m;
-  return accumulated;
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(squared(params_.position_per_root_metre_m) * walk_m), tilt, tilt,
+      squared(params_.heading_per_root_metre_deg * kDegree) * walk_m;
+  return variances;
 }
 
-Matrix6d DriftModel::transient(const Matrix6d& increment, const Matrix6d& unobserved) const {
+double DriftModel::mapReplaced(double distance_m) const {
+  return params_.map_length_m > 0.0 ? std::min(1.0, distance_m / params_.map_length_m) : 1.0;
+}
+
+Matrix6d DriftModel::transient(const Matrix6d& registration) const {
   Vector6d root;
   root << Eigen::Vector3d::Constant(std::sqrt(params_.transient_ratio)),
       Eigen::Vector3d::Constant(std::sqrt(params_.transient_rotation_ratio));
-  return 0.5 * (1.0 - params_.measured_ratio) * (root.asDiagonal() * (increment - unobserved) * root.asDiagonal());
+  return root.asDiagonal() * registration * root.asDiagonal();
 }
 
 Eigen::Vector2d DriftModel::biasVariances() const {
   return {squared(params_.heading_bias_deg_per_m * kDegree), squared(params_.scale_bias)};
-}
-
-double DriftModel::unobservedAlong(const Matrix6d& increment, const Matrix6d& unobserved) const {
-  if (!(increment(0, 0) > 0.0)) return 0.0;
-  return std::clamp(unobserved(0, 0) / increment(0, 0), 0.0, 1.0);
 }
 
 }  // namespace fail_aware

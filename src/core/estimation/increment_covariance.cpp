@@ -8,7 +8,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr int kRotationSweeps = 2;  // in which what one leaves open is measured again
+constexpr double kUnknownDistance_m = 15.0, kUnknownTurn_rad = 0.8;  // what the relocalization searches
 
 bool isConfirmed(const FilterState& state) { return state.measurement_applied && state.fusion.confirmed; }
 
@@ -17,56 +17,65 @@ bool isAsPredicted(const FilterState& state) {
   return !state.measurement_applied || (state.dt_s > kLongInterval_s && !isConfirmed(state));
 }
 
+// Q with what the sources of kind kMotion measured of the same motion.
+Matrix6d measuredMotion(const Matrix6d& Q, const FusionResult& fusion) {
+  if (fusion.R == fusion.R_map) return Q;
+  const Matrix6d measured = inverseOf(inverseOf(Q) + inverseOf(fusion.R) - inverseOf(fusion.R_map));
+  return measured.allFinite() ? measured : Q;
+}
+
+Matrix6d unknownMotion() {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(kUnknownDistance_m), Eigen::Vector3d::Constant(kUnknownTurn_rad);
+  return sigmas.cwiseAbs2().asDiagonal();
+}
+
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
-  OdometryIncrement increment{state.increment_covariance,
-                              state.unobserved_covariance,
-                              state.dt_s,
-                              state.speed_error,
-                              isAsPredicted(state),
-                              {},
-                              {},
-                              state.map_update == MapUpdate::kRestart};
-  if (isConfirmed(state)) increment.confirmed = poseCovarianceFromState(state.fusion.R, state.fusion.z);
+  OdometryIncrement increment;
+  increment.motion = state.motion_covariance;
+  if (state.registered) increment.registration = state.registration_covariance;
+  increment.confirmed = isConfirmed(state);
+  increment.dt_s = state.dt_s;
+  increment.speed_error = state.speed_error;
+  increment.doubt = state.doubt;
+  increment.map_update = state.map_update;
   return increment;
 }
 
-void setIncrementCovariance(const IncrementFloor& floor, const Matrix6d& Q, double scale,
-                            const SweepPrediction& prediction, FilterState& state) {
-  // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T, along the
-  // directions that R does not observe all of Q, and the measurement's part K R K^T.
-  Matrix6d from_prediction = Q, accumulated = Q, from_measurement = Matrix6d::Zero();
+void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, const SweepPrediction& prediction,
+                            FilterState& state) {
+  const FusionResult& fusion = state.fusion;
+  // while no motion is known, all measurements of a sweep begin at the same guess
+  state.registered = !isAsPredicted(state) && prediction.motionKnown();
+  // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T and the
+  // measurement's part K R K^T.
+  Matrix6d increment = Q;
+  Matrix6d motion = state.registered ? measuredMotion(Q, fusion) : Q;
   if (state.clock_jump) {  // the prediction tells nothing of it
-    from_prediction.setZero();
-    accumulated.setZero();
-    from_measurement = state.fusion.R;
+    increment = fusion.R;
+    motion = unknownMotion();
   } else if (!isAsPredicted(state)) {
-    const Matrix6d sum = Q + state.fusion.R;
-    const Matrix6d K = solutionOf(sum, Q).transpose();
+    const Matrix6d K = solutionOf(Q + fusion.R, Q).transpose();
     const Matrix6d left = Matrix6d::Identity() - K;
-    from_prediction = left * Q * left.transpose();
-    from_measurement = K * state.fusion.R * K.transpose();
-    // A rotation that this sweep leaves open is measured again by the next ones, against the same map.
-    Matrix6d left_open = left, rotation = left;
-    for (int sweep = 1; sweep < kRotationSweeps; ++sweep) rotation = (rotation * left).eval();
-    left_open.bottomRows<3>() = rotation.bottomRows<3>();
-    accumulated = left_open * Q * left_open.transpose();
+    increment = left * Q * left.transpose() + K * fusion.R * K.transpose();
   }
   const Vector6d x = vectorFromPose(state.T_odom_cog);
   const Eigen::Matrix3d R_previous_odom = prediction.T_odom_cog_previous.linear().transpose();
-  const auto aboutPrevious = [&](const Matrix6d& C) {
-    const Matrix6d scaled = 0.5 * scale * (C + C.transpose());
+  const auto aboutPrevious = [&](const Matrix6d& C, double factor) {
+    const Matrix6d scaled = 0.5 * factor * (C + C.transpose());
     Matrix6d turned = rotateCovariance(poseCovarianceFromState(scaled, x), R_previous_odom);
     // rounding, where variances differ by many orders of magnitude
     const double least = turned.diagonal().minCoeff();
     if (least < 0.0) turned.diagonal().array() -= least;
     return turned;
   };
-  state.unobserved_covariance = aboutPrevious(accumulated);
-  state.increment_covariance = aboutPrevious(from_prediction) + aboutPrevious(from_measurement);
-  const double floor_m = floor.sigma_m + floor.sigma_per_metre_m * state.T_previous_now.translation().norm();
-  const double floor_rad = floor.sigma_deg * kDegree;
+  state.motion_covariance = aboutPrevious(motion, 1.0);
+  if (state.registered) state.registration_covariance = aboutPrevious(fusion.R_map, scale.factor);
+  state.increment_covariance = aboutPrevious(increment, scale.factor * scale.dead_reckoning_factor);
+  const double floor_m = scale.floor_m + scale.floor_per_metre_m * state.T_previous_now.translation().norm();
+  const double floor_rad = scale.floor_deg * kDegree;
   state.increment_covariance.diagonal().head<3>().array() += floor_m * floor_m;
   state.increment_covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
 }

@@ -1,6 +1,7 @@
-// The covariance of one sweep's motion, and the part of it that the measurements do not observe. Not in the paper.
+// The covariance of one sweep's motion, and what the accumulated covariance is made of (odometry_covariance.hpp). Not in
+// the paper.
 //
-// One Kalman step from an exactly known pose: the process noise Q against the fused measurement's R.
+// The increment's: one Kalman step from an exactly known pose, the process noise Q against the fused measurement's R.
 // Covariances of an increment are about the previous body's axes (m, rad), geometry/pose.hpp's convention.
 // Failure: none. Cost: about 5 us.
 #pragma once
@@ -12,15 +13,16 @@
 
 namespace fail_aware {
 
-/// Lower bounds of an increment's standard deviations.
-struct IncrementFloor {
-  double sigma_m = 0.0, sigma_per_metre_m = 0.0, sigma_deg = 0.0;
+struct IncrementScale {
+  double factor = 1.0;                 ///< on what follows from Q and R: the increment's, and the registration's
+  double dead_reckoning_factor = 1.0;  ///< on the increment's in addition
+  double floor_m = 0.0, floor_per_metre_m = 0.0, floor_deg = 0.0;  ///< least standard deviations of the increment
 };
 
-/// Sets increment_covariance and unobserved_covariance of a state that is otherwise complete. `scale` multiplies the
-/// covariance that follows from Q and R.
-void setIncrementCovariance(const IncrementFloor& floor, const Matrix6d& Q, double scale,
-                            const SweepPrediction& prediction, FilterState& state);
+/// Sets increment_covariance, motion_covariance, registration_covariance and registered of a state that is otherwise
+/// complete.
+void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, const SweepPrediction& prediction,
+                            FilterState& state);
 
 /// The increment, for the accumulated covariance.
 OdometryIncrement incrementOf(const FilterState& state);

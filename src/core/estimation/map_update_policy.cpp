@@ -9,9 +9,7 @@ namespace {
 constexpr int kMaxSkippedSweeps = 10;  // consecutive; one more means that the reference is out of sight
 constexpr int kMaxHeldSweeps = 10;     // consecutive; the last one restarts the reference
 
-bool isThere(const FusionInput& input) {
-  return input.measurement != nullptr && input.kind != FusionInput::Kind::kPartial;
-}
+bool isThere(const FusionInput& input) { return input.measurement != nullptr && !FusionInput::isPartial(input.kind); }
 
 bool isAnIcp(const FusionInput& input) { return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane; }
 

@@ -54,6 +54,7 @@ std::optional<Candidate> makeCandidate(std::size_t index, const FusionInput& inp
 
   Candidate candidate;
   candidate.input = index;
+  candidate.measures_motion = input.kind == FusionInput::Kind::kMotion;
   candidate.external = input.kind == FusionInput::Kind::kExternal;
   candidate.z = vectorFromPose(T);
   if (!candidate.z.allFinite() || std::abs(std::cos(candidate.z[4])) < kGimbalLockCosine) return std::nullopt;
@@ -152,7 +153,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
     if (!inputs[i].measurement || !inputs[i].measurement->ok()) continue;
     const std::optional<Candidate> candidate = makeCandidate(i, inputs[i]);
     if (candidate && stateDifference(candidate->z, predicted_state).head<3>().norm() <= kFarthestOff_m) {
-      (inputs[i].kind == FusionInput::Kind::kPartial ? partial : candidates).push_back(*candidate);
+      (FusionInput::isPartial(inputs[i].kind) ? partial : candidates).push_back(*candidate);
     } else {
       ++result.invalid_inputs;
     }
@@ -174,6 +175,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   }
   if (any_inside && params_.literal) fuseLiteral(candidates, predicted_state, &result);
   if ((any_inside || result.prediction_overruled) && !params_.literal) fuseByInformation(candidates, &result);
+  result.R_map = result.R;
   if (result.has_measurement) addPartial(partial, predicted_state, P, &result);
   for (int i = 3; i < 6; ++i) result.z[i] = wrapAngle(result.z[i]);
   judgeDisagreement(candidates, params_.agreement_distance_m, &result);
@@ -205,6 +207,9 @@ void MeasurementFusion::addPartial(const std::vector<Candidate>& partial, const 
     result->weights[c.input] = w;
     result->z += *R * c.information * stateDifference(c.z, result->z);
     result->R = *R;
+    if (c.measures_motion) continue;
+    const std::optional<Matrix6d> in_map = inverseOfCovariance(result->R_map);
+    result->R_map = in_map ? inverseOfCovariance(*in_map + c.information).value_or(*R) : *R;
   }
 }
 

@@ -12,12 +12,6 @@ namespace fail_aware {
 
 namespace {
 
-template <class Matrix>
-typename Matrix::PlainObject symmetric(const Matrix& C) {
-  const typename Matrix::PlainObject& plain = C;  // an expression is evaluated once
-  return 0.5 * plain + 0.5 * plain.transpose();
-}
-
 // The nearest positive semidefinite matrix.
 Matrix6d positiveSemidefinite(const Matrix6d& C) {
   Matrix6d S = symmetric(C);
@@ -27,135 +21,148 @@ Matrix6d positiveSemidefinite(const Matrix6d& C) {
   return half * half.transpose();
 }
 
-constexpr int kMaxGapSweeps = 100;      // then the map from before it is out of sight
-constexpr double kMaxGapSigma_m = 5.0;  // beyond it the search after a gap may well settle elsewhere
+bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
 
-// From a pose taken as certain; only the speed's error is brought along.
-DriftState beginAt(const DriftState& state) {
-  DriftState begun;
-  begun.accumulated(DriftState::kSpeed, DriftState::kSpeed) = state.accumulated(DriftState::kSpeed, DriftState::kSpeed);
-  return begun;
+bool isUsable(const OdometryIncrement& increment) {
+  return increment.motion.allFinite() && (!increment.registration || increment.registration->allFinite()) &&
+         std::isfinite(increment.dt_s) && increment.dt_s >= 0.0 && std::isfinite(increment.doubt.sigma_m) &&
+         std::isfinite(increment.doubt.sigma_yaw_rad) && std::isfinite(increment.speed_error.variance_m2_s2) &&
+         std::isfinite(increment.speed_error.kept);
 }
 
-bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
+constexpr double kObservedSigma_m = 0.5;  // a registration that is less sure has hardly left its guess
+constexpr double kUnobservedVariance_m2 = 1e8;
+constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
+constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
+constexpr double kLeastReplaced = 1e-4;         // at standstill the rate is that of a very slow drive
+
+// The registration, with what it does not observe left open.
+Matrix6d observed(const Matrix6d& registration) {
+  Matrix6d R = positiveSemidefinite(registration);
+  const auto eigen = symmetricEigen(Eigen::Matrix3d(R.topLeftCorner<3, 3>()));
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
+    if (eigen.eigenvalues()[i] <= kObservedSigma_m * kObservedSigma_m) continue;
+    R.topLeftCorner<3, 3>() += kUnobservedVariance_m2 * axis * axis.transpose();
+  }
+  return R;
+}
+
+// About the body's axes.
+Matrix6d covarianceOf(const MotionDoubt& doubt) {
+  Vector6d sigmas = Vector6d::Zero();
+  sigmas.head<2>().setConstant(doubt.sigma_m);
+  sigmas[5] = doubt.sigma_yaw_rad;
+  return sigmas.cwiseAbs2().asDiagonal();
+}
 
 }  // namespace
 
 OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }
 
-// Errors e = (dt, dr, b, s, v) of pose, heading bias, scale bias and speed:
-//   dt += dr x R t + p s R t + u dt_s v R e_x,  dr += b |t| R e_z,  v = kept v + noise,
-//   p: the pace, u: how little of the motion is observed
-void OdometryCovariance::advance(const Pose& T_start_previous, const Pose& T_previous_now,
-                                 const OdometryIncrement& increment, DriftState& state) const {
-  const Eigen::Matrix3d& R = T_start_previous.linear();
-  const Eigen::Vector3d step = R * T_previous_now.translation();
-  const double distance_m = step.norm();
-  const double pace = drift_.pace(distance_m, increment.dt_s);
-  const double u = drift_.unobservedAlong(increment.covariance, increment.unobserved);
-  DriftState::Matrix F = DriftState::Matrix::Identity();
-  F.topLeftCorner<6, 6>().topRightCorner<3, 3>() = -skew(step);
-  F.block<3, 1>(3, DriftState::kHeadingBias) = distance_m * R.col(2);
-  F.block<3, 1>(0, DriftState::kScaleBias) = pace * step;
-  F.block<3, 1>(0, DriftState::kSpeed) = u * increment.dt_s * R.col(0);
-  F(DriftState::kSpeed, DriftState::kSpeed) = increment.speed_error.kept;
-  state.accumulated = symmetric(DriftState::Matrix(F * state.accumulated * F.transpose()));
-  state.accumulated.topLeftCorner<6, 6>() +=
-      symmetric(rotateCovariance(drift_.accumulated(increment.covariance, increment.unobserved, distance_m, pace), R));
-  double& speed_variance = state.accumulated(DriftState::kSpeed, DriftState::kSpeed);
-  speed_variance = std::max(speed_variance, increment.speed_error.variance_m2_s2);
-  state.transient = symmetric(rotateCovariance(drift_.transient(increment.covariance, increment.unobserved), R));
-}
-
-// The motion from before the gap to now as one increment, with what the measurement leaves of the prediction's error.
-OdometryIncrement OdometryCovariance::sinceGap(const Gap& gap, const Pose& T_gap_now,
-                                               const OdometryIncrement& increment) {
-  const Matrix6d P = gap.since.accumulated.topLeftCorner<6, 6>();
-  const Matrix6d R = symmetric(rotateCovariance(*increment.confirmed, gap.T_odom_base.linear().transpose()));
-  const Matrix6d left = Matrix6d::Identity() - Matrix6d(solutionOf(P + R, P).transpose());
-  OdometryIncrement whole = increment;
-  whole.dt_s = 0.0;  // what the speed's error has done is in P
-  whole.unobserved = positiveSemidefinite(left * P * left.transpose());
-  const Eigen::Matrix3d R_gap_previous = T_gap_now.linear();
-  whole.covariance =
-      whole.unobserved + symmetric(rotateCovariance(increment.covariance - increment.unobserved, R_gap_previous));
-  return whole;
+bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
+                                   const Matrix6d& increment_covariance) {
+  OdometryIncrement increment;
+  increment.motion = increment_covariance;
+  return propagate(T_odom_base_previous, T_odom_base_now, increment);
 }
 
 bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
                                    const OdometryIncrement& increment) {
-  if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !increment.covariance.allFinite() ||
-      !increment.unobserved.allFinite() || !std::isfinite(increment.dt_s) || increment.dt_s < 0.0 ||
-      !std::isfinite(increment.speed_error.variance_m2_s2) || !std::isfinite(increment.speed_error.kept)) {
-    return false;
-  }
+  if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !isUsable(increment)) return false;
   const Pose T_previous_now = T_odom_base_previous.inverse() * T_odom_base_now;
-  OdometryIncrement sane = increment;
-  const Matrix6d observed = positiveSemidefinite(increment.covariance - increment.unobserved);
-  sane.unobserved = positiveSemidefinite(increment.unobserved);
-  sane.covariance = sane.unobserved + observed;
-
+  const Eigen::Matrix3d R_odom = T_odom_base_previous.linear();
+  const Eigen::Matrix3d R_mark = T_odom_mark_.value_or(Pose::Identity()).linear().transpose() * R_odom;
+  DriftStep step;
+  step.step_m = T_previous_now.translation();
+  step.dt_s = increment.dt_s;
+  step.pace = drift_.pace(step.step_m.norm(), increment.dt_s);
+  step.speed_error = increment.speed_error;
+  step.motion = positiveSemidefinite(increment.motion);
   DriftState since_start = since_start_, since_mark = since_mark_;
-  advance(T_odom_base_previous, T_previous_now, sane, since_start);
-  if (T_odom_mark_) advance(T_odom_mark_->inverse() * T_odom_base_previous, T_previous_now, sane, since_mark);
-  bool lost = lost_ && sane.predicted;
-  std::optional<Gap> gap = gap_;
-  if (sane.predicted && !gap && !lost)
-    gap = Gap{T_odom_base_previous, since_start_, since_mark_, beginAt(since_start_), 0};
-  if (gap) {
-    const Pose T_gap_previous = gap->T_odom_base.inverse() * T_odom_base_previous;
-    advance(T_gap_previous, T_previous_now, sane, gap->since);
-    const double sigma_m = std::sqrt(gap->since.accumulated.topLeftCorner<2, 2>().diagonal().maxCoeff());
-    if (sane.map_restarted || ++gap->sweeps > kMaxGapSweeps || !(sigma_m < kMaxGapSigma_m)) {
-      gap.reset();
-      lost = true;
-    } else if (!sane.predicted && sane.confirmed && sane.confirmed->allFinite()) {
-      const Pose T_gap_now = T_gap_previous * T_previous_now;
-      const OdometryIncrement whole = sinceGap(*gap, T_gap_now, sane);
-      since_start = gap->since_start, since_mark = gap->since_mark;
-      advance(gap->T_odom_base, T_gap_now, whole, since_start);
-      if (T_odom_mark_) advance(T_odom_mark_->inverse() * gap->T_odom_base, T_gap_now, whole, since_mark);
-      gap.reset();
-    }
-  }
-  const Eigen::Vector3d& previous_odom = T_odom_base_previous.translation();
-  const bool is_new_map = !map_distance_ || sane.map_restarted;
-  const MapDistance before = is_new_map ? MapDistance{previous_odom, 0.0} : *map_distance_;
-  MapDistance way = before;
-  way.farthest_m = std::max(before.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
-  const Vector6d new_map = drift_.newMapVariances(before.farthest_m, way.farthest_m);
-  since_start.accumulated.diagonal().head<6>() += new_map;
-  if (T_odom_mark_) since_mark.accumulated.diagonal().head<6>() += new_map;
-  if (!since_start.accumulated.allFinite() || !since_mark.accumulated.allFinite()) return false;
-  lost_ = lost;
-  gap_ = gap;
-  map_distance_ = way;
+  predictDrift(step, R_odom, since_start);
+  if (T_odom_mark_) predictDrift(step, R_mark, since_mark);
+
+  const int unconfirmed_sweeps =
+      takeRegistration(increment, rotateCovariance(since_start.inMap(), R_odom.transpose()), step);
+  const MapDistance map_distance = extendMap(increment, T_odom_base_previous, T_odom_base_now, step);
+  correctDrift(step, R_odom, since_start);
+  if (T_odom_mark_) correctDrift(step, R_mark, since_mark);
+  if (!since_start.C.allFinite() || !since_mark.C.allFinite()) return false;
+
+  unconfirmed_sweeps_ = unconfirmed_sweeps;
+  map_distance_ = map_distance;
   since_start_ = since_start;
   since_mark_ = since_mark;
+  rate_ = rateOf(step);
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
-  transient_base_ =
-      rotateCovariance(drift_.transient(sane.covariance, sane.unobserved), T_previous_now.linear().transpose());
+  transient_base_ = rotateCovariance(step.transient, T_previous_now.linear().transpose());
   largest_transient_base_ += positiveSemidefinite(transient_base_ - largest_transient_base_);
-  vertical_.advance(T_odom_base_now.translation() - previous_odom, increment.tilt_moment);
-  covariance_ = since_start_.accumulated.topLeftCorner<6, 6>() +
+  vertical_.advance(T_odom_base_now.translation() - T_odom_base_previous.translation(), increment.tilt_moment);
+  covariance_ = since_start_.accumulated() +
                 symmetric(rotateCovariance(largest_transient_base_, T_odom_base_now.linear())) + vertical_.covariance();
-  speed_variance_ = since_start_.accumulated(DriftState::kSpeed, DriftState::kSpeed);
   return true;
+}
+
+// K, and whether the map is out of sight. Returns the sweeps since a predicted pose that no two measurements confirmed.
+int OdometryCovariance::takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map,
+                                         DriftStep& step) const {
+  const bool measured = increment.registration.has_value(), restarted = increment.map_update == MapUpdate::kRestart;
+  const Matrix6d D = positiveSemidefinite(in_map);
+  int unconfirmed_sweeps = measured && increment.confirmed ? kConfirmed : unconfirmed_sweeps_;
+  if (!measured || unconfirmed_sweeps != kConfirmed) ++unconfirmed_sweeps;
+  if (measured && unconfirmed_sweeps == kConfirmed) {
+    const Matrix6d R = observed(*increment.registration);
+    const Matrix6d K = solutionOf(D + R, D).transpose();
+    step.left -= K;
+    step.registration = symmetric(K * R * K.transpose());
+    step.transient = drift_.transient(step.registration);
+  }
+  const bool too_wide = !(D.diagonal().head<2>().maxCoeff() < kMaxUnconfirmedSigma_m * kMaxUnconfirmedSigma_m);
+  const bool out_of_sight =
+      unconfirmed_sweeps > kMaxUnconfirmedSweeps || (unconfirmed_sweeps != kConfirmed && too_wide);
+  const bool inserted = increment.map_update == MapUpdate::kInsert;
+  step.replaced = out_of_sight || restarted ? 1.0 : inserted ? drift_.mapReplaced(step.step_m.norm()) : 0.0;
+  if (restarted || (out_of_sight && measured)) return kConfirmed;
+  return out_of_sight ? kMaxUnconfirmedSweeps + 1 : unconfirmed_sweeps;
+}
+
+// What the map gets beside the pose's error.
+OdometryCovariance::MapDistance OdometryCovariance::extendMap(const OdometryIncrement& increment,
+                                                              const Pose& T_odom_base_previous,
+                                                              const Pose& T_odom_base_now, DriftStep& step) const {
+  const bool is_new = !map_distance_ || increment.map_update == MapUpdate::kRestart;
+  MapDistance way = is_new ? MapDistance{T_odom_base_previous.translation(), 0.0} : *map_distance_;
+  const double farthest_before_m = way.farthest_m;
+  way.farthest_m = std::max(way.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
+  step.lasting = drift_.registrationRatio() * step.replaced * step.registration + covarianceOf(increment.doubt);
+  step.lasting.diagonal() += drift_.walkVariances(step.step_m.norm(), step.pace);
+  step.to_map = step.lasting;
+  step.to_map.diagonal() += drift_.newMapVariances(farthest_before_m, way.farthest_m);
+  return way;
+}
+
+// Of an error e in d the registration leaves (I - K) e, of which m gets its part in each sweep until nothing is left.
+DriftRate OdometryCovariance::rateOf(const DriftStep& step) {
+  const double replaced = std::max(step.replaced, kLeastReplaced);
+  const Matrix6d stays = replaced * inverseOf(Matrix6d::Identity() - (1.0 - replaced) * step.left) * step.left;
+  DriftRate rate;
+  rate.covariance = symmetric(Matrix6d(stays * step.motion * stays.transpose())) + step.lasting;
+  rate.speed_share = std::clamp(stays(0, 0), 0.0, 1.0);
+  return rate;
 }
 
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   const Eigen::Vector2d biases = drift_.biasVariances();
   since_start_ = DriftState();
   vertical_ = VerticalDrift();
-  if (start_covariance.allFinite())
-    since_start_.accumulated.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
-  since_start_.accumulated.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
+  if (start_covariance.allFinite()) since_start_.C.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
+  since_start_.C.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
   covariance_ = since_start_.pose();
   transient_base_.setZero();
   largest_transient_base_.setZero();
-  speed_variance_ = 0.0;
-  gap_.reset();
-  lost_ = false;
+  unconfirmed_sweeps_ = kConfirmed;
+  rate_ = DriftRate();
   map_distance_.reset();
   T_odom_mark_.reset();
   since_mark_ = DriftState();
@@ -163,21 +170,34 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
 }
 
 void OdometryCovariance::enterOdom() {
-  gap_.reset();
+  since_start_.foldIntoMap(1.0);
+  since_mark_.foldIntoMap(1.0);
+  unconfirmed_sweeps_ = kConfirmed;
   map_distance_.reset();
 }
 
 void OdometryCovariance::mark(const Pose& T_odom_mark) {
+  constexpr int kMap = DriftState::kMap, kInMap = DriftState::kInMap, kSpeed = DriftState::kSpeed;
   since_mark_ = DriftState();
   since_mark_covariance_.setZero();
   T_odom_mark_.reset();
-  gap_.reset();  // what was wrong at the mark is not seen from there
   if (!isFinite(T_odom_mark)) return;
   T_odom_mark_ = T_odom_mark;
+  // The pose is right by definition, so the map is off by -d.
+  const Eigen::Matrix3d R_mark_odom = T_odom_mark.linear().transpose();
+  const Matrix6d D = symmetric(rotateCovariance(since_start_.inMap(), R_mark_odom));
+  Vector6d d_speed = since_start_.C.block<6, 1>(kInMap, kSpeed);
+  d_speed << R_mark_odom * d_speed.head<3>(), R_mark_odom * d_speed.tail<3>();
+  DriftState::Matrix& C = since_mark_.C;
+  C.block<6, 6>(kInMap, kInMap) = C.block<6, 6>(kMap, kMap) = D;
+  C.block<6, 6>(kMap, kInMap) = C.block<6, 6>(kInMap, kMap) = -D;
+  C.block<6, 1>(kInMap, kSpeed) = d_speed;
+  C.block<6, 1>(kMap, kSpeed) = -d_speed;
+  C.row(kSpeed) = C.col(kSpeed).transpose();
+  C(kSpeed, kSpeed) = since_start_.speedVariance();
   // The jitter of the mark itself stays: all that follows is seen from there.
-  since_mark_.accumulated.topLeftCorner<6, 6>() = transient_base_;
-  since_mark_.accumulated.diagonal().segment<2>(DriftState::kHeadingBias) = drift_.biasVariances();
-  since_mark_.accumulated(DriftState::kSpeed, DriftState::kSpeed) = speed_variance_;
+  C.block<6, 6>(kMap, kMap) += transient_base_;
+  C.diagonal().segment<2>(DriftState::kHeadingBias) = drift_.biasVariances();
 }
 
 std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s) {

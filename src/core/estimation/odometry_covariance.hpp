@@ -1,39 +1,40 @@
 // The covariance of the accumulated odometry (not in the paper): what is published as odometry.pose.covariance. The
-// filter's P settles to a steady level; this one adds up what drift_model.hpp says stays of each sweep's uncertainty,
-// so that it grows with distance and a heading error turns into a position error over the distance driven after it.
+// filter's P settles to a steady level; this one adds up what stays of each sweep's uncertainty, so that it grows with
+// distance and a heading error turns into a position error over the distance driven after it.
 //
-// Beside the pose's error (6) it carries, with their correlations: heading bias per metre, scale bias (both constant),
-// and the error of the speed along the vehicle's axis where the measurements do not observe the motion along it (a
-// tunnel: successive errors are then alike, not independent); it is forgotten where they do.
+// Two errors: m, of the map around the vehicle, and d, of the pose in this map; the pose's is m + d. In a sweep
+//   d += error of the motion without the map (the filter's process noise; an unobserved speed),
+//   d -> (I - K) d, K = D (D + R)^-1: the registration takes back what it observes; R its covariance, D that of d,
+//   m += a d, d -> (1 - a) d: the sweep replaces the part a of the map (drift_model.hpp), and
+//   m += a part of K R K^T: what the registrations that make a map have in common; random walks.
+// So where registration is good, the pose goes with the map. Along a tunnel d grows, and so m; a place without
+// information shorter than the map costs nothing, since the map from before it is seen again.
+// After a pose that is a prediction (sensor gone for a moment) nothing is taken back until two measurements agree; if
+// the prediction becomes too uncertain for a search, or too old, the map is out of sight: d stays for good.
+//
+// Beside them it carries, with their correlations: heading bias per metre, scale bias (both constant), and the error
+// of the speed along the vehicle's axis during dead reckoning (successive errors are then alike, not independent).
 //
 // Convention: geometry/pose.hpp's (m, rad; rotation about fixed axes).
-// The position's part may rightly shrink: driving back to the start undoes a heading error's effect there. What never
-// shrinks is the covariance referred to a fixed point of odom - but for this:
-// Gaps. A pose that is a prediction (sensor gone for a moment) is uncertain; once the sweep is registered to the map
-// from before the gap, it is not any longer. So from a gap on the error since the last measured pose is kept apart, and
-// a measurement that a second one confirms is a Kalman step on it. What that measurement does not observe stays, and
-// all of it does if the prediction was too uncertain for a search, nothing confirms it in time, or a new
-// reference was begun meanwhile.
 // Height, roll and pitch have in addition what the vertical reference knows of them (vertical_drift.hpp).
-// Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 9x9 products.
+// Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 15x15 products,
+// 10 us.
 #pragma once
 
 #include <optional>
 
 #include "core/estimation/drift_model.hpp"
+#include "core/estimation/drift_state.hpp"
 #include "core/estimation/vertical_drift.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/types/odometry_increment.hpp"
 
 namespace fail_aware {
 
-/// Covariance of the pose's error with what drives it.
-struct DriftState {
-  static constexpr int kHeadingBias = 6, kScaleBias = 7, kSpeed = 8, kSize = 9;  ///< rad/m, 1, m/s; 0..5: the pose
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  Matrix accumulated = Matrix::Zero();
-  Matrix6d transient = Matrix6d::Zero();  ///< the pose's jitter of the moment, on top
-  Matrix6d pose() const { return accumulated.topLeftCorner<6, 6>() + transient; }
+/// How the last sweep makes the error grow, if sweeps like it follow: about the previous body's axes.
+struct DriftRate {
+  Matrix6d covariance = Matrix6d::Zero();  ///< of one sweep
+  double speed_share = 0.0;                ///< of an error along the vehicle in d, that stays for good, 0..1
 };
 
 class OdometryCovariance {
@@ -43,17 +44,14 @@ class OdometryCovariance {
 
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);
   /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
-  bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance) {
-    return propagate(T_odom_base_previous, T_odom_base_now,
-                     OdometryIncrement{increment_covariance, Matrix6d::Zero(), 0.0, {}, false, {}, {}, false});
-  }
+  bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance);
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
   const Matrix6d& covariance() const { return covariance_; }
   /// Of the error of the speed, m^2/s^2; 0 where it is observed.
-  double speedVariance() const { return speed_variance_; }
+  double speedVariance() const { return since_start_.speedVariance(); }
 
-  /// Starts again; the mark is forgotten.
+  /// Begins anew; the mark is forgotten.
   void reset(const Matrix6d& start_covariance = Matrix6d::Zero());
 
   /// The vehicle was set to another pose in odom, and a new map begins there. Covariances stay.
@@ -65,38 +63,31 @@ class OdometryCovariance {
   /// The same with all that will make it grow.
   const DriftState& driftSinceMark() const { return since_mark_; }
 
- private:
-  void advance(const Pose& T_start_previous, const Pose& T_previous_now, const OdometryIncrement& increment,
-               DriftState& state) const;
+  const DriftRate& rate() const { return rate_; }
 
-  /// How far the vehicle came from where the map began.
-  struct MapDistance {
+ private:
+  struct MapDistance {  ///< how far the vehicle came from where the map began
     Eigen::Vector3d begin_odom = Eigen::Vector3d::Zero();
     double farthest_m = 0.0;
   };
+  static constexpr int kConfirmed = -1;
 
-  /// From the last pose before a gap.
-  struct Gap {
-    Pose T_odom_base;
-    DriftState since_start, since_mark;  ///< there
-    DriftState since;                    ///< of the motion from there
-    int sweeps = 0;
-  };
-  static OdometryIncrement sinceGap(const Gap& gap, const Pose& T_gap_now, const OdometryIncrement& increment);
+  int takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map, DriftStep& step) const;
+  MapDistance extendMap(const OdometryIncrement& increment, const Pose& T_odom_base_previous,
+                        const Pose& T_odom_base_now, DriftStep& step) const;
+  static DriftRate rateOf(const DriftStep& step);
 
   DriftModel drift_;
-  DriftState since_start_;
-  DriftState since_mark_;
+  DriftState since_start_, since_mark_;
   VerticalDrift vertical_;  ///< since the start, in addition; nothing that is horizontal depends on it
   Matrix6d covariance_ = Matrix6d::Zero();
   Matrix6d since_mark_covariance_ = Matrix6d::Zero();
   Matrix6d transient_base_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
   Matrix6d largest_transient_base_ = Matrix6d::Zero();  ///< no less than any so far
-  double speed_variance_ = 0.0;                         ///< of the newest speed's error
   std::optional<Pose> T_odom_mark_;
-  std::optional<Gap> gap_;
   std::optional<MapDistance> map_distance_;
-  bool lost_ = false;  ///< a gap was too long or too far: what comes next measures the way from nowhere before it
+  int unconfirmed_sweeps_ = kConfirmed;  ///< since a predicted pose; kConfirmed: none is open
+  DriftRate rate_;
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that

@@ -139,13 +139,12 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
   if (started_) {
     prediction_.dt_s = dt;
     prediction_.motion_status = state_.motion_status;
-    const PredictionNoise noise =
-        predictionNoise(model_, motion_, state_,
-                        {dt, interval_sigma_s_, ukf_.state()[5], prediction_.motionKnown(), params_.initial_speed_sigma_mps});
+    const PredictionNoise noise = predictionNoise(
+        model_, motion_, state_,
+        {dt, interval_sigma_s_, ukf_.state()[5], prediction_.motionKnown(), params_.initial_speed_sigma_mps});
     process_noise_ = noise.increment;
     const MotionDerivatives motion = dt > kLongInterval_s ? fading(motion_.motion(), dt) : motion_.motion();
-    ukf_.predict([&](const Vector6d& x) { return model_.predict(x, motion, dt, motion_.roadPlane()); },
-                 noise.filter);
+    ukf_.predict([&](const Vector6d& x) { return model_.predict(x, motion, dt, motion_.roadPlane()); }, noise.filter);
   }
   prediction_.T_odom_cog = poseFromVector(ukf_.state());
   prediction_.covariance = poseCovarianceFromState(ukf_.covariance(), ukf_.state());
@@ -176,8 +175,9 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   if (started_) {
     next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
     const double factor = motion_.deadReckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
-    setIncrementCovariance({params_.increment_floor_m, params_.increment_per_metre_m, params_.increment_floor_deg},
-                           process_noise_, params_.increment_scale * factor, prediction_, next);
+    setIncrementCovariance({params_.increment_scale, factor, params_.increment_floor_m, params_.increment_per_metre_m,
+                            params_.increment_floor_deg},
+                           process_noise_, prediction_, next);
     const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() &&
                              next.dt_s <= kLongInterval_s && (motion_.lastMeasured() || motion_.previousMeasured());
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
@@ -266,10 +266,9 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
   // after a gap the accumulated covariance would otherwise restart from the R of confirmed measurements
   if (inflation.unbelievable) state.fusion.confirmed = false;
-  for (Matrix6d* covariance : {&state.increment_covariance, &state.unobserved_covariance}) {
-    covariance->diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;
-    (*covariance)(5, 5) += inflation.sigma_yaw_rad * inflation.sigma_yaw_rad;
-  }
+  state.doubt = {inflation.sigma_m, inflation.sigma_yaw_rad};
+  state.increment_covariance.diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;
+  state.increment_covariance(5, 5) += inflation.sigma_yaw_rad * inflation.sigma_yaw_rad;
   return inflation;
 }
 

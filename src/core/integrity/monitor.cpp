@@ -126,10 +126,10 @@ Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
 CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftState& drift,
                                           const Pose& T_odom_mark) const {
   CovarianceGrowth growth;
-  growth.covariance = horizontalBlock(drift.accumulated.topLeftCorner<6, 6>());
-  growth.drivers = drift.accumulated.bottomRightCorner<3, 3>();
-  growth.cross << drift.accumulated.block<2, 3>(0, DriftState::kHeadingBias),
-      drift.accumulated.block<1, 3>(5, DriftState::kHeadingBias);
+  growth.covariance = horizontalBlock(drift.accumulated());
+  growth.drivers = drift.drivers();
+  const Eigen::Matrix<double, 6, 3> cross = drift.cross();
+  growth.cross << cross.topRows<2>(), cross.bottomRows<1>();
   growth.transient = drift.transient.topLeftCorner<2, 2>();
   growth.speed_wander = speed_wander_.median();
   growth.unobserved = unobserved_.median();
@@ -190,16 +190,13 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     const double speed_variance = covariance_.speedVariance();
     const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
     error_unbounded_ = error_unbounded_ || !added;
-    const double distance_m = state.T_previous_now.translation().norm();
     // What a drive begins with is unknown, and says nothing of what follows.
     if (state.motionObserved() || rate_.rate()) {
       if (added) {
         speed_wander_.add(std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s);
-        unobserved_.add(drift_.unobservedAlong(state.increment_covariance, state.unobserved_covariance));
+        unobserved_.add(covariance_.rate().speed_share);
+        rate_.update(covariance_.rate().covariance, state.dt_s);
       }
-      rate_.update(drift_.accumulated(state.increment_covariance, state.unobserved_covariance, distance_m,
-                                      drift_.pace(distance_m, state.dt_s)),
-                   state.dt_s);
     }
   }
   has_previous_ = true;

@@ -26,7 +26,11 @@ struct MonitorLogTable {
     v("motion_status", s.motion_status);
     number_table::visitMatrix("T_previous_now", s.T_previous_now.affine(), v);
     number_table::visitMatrix("increment_covariance", s.increment_covariance, v);
-    number_table::visitMatrix("unobserved_covariance", s.unobserved_covariance, v);
+    number_table::visitMatrix("motion_covariance", s.motion_covariance, v);
+    number_table::visitMatrix("registration_covariance", s.registration_covariance, v);
+    v("registered", s.registered);
+    v("doubt", s.doubt.sigma_m);
+    v("doubt_yaw", s.doubt.sigma_yaw_rad);
     v("speed_variance", s.speed_error.variance_m2_s2);
     v("speed_kept", s.speed_error.kept);
     v("odom_reset_count", s.odom_reset_count);

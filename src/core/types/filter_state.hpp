@@ -6,6 +6,7 @@
 #include "core/geometry/pose.hpp"
 #include "core/types/fusion_result.hpp"
 #include "core/types/map_update.hpp"
+#include "core/types/motion_doubt.hpp"
 #include "core/types/motion_status.hpp"
 #include "core/types/speed_error.hpp"
 
@@ -25,10 +26,13 @@ struct FilterState {
   double filter_nis = 0.0;                           ///< of the fused measurement, 6 degrees of freedom
   Pose T_previous_now = Pose::Identity();            ///< increment of the centre of gravity
   Matrix6d increment_covariance = Matrix6d::Zero();  ///< of the increment, about the previous body's axes
-  /// The part of increment_covariance that the measurements do not observe: the part of the prediction's error that
-  /// remains after this sweep's measurement (rotation: that also remains after a second measurement of this quality),
-  /// plus the inflation for an implausible motion, which does not depend on R (estimation/consistency_monitor.hpp).
-  Matrix6d unobserved_covariance = Matrix6d::Zero();
+  /// What the accumulated covariance is made of (estimation/odometry_covariance.hpp), about the previous body's axes:
+  /// of the motion since the last estimate without the map, and of the place in the map that the measurements give
+  /// (only if `registered`).
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  Matrix6d registration_covariance = Matrix6d::Zero();
+  bool registered = false;
+  MotionDoubt doubt;
   SpeedError speed_error;  ///< along the vehicle's axis, during dead reckoning
   /// The interval of the stamps since the last inserted sweep is not the time driven: the increment is not a motion
   /// over dt_s.

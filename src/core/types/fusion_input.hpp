@@ -11,8 +11,11 @@ struct FusionInput {
   enum class Kind {
     kPose,     ///< a whole pose from the sweep
     kPartial,  ///< from the sweep; observes some directions only: kUnobservedVariance in the others
+    kMotion,   ///< like kPartial, but measures the motion since the last sweep, not the place in the map
     kExternal  ///< a whole pose from elsewhere: disagrees with another input only beyond both covariances (3 sigma)
   };
+
+  static constexpr bool isPartial(Kind kind) { return kind == Kind::kPartial || kind == Kind::kMotion; }
 
   std::string name;
   const Measurement* measurement = nullptr;  ///< null or not ok(): absent. Not owned

@@ -12,9 +12,11 @@ struct FusionResult {
   bool has_measurement = false;
   Vector6d z = Vector6d::Zero();      ///< the fused state
   Matrix6d R = Matrix6d::Identity();  ///< covariance of z
-  std::vector<double> weights;        ///< per input, 0..1 before normalisation; 0: gated out or absent
-  std::vector<double> nis;            ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
-  bool all_gated_out = false;         ///< there were usable measurements, but none within the gate
+  /// The same without the inputs of kind kMotion: of the place in the map. R where there are none.
+  Matrix6d R_map = Matrix6d::Identity();
+  std::vector<double> weights;  ///< per input, 0..1 before normalisation; 0: gated out or absent
+  std::vector<double> nis;      ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
+  bool all_gated_out = false;   ///< there were usable measurements, but none within the gate
   /// All were gated out, but a group that agrees with itself was used, or a measurement that contradicts the
   /// prediction.
   bool prediction_overruled = false;

@@ -169,15 +169,16 @@ TEST(DeadReckoning, TheAccumulatedVarianceIsThatOfAContinuedError) {
   const double sigma_mps = 0.3;
   dead_reckoning.reset({sigma_mps, 0.0, 0.0}, 0.0);
   OdometryCovariance accumulated;
-  Matrix6d lost = Matrix6d::Zero();
-  lost(0, 0) = 1e-12;
+  OdometryIncrement increment;
+  increment.dt_s = kDt_s;
   Pose T = Pose::Identity();
   const int sweeps = 50;
   for (int i = 0; i < sweeps; ++i) {
     dead_reckoning.filter(motionOf(10.0), kDt_s, nullptr);
     Pose next = T;
     next.translation().x() += 1.0;
-    ASSERT_TRUE(accumulated.propagate(T, next, {lost, lost, kDt_s, dead_reckoning.speedError(), false, {}}));
+    increment.speed_error = dead_reckoning.speedError();
+    ASSERT_TRUE(accumulated.propagate(T, next, increment));
     T = next;
   }
   EXPECT_NEAR(std::sqrt(accumulated.covariance()(0, 0)), sigma_mps * (sweeps - 1) * kDt_s, 1e-4);

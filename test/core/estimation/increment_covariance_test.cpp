@@ -11,45 +11,70 @@ FilterState measured(double sigma_m) {
   FilterState state;
   state.dt_s = 0.1;
   state.measurement_applied = true;
-  state.fusion.R = sigma_m * sigma_m * Matrix6d::Identity();
+  state.fusion.R = state.fusion.R_map = sigma_m * sigma_m * Matrix6d::Identity();
   return state;
 }
 
-TEST(IncrementCovariance, GoodMeasurementLeavesLittleOpen) {
-  const Matrix6d Q = 0.01 * Matrix6d::Identity();
-  FilterState state = measured(0.01);
-  setIncrementCovariance(IncrementFloor(), Q, 1.0, SweepPrediction(), state);
-  EXPECT_NEAR(state.increment_covariance(0, 0), 1e-4, 2e-6);
-  EXPECT_LT(state.unobserved_covariance(0, 0), 2e-6);
+SweepPrediction known() {
+  SweepPrediction prediction;
+  prediction.motion_status = MotionStatus::kObserved;
+  return prediction;
 }
 
-TEST(IncrementCovariance, PredictionLeavesAllOpen) {
-  const Matrix6d Q = 0.01 * Matrix6d::Identity();
+const Matrix6d kMotion = 0.01 * Matrix6d::Identity();
+
+TEST(IncrementCovariance, IsWhatAGoodMeasurementLeaves) {
+  FilterState state = measured(0.01);
+  setIncrementCovariance(IncrementScale(), kMotion, known(), state);
+  EXPECT_NEAR(state.increment_covariance(0, 0), 1e-4, 2e-6);
+  EXPECT_TRUE(state.motion_covariance.isApprox(kMotion, 1e-9));
+  EXPECT_TRUE(state.registration_covariance.isApprox(1e-4 * Matrix6d::Identity(), 1e-9));
+  EXPECT_TRUE(state.registered);
+}
+
+TEST(IncrementCovariance, OfAPredictionIsThatOfTheMotion) {
   FilterState state = measured(0.01);
   state.measurement_applied = false;
-  setIncrementCovariance(IncrementFloor(), Q, 1.0, SweepPrediction(), state);
+  setIncrementCovariance(IncrementScale(), kMotion, known(), state);
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.01, 1e-12);
-  EXPECT_NEAR(state.unobserved_covariance(0, 0), 0.01, 1e-12);
-  EXPECT_TRUE(incrementOf(state).predicted);
+  EXPECT_TRUE(state.motion_covariance.isApprox(kMotion, 1e-9));
+  EXPECT_FALSE(incrementOf(state).registration);
+}
+
+TEST(IncrementCovariance, MeasuredMotionIsNotAPlaceInTheMap) {
+  FilterState state = measured(0.01);
+  const Matrix6d blind = 1e4 * Matrix6d::Identity();
+  state.fusion.R_map = blind;  // all of R is of the motion
+  setIncrementCovariance(IncrementScale(), kMotion, known(), state);
+  EXPECT_NEAR(state.motion_covariance(0, 0), 1.0 / (1.0 / 1e-2 + 1.0 / 1e-4), 1e-7);
+  EXPECT_TRUE(state.registration_covariance.isApprox(blind, 1e-9));
+}
+
+TEST(IncrementCovariance, AfterAClockJumpTheMotionIsNotKnown) {
+  FilterState state = measured(0.01);
+  state.clock_jump = true;
+  setIncrementCovariance(IncrementScale(), kMotion, known(), state);
+  EXPECT_GT(state.motion_covariance(0, 0), 100.0);
+  EXPECT_NEAR(state.increment_covariance(0, 0), 1e-4, 1e-9);
+}
+
+TEST(IncrementCovariance, NothingIsRegisteredBeforeAMotionIsKnown) {
+  FilterState state = measured(0.01);
+  setIncrementCovariance(IncrementScale(), kMotion, SweepPrediction(), state);
+  EXPECT_FALSE(state.registered);
+  EXPECT_NEAR(state.increment_covariance(0, 0), 1e-4, 2e-6);
 }
 
 TEST(IncrementCovariance, FloorAndScaleAreKept) {
   FilterState state = measured(1e-6);
   state.T_previous_now.translation().x() = 2.0;
-  setIncrementCovariance({0.01, 0.005, 0.1}, 0.01 * Matrix6d::Identity(), 0.5, SweepPrediction(), state);
+  setIncrementCovariance({0.5, 1.0, 0.01, 0.005, 0.1}, kMotion, known(), state);
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.02 * 0.02, 1e-9);
   EXPECT_NEAR(state.increment_covariance(5, 5), 0.01 * kDegree * kDegree, 1e-9);
   state.measurement_applied = false;
-  setIncrementCovariance(IncrementFloor(), 0.01 * Matrix6d::Identity(), 0.5, SweepPrediction(), state);
-  EXPECT_NEAR(state.increment_covariance(0, 0), 0.005, 1e-12);
-}
-
-TEST(IncrementCovariance, ConfirmedPoseIsOfTheMeasurement) {
-  FilterState state = measured(0.01);
-  EXPECT_FALSE(incrementOf(state).confirmed);
-  state.fusion.confirmed = true;
-  ASSERT_TRUE(incrementOf(state).confirmed);
-  EXPECT_NEAR((*incrementOf(state).confirmed)(0, 0), 1e-4, 1e-9);
+  setIncrementCovariance({0.5, 3.0, 0.0, 0.0, 0.0}, kMotion, known(), state);
+  EXPECT_NEAR(state.increment_covariance(0, 0), 0.015, 1e-12);
+  EXPECT_NEAR(state.motion_covariance(0, 0), 0.01, 1e-12) << "the motion's is the filter's own";
 }
 
 }  // namespace

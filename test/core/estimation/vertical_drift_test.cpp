@@ -39,7 +39,7 @@ TEST(VerticalDrift, NothingHorizontalChanges) {
   OdometryCovariance with{DriftModel::Params()}, without{DriftModel::Params()};
   Pose T = Pose::Identity();
   OdometryIncrement increment;
-  increment.covariance = 1e-6 * Matrix6d::Identity();
+  increment.motion = 1e-6 * Matrix6d::Identity();
   increment.dt_s = 0.1;
   for (int i = 0; i < 200; ++i) {
     Pose next = T;

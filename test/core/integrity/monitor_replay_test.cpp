@@ -29,7 +29,8 @@ std::vector<MonitorInput> drive(int sweeps) {
     s.fusion.valid_inputs = s.measurement_applied ? 3 : 0;
     s.fusion.confirmed = s.measurement_applied;
     s.sigma_yaw_rad = 1e-3 * (1.0 + 0.2 * std::sin(0.9 * i));
-    s.increment_covariance.diagonal() << 1e-4, 1e-4, 1e-4, 1e-8, 1e-8, 1e-7;
+    s.map_update = MapUpdate::kInsert;
+    s.motion_covariance.diagonal() << 1e-4, 1e-4, 1e-4, 1e-8, 1e-8, 1e-7;
     input.condition.corners_missing = i % 2 == 0;
     log.push_back(input);
   }

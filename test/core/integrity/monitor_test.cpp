@@ -29,8 +29,11 @@ class Road {
     if (sweep_++ > 0) {
       state.dt_s = kDt_s;
       state.T_previous_now.translation().x() = speed_mps * kDt_s;
-      state.increment_covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, 0.0, 0.0, 0.0,
+      state.motion_covariance = 1e4 * (1.0 + sigma_m * sigma_m) * Matrix6d::Identity();  // all is known by registration
+      state.registration_covariance.diagonal() << sigma_m * sigma_m, sigma_m * sigma_m, 0.0, 0.0, 0.0,
           sigma_yaw_step_rad * sigma_yaw_step_rad;
+      state.registered = true;
+      state.map_update = MapUpdate::kInsert;
       state.measurement_applied = true;
       state.fusion.valid_inputs = 3;
       state.fusion.confirmed = true;
@@ -127,7 +130,7 @@ TEST(FailAwareMonitor, T1WaitsUntilTheMotionIsObserved) {
   for (int i = 0; i < 5; ++i) {
     FilterState state = road.next();
     state.motion_status = MotionStatus::kDeadReckoning;
-    state.increment_covariance *= 1e4;  // the speed is not known
+    state.registration_covariance *= 1e4;  // the speed is not known
     const MonitorOutput output = monitor.update(state, {});
     EXPECT_TRUE(monitor.startPending());
     EXPECT_EQ(output.state, FailAwareState::kUnknown) << i;
@@ -175,7 +178,7 @@ TEST(FailAwareMonitor, ASecondStartLeavesNothingOfTheFirst) {
   monitor.start();
   drive(monitor, road, 20);
   FilterState lost = road.next();
-  lost.increment_covariance *= 1e6;
+  lost.registration_covariance *= 1e6;
   ASSERT_EQ(monitor.update(lost, {}).state, FailAwareState::kFailed);
 
   monitor.start();
@@ -210,7 +213,7 @@ TEST(FailAwareMonitor, AnUnboundedErrorBeforeT1IsNoneOfStandby) {
   Road road;
   drive(monitor, road, 20);
   FilterState state = road.next();
-  state.increment_covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  state.registration_covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
   monitor.update(state, {});
   EXPECT_EQ(drive(monitor, road, 20).standby_state, FailAwareState::kOk);
 }
@@ -306,7 +309,8 @@ TEST(FailAwareMonitor, ASingleBlindedSweepIsNotTheFuture) {
   const double before_s = drive(monitor, road, 60).time_to_failure_covariance.seconds;
   const auto blinded = [&] {
     FilterState state = road.next();
-    state.unobserved_covariance = 0.9 * state.increment_covariance;
+    state.motion_covariance = 1e-8 * Matrix6d::Identity();
+    state.registered = false;
     state.speed_error = {0.04, 0.99};
     return monitor.update(state, {}).time_to_failure_covariance.seconds;
   };
@@ -325,7 +329,8 @@ TEST(FailAwareMonitor, WhatADriveBeginsWithIsNotTheFuture) {
     for (int i = 0; i < 5; ++i) {
       FilterState state = road.next();
       state.motion_status = MotionStatus::kUnknown;
-      if (blind) state.unobserved_covariance = 0.9 * state.increment_covariance;
+      if (blind) state.motion_covariance = 1e-4 * Matrix6d::Identity();
+      if (blind) state.registered = false;
       monitor.update(state, {});
     }
     monitor.start();
@@ -532,10 +537,10 @@ TEST(FailAwareMonitor, AStandingVehicleHasAnswersToo) {
 
 TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
   const std::function<void(FilterState&)> faults[] = {
-      [](FilterState& s) { s.increment_covariance.setConstant(kNan); },
-      [](FilterState& s) { s.increment_covariance(0, 0) = kInf; },
-      [](FilterState& s) { s.increment_covariance.diagonal().setConstant(-1.0); },
-      [](FilterState& s) { s.increment_covariance.diagonal().setConstant(1e300); },
+      [](FilterState& s) { s.registration_covariance.setConstant(kNan); },
+      [](FilterState& s) { s.registration_covariance(0, 0) = kInf; },
+      [](FilterState& s) { s.registration_covariance.diagonal().setConstant(-1.0); },
+      [](FilterState& s) { s.registration_covariance.diagonal().setConstant(1e300); },
       [](FilterState& s) { s.sigma_yaw_rad = kNan; },
       [](FilterState& s) { s.sigma_yaw_rad = kInf; },
       [](FilterState& s) { s.sigma_yaw_rad = 1e5; },
@@ -569,7 +574,7 @@ TEST(FailAwareMonitor, BadIncrementIsUnboundedUntilStart) {
   monitor.start();
   ASSERT_EQ(drive(monitor, road, 20).state, FailAwareState::kOk);
   const std::function<void(FilterState&)> faults[] = {
-      [](FilterState& s) { s.increment_covariance.setConstant(kNan); },
+      [](FilterState& s) { s.registration_covariance.setConstant(kNan); },
       [](FilterState& s) { s.T_odom_cog.matrix()(0, 3) = kNan; },
       [](FilterState& s) { s.dt_s = kNan; },
   };

@@ -1,0 +1,55 @@
+// The covariance of the odometry's error with what drives it, and one sweep's change of it (odometry_covariance.hpp).
+#pragma once
+
+#include "core/geometry/pose.hpp"
+#include "core/types/speed_error.hpp"
+
+namespace fail_aware {
+
+/// m: the error of the map around the vehicle; d: that of the pose in this map; the pose's error is m + d.
+struct DriftState {
+  static constexpr int kMap = 0, kHeadingBias = 6, kScaleBias = 7, kSpeed = 8, kInMap = 9, kSize = 15;
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  Matrix C = Matrix::Zero();              ///< of (m, rad/m, 1, m/s, d)
+  Matrix6d transient = Matrix6d::Zero();  ///< the pose's jitter of the moment, on top
+
+  /// Of the pose without its jitter.
+  Matrix6d accumulated() const;
+  Matrix6d pose() const { return accumulated() + transient; }
+  Eigen::Matrix3d drivers() const { return C.block<3, 3>(kHeadingBias, kHeadingBias); }
+  /// The pose against the drivers.
+  Eigen::Matrix<double, 6, 3> cross() const;
+  Matrix6d inMap() const { return C.block<6, 6>(kInMap, kInMap); }
+  double speedVariance() const { return C(kSpeed, kSpeed); }
+
+  /// m gets this part of d, and d keeps the rest.
+  void foldIntoMap(double ratio);
+};
+
+/// One sweep; covariances, the step and I - K about the previous body's axes.
+struct DriftStep {
+  Eigen::Vector3d step_m = Eigen::Vector3d::Zero();
+  double dt_s = 0.0, pace = 1.0;
+  SpeedError speed_error;
+  Matrix6d motion = Matrix6d::Zero();        ///< what d gets
+  Matrix6d left = Matrix6d::Identity();      ///< I - K: what the registration leaves of d
+  Matrix6d registration = Matrix6d::Zero();  ///< K R K^T
+  Matrix6d lasting = Matrix6d::Zero();       ///< what each sweep like it adds to m beside d
+  Matrix6d to_map = Matrix6d::Zero();        ///< what m gets beside d
+  double replaced = 0.0;                     ///< ratio of the map that the sweep replaces
+  Matrix6d transient = Matrix6d::Zero();
+};
+
+/// The sweep's motion. R_start_previous: the previous body's axes in the state's.
+void predictDrift(const DriftStep& step, const Eigen::Matrix3d& R_start_previous, DriftState& state);
+/// Its registration, and what it does to the map.
+void correctDrift(const DriftStep& step, const Eigen::Matrix3d& R_start_previous, DriftState& state);
+
+/// C and its transpose, averaged.
+template <class Matrix>
+typename Matrix::PlainObject symmetric(const Matrix& C) {
+  const typename Matrix::PlainObject& plain = C;  // an expression is evaluated once
+  return 0.5 * plain + 0.5 * plain.transpose();
+}
+
+}  // namespace fail_aware
