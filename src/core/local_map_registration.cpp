@@ -34,13 +34,14 @@ bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPredi
   resolveGuess(sweep, prediction);
   applyGuess();
   findOpenCountry(prediction);
+  T_odom_cog_start_ = open_country_.pose ? open_country_.pose->T_odom_cog : guess_.T_odom_cog;
   prepared_ = scan_.usable;
   return prepared_;
 }
 
 void LocalMapRegistration::findRoadSpeed(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
   road_speed_ = road_speed_aid_.find(sweep, scan_, prediction, track_);
-  if (road_speed_.map_is_wrong) map_.restart();
+  if (road_speed_.map_is_wrong) map_.clearPoints();
 }
 
 void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
@@ -49,7 +50,7 @@ void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const Sweep
   // after a failed search for the first motion the next searches would fail too: this sweep becomes the first one
   const double since_first_s = secondsBetween(map_.first().time_s, prediction.time_s());
   const bool can_search = resolver_.searchesFrom(map_.first()) && since_first_s <= kMaxSearchTime_s;
-  if (!prediction.motionKnown() && !can_search) map_.restart();
+  if (!prediction.motionKnown() && !can_search) map_.clearPoints();
   guess_ = resolver_.resolve(sweep, scan_, map_, track_, prediction);
 }
 
@@ -76,21 +77,21 @@ Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<
   if (tracks != nullptr) tracks->clear();
   if (readiness() != MeasurementStatus::kOk) return withoutPose(readiness());
   Measurement measurement =
-      icp.align(scan_.cloud.point_points_cog, map(), T_odom_cog_initial_guess(), guess_.covariance, tracks);
+      icp.align(scan_.cloud.point_points_cog, map(), T_odom_cog_start(), guess_.covariance, tracks);
   describeGuess(measurement);
   return measurement;
 }
 
 Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma_yaw_rad) const {
   if (readiness() != MeasurementStatus::kOk) return withoutPose(readiness());
-  Measurement measurement = icp.align(scan_.cloud.plane_points_cog, map(), T_odom_cog_initial_guess(), sigma_yaw_rad);
+  Measurement measurement = icp.align(scan_.cloud.plane_points_cog, map(), T_odom_cog_start(), sigma_yaw_rad);
   describeGuess(measurement);
   return measurement;
 }
 
 Measurement LocalMapRegistration::roadProfile() const {
   if (readiness() != MeasurementStatus::kOk || !road_speed_.speed) return Measurement();
-  return roadProfileMeasurement(*road_speed_.speed, guess_, T_odom_cog_initial_guess());
+  return roadProfileMeasurement(*road_speed_.speed, guess_, T_odom_cog_start());
 }
 
 Measurement LocalMapRegistration::aboveGround() const {

@@ -41,10 +41,8 @@ class LocalMapRegistration {
 
   const RegistrationCloud& cloud() const { return scan_.cloud; }
   const VoxelMap& map() const { return map_.map(); }
-  /// The start pose of registration: the initial guess or, in open country, the above-ground match.
-  const Pose& T_odom_cog_initial_guess() const {
-    return open_country_.pose ? open_country_.pose->T_odom_cog : guess_.T_odom_cog;
-  }
+  /// Where both ICPs start: the initial guess or, in open country, the above-ground match.
+  const Pose& T_odom_cog_start() const { return T_odom_cog_start_; }
 
   /// Registers the prepared sweep against the map from the start pose. kTooFewPoints if prepare() returned false;
   /// kNotConverged while tracking is lost after a gap.
@@ -86,6 +84,7 @@ class LocalMapRegistration {
   bool prepared_ = false;
   RegistrationScan scan_;
   InitialGuess guess_;
+  Pose T_odom_cog_start_ = Pose::Identity();
   RoadSpeedAid::Result road_speed_;
   OpenCountryAid::Result open_country_;
 };

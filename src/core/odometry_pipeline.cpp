@@ -99,7 +99,9 @@ struct OdometryPipeline::Stages {
   std::optional<double> start_from_stamp_s;  ///< t1 is requested and not reached yet
 };
 
-/// A new source: a line here.
+/// A new source: a line here, last (files name the sources by their place), and its header above. Kinds: FusionInput. A
+/// kPose that is ok counts as measured, so without anything to tell return a status; with dt_s 0 a drive begins: forget
+/// what came before and return kNoReference. In the live graph: nodelets/measurement_sources.cpp.
 std::vector<OdometryPipeline::Stages::Source> OdometryPipeline::Stages::makeSources() {
   const RegistrationParameters& use = params.profile.registration;
   using Kind = FusionInput::Kind;

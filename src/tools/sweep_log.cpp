@@ -28,13 +28,16 @@ void writeMeasurement(std::ostream& out, const Measurement& m) {
       << m.degenerate_directions;
 }
 
-/// 0: not used in this sweep.
-double weightOf(const char* source, const SweepResult& r) {
-  for (std::size_t i = 0; i < r.sources.size() && i < r.state.fusion.weights.size(); ++i) {
-    if (r.sources[i].name == source) return r.state.fusion.weights[i];
+/// The source's value of those that are in the order of the fusion's inputs; `none` if it has none.
+double ofSource(const char* source, const SweepResult& r, const std::vector<double>& values, double none) {
+  for (std::size_t i = 0; i < r.sources.size() && i < values.size(); ++i) {
+    if (r.sources[i].name == source) return values[i];
   }
-  return 0.0;
+  return none;
 }
+
+/// 0: not used in this sweep.
+double weightOf(const char* source, const SweepResult& r) { return ofSource(source, r, r.state.fusion.weights, 0.0); }
 
 }  // namespace
 
@@ -74,10 +77,8 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
        << m.time_to_failure.seconds << ',' << m.time_to_failure_indicator.seconds << ','
        << m.time_to_failure_covariance.seconds << ',' << m.eta << ',' << m.eta_rate_per_s << ',' << m.sigma_yaw_rad
        << ',' << m.sigma_x_m << ',' << m.sigma_y_m << ',' << m.protection_level_m;
-  const std::vector<double>& w = r.state.fusion.weights;
-  const std::vector<double>& nis = r.state.fusion.nis;
-  for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < w.size() ? w[i] : 0.0);
-  for (std::size_t i = 0; i < 3; ++i) out_ << ',' << (i < nis.size() ? nis[i] : -1.0);
+  for (const char* name : kWhole) out_ << ',' << weightOf(name, r);
+  for (const char* name : kWhole) out_ << ',' << ofSource(name, r, r.state.fusion.nis, -1.0);
   const StageTimes& t = r.times;
   out_ << ',' << (r.state.measurement_applied ? r.state.filter_nis : -1.0) << ',' << t.total_ms << ','
        << t.correction_ms;

@@ -103,7 +103,7 @@ TEST(LocalMapRegistration, StartsAtThePredictionOnceMotionIsKnown) {
   const Pose guess = poseOf(0.7, 0.1, 0.0, 0.0, 0.0, 0.5);
   ASSERT_TRUE(
       front.prepare(drive.sweep(0.1, 2), predictionOf(0.1, 0.1, Pose::Identity(), guess, true), drive.T_cog_lidar));
-  EXPECT_EQ(front.T_odom_cog_initial_guess().matrix(), guess.matrix());
+  EXPECT_EQ(front.T_odom_cog_start().matrix(), guess.matrix());
   EXPECT_GT(front.cloud().plane_points_cog.size(), 500u);
 }
 
@@ -194,7 +194,7 @@ TEST(LocalMapRegistration, CompensatedSweepsStayStraight) {
   front.place(stateOf(prediction, Pose::Identity(), false));
   prediction = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
   ASSERT_TRUE(front.prepare(compensatedSweep(drive, 0.1, 2, drive.twist_cog), prediction, drive.T_cog_lidar));
-  EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), drive.pose(0.1)), 0.1);
+  EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.1)), 0.1);
   EXPECT_LT(meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene), kStraight_m);
   EXPECT_LT(meanDistance(front.map().points(), drive.scene), kStraight_m);
 }
@@ -296,8 +296,8 @@ TEST(LocalMapRegistration, SecondSweepStartsAtTheSearch) {
     const SweepPrediction standstill = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
     const CorrectedSweep sweep = drive.sweep(0.1, 2);
     ASSERT_TRUE(front.prepare(sweep, standstill, drive.T_cog_lidar));
-    EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), drive.pose(0.1)), 0.1);
-    EXPECT_LT(rotationErrorDeg(front.T_odom_cog_initial_guess(), drive.pose(0.1)), 0.3);
+    EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.1)), 0.1);
+    EXPECT_LT(rotationErrorDeg(front.T_odom_cog_start(), drive.pose(0.1)), 0.3);
     // the second sweep is straight now, and so is the first, if that is wanted
     EXPECT_LT(meanDistance(moved(front.cloud().map_points_cog, drive.pose(0.1)), drive.scene), kStraight_m);
     EXPECT_LT(meanDistance(moved(front.cloud().point_points_cog, drive.pose(0.1)), drive.scene), kStraight_m);
@@ -355,8 +355,8 @@ TEST(LocalMapRegistration, ALostSecondSweepDoesNotShiftTheThird) {
   front.place(stateOf(lost, Pose::Identity(), false));
   const SweepPrediction third = predictionOf(0.2, 0.1, Pose::Identity(), Pose::Identity(), false);
   ASSERT_TRUE(front.prepare(drive.sweep(0.2, 3), third, drive.T_cog_lidar));
-  EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), drive.pose(0.2)), 0.15);
-  EXPECT_LT(rotationErrorDeg(front.T_odom_cog_initial_guess(), drive.pose(0.2)), 0.5);
+  EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.2)), 0.15);
+  EXPECT_LT(rotationErrorDeg(front.T_odom_cog_start(), drive.pose(0.2)), 0.5);
   // nor bend it: the filter catches up two steps in one
   front.place(stateOf(third, drive.pose(0.2), true));
   EXPECT_LT(meanDistance(front.map().points(), drive.scene), kStraight_m);
@@ -385,7 +385,7 @@ TEST(LocalMapRegistration, ClockJumpFoundAfterSkippedSweep) {
     const SweepPrediction next = predictionAfter(0.1, skipped.T_odom_cog);
     const double now_s = 0.4 + driven_s + 0.1;
     EXPECT_TRUE(front.prepare(drive.sweep(now_s, 7), next, drive.T_cog_lidar));
-    return translationError(front.T_odom_cog_initial_guess(), drive.pose(now_s));
+    return translationError(front.T_odom_cog_start(), drive.pose(now_s));
   };
   EXPECT_LT(startAfter(5.1, 0.0, 0.1, true), 0.1);
   EXPECT_GT(startAfter(5.1, 0.0, 0.1, false), 1.0) << "it would be found in any case";
@@ -405,8 +405,8 @@ TEST(LocalMapRegistration, FailedSearchBeginsAnew) {
   const SweepPrediction next = predictionOf(1.6, 0.1, Pose::Identity(), Pose::Identity(), false);
   ASSERT_TRUE(front.prepare(drive.sweep(1.6, 3), next, drive.T_cog_lidar));
   const Pose T_1500_1600 = drive.pose(1.5).inverse() * drive.pose(1.6);
-  EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), T_1500_1600), 0.15);
-  EXPECT_LT(rotationErrorDeg(front.T_odom_cog_initial_guess(), T_1500_1600), 0.5);
+  EXPECT_LT(translationError(front.T_odom_cog_start(), T_1500_1600), 0.15);
+  EXPECT_LT(rotationErrorDeg(front.T_odom_cog_start(), T_1500_1600), 0.5);
 }
 
 TEST(LocalMapRegistration, UnknownMotionUnderWayIsSearchedAnew) {
@@ -426,7 +426,7 @@ TEST(LocalMapRegistration, UnknownMotionUnderWayIsSearchedAnew) {
   front.place(stateOf(unknown, T_200, false));
   const SweepPrediction next = predictionOf(0.3, 0.1, T_200, Pose::Identity(), false);
   ASSERT_TRUE(front.prepare(drive.sweep(0.3, 4), next, drive.T_cog_lidar));
-  EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), T_300), 0.15);
+  EXPECT_LT(translationError(front.T_odom_cog_start(), T_300), 0.15);
 }
 
 TEST(LocalMapRegistration, NoMotionStartsAtPrediction) {
@@ -436,7 +436,7 @@ TEST(LocalMapRegistration, NoMotionStartsAtPrediction) {
   placeFirst(front, drive);
   const SweepPrediction standstill = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
   ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), standstill, drive.T_cog_lidar));
-  EXPECT_EQ(front.T_odom_cog_initial_guess().matrix(), Pose::Identity().matrix());
+  EXPECT_EQ(front.T_odom_cog_start().matrix(), Pose::Identity().matrix());
 }
 
 TEST(LocalMapRegistration, TooFewPointsAreNotPlaced) {
@@ -599,7 +599,7 @@ TEST(LocalMapRegistration, AfterAResetTheNextSweepIsTheFirst) {
   placeFirst(front, drive);
   const SweepPrediction standstill = predictionOf(0.1, 0.1, Pose::Identity(), Pose::Identity(), false);
   ASSERT_TRUE(front.prepare(drive.sweep(0.1, 2), standstill, drive.T_cog_lidar));
-  EXPECT_LT(translationError(front.T_odom_cog_initial_guess(), drive.pose(0.1)), 0.1);
+  EXPECT_LT(translationError(front.T_odom_cog_start(), drive.pose(0.1)), 0.1);
 }
 
 TEST(LocalMapRegistration, AnotherOdomRestartsTheMap) {

@@ -49,17 +49,16 @@ RoadSpeedAid::Result RoadSpeedAid::find(const CorrectedSweep& sweep, const Regis
 }
 
 Measurement roadProfileMeasurement(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
-                                   const Pose& T_odom_cog_initial_guess) {
+                                   const Pose& T_odom_cog_start) {
   Measurement measurement;
   if (!(guess.dt_s > 0.0)) return measurement;
   const Eigen::Vector3d forward =
-      (guess.T_odom_cog_previous.linear().col(0) + T_odom_cog_initial_guess.linear().col(0)).normalized();
+      (guess.T_odom_cog_previous.linear().col(0) + T_odom_cog_start.linear().col(0)).normalized();
   const double distance_m = (speed.speed_mps - 0.5 * speed.acceleration_mps2 * guess.dt_s) * guess.dt_s;
-  const double guessed_m =
-      forward.dot(T_odom_cog_initial_guess.translation() - guess.T_odom_cog_previous.translation());
+  const double guessed_m = forward.dot(T_odom_cog_start.translation() - guess.T_odom_cog_previous.translation());
   const double sigma_m = speed.sigma_mps * guess.dt_s;
   measurement.status = MeasurementStatus::kOk;
-  measurement.T_odom_cog = T_odom_cog_initial_guess;
+  measurement.T_odom_cog = T_odom_cog_start;
   measurement.T_odom_cog.translation() += (distance_m - guessed_m) * forward;
   measurement.covariance = kUnobservedVariance * Matrix6d::Identity();
   measurement.covariance.topLeftCorner<3, 3>() +=

@@ -45,6 +45,6 @@ class RoadSpeedAid {
 /// Observes the vehicle's mean heading between the last estimate and the initial guess; the rest is that of the guess,
 /// with kUnobservedVariance. kNoReference without a last estimate.
 Measurement roadProfileMeasurement(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
-                                   const Pose& T_odom_cog_initial_guess);
+                                   const Pose& T_odom_cog_start);
 
 }  // namespace fail_aware

@@ -9,7 +9,10 @@ namespace {
 constexpr int kMaxSkippedSweeps = 10;  // consecutive; one more means that the reference is out of sight
 constexpr int kMaxHeldSweeps = 10;     // consecutive; the last one restarts the reference
 
-bool isThere(const FusionInput& input) { return input.measurement != nullptr && !FusionInput::isPartial(input.kind); }
+// One of the package's own, which register against the references.
+bool isThere(const FusionInput& input) {
+  return input.measurement != nullptr && input.kind == FusionInput::Kind::kPose;
+}
 
 bool isAnIcp(const FusionInput& input) { return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane; }
 

@@ -122,6 +122,14 @@ void fuseByInformation(const std::vector<Candidate>& candidates, FusionResult* r
   result->z += *R * information_d;
 }
 
+/// Whether `c` knows nothing that another one does not know ten times better, in every direction.
+bool addsNothing(const Candidate& c, const std::vector<Candidate>& candidates, const std::vector<double>& weights) {
+  constexpr double kVaguer = 100.0;  // of the variances
+  return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
+    return weights[other.input] > 0.0 && (c.R.diagonal().array() >= kVaguer * other.R.diagonal().array()).all();
+  });
+}
+
 }  // namespace
 
 void MeasurementFusion::Params::validate() const {
@@ -192,6 +200,10 @@ void MeasurementFusion::weigh(const std::vector<Candidate>& candidates, const Ve
                                                  : Eigen::Matrix2d(P_xy + c.R.topLeftCorner<2, 2>());
     const double w = 1.0 - mahalanobis2d(d.head<2>(), gate) / params_.gate_sigma;
     if (w > 0.0 && (params_.literal || w >= params_.min_weight)) result->weights[c.input] = w;
+  }
+  if (params_.literal) return;
+  for (const Candidate& c : candidates) {
+    if (addsNothing(c, candidates, result->weights)) result->weights[c.input] = 0.0;
   }
 }
 

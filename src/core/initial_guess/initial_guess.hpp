@@ -1,5 +1,6 @@
 // The initial guess of a sweep's registration: the prediction, or a better guess from the sweep and the map. The guess
-// is resolved once per sweep, before any measurement; every registration starts from it. Not in the paper.
+// is resolved once per sweep, before any measurement. Both ICPs start from it, unless open country has a better pose
+// (aiding/open_country_aid.hpp); the corners start from the prediction. Not in the paper.
 //
 // Each of these functions of scan, map and guess may return a better guess, in this order:
 // - while no motion is known: search for the first motion (motion_initialization.hpp);

@@ -25,7 +25,7 @@ class LocalMap {
   /// Empties the map for a restart; the next sweep becomes the first one.
   void clear();
   /// Empties the map but keeps the above-ground points.
-  void restart() { reference_.clear(); }
+  void clearPoints() { reference_.clear(); }
 
   /// Inserts a sweep at its estimate. keep_above_ground: also keep its above-ground points, if they are due.
   void insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_above_ground);

@@ -61,6 +61,13 @@ TEST(MapUpdatePolicy, NoReferenceBeginsBeforeMotion) {
   EXPECT_FALSE(policy.add({{"m", &kNothingThere}}, kPredicted).begins);
 }
 
+TEST(MapUpdatePolicy, APoseFromElsewhereIsNoReference) {
+  MapUpdatePolicy policy = underWay();
+  const std::vector<FusionInput> inputs = {{kIcpPointToPlane, &kNothingThere},
+                                           {"gps", &kFound, FusionInput::Kind::kExternal}};
+  EXPECT_TRUE(policy.add(inputs, Sweep()).begins);
+}
+
 TEST(MapUpdatePolicy, TakesInWhatIsObserved) {
   MapUpdatePolicy policy = underWay();
   const Decision measured = policy.add({{"m", &kFound}}, kMeasured);

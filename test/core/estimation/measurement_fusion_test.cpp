@@ -213,6 +213,20 @@ TEST(MeasurementFusion, MeasurementsOfOneSweepDoNotShrinkR) {
   EXPECT_TRUE(r.R.isApprox(R, 1e-9));
 }
 
+TEST(MeasurementFusion, WhatKnowsNextToNothingGetsNoWeight) {
+  const Matrix6d P = diagonal(0.01, 0.01, 1e-3);
+  const Measurement sure = measurementAt(Vector6d::Zero(), diagonal(1e-4, 1e-4, 1e-6));
+  const Measurement vague = measurementAt(vector6(0.1, 0, 0, 0, 0, 0), diagonal(100.0, 100.0, 1.0));
+  const Measurement one_way = measurementAt(vector6(0.1, 0, 0, 0, 0, 0), vector6(100, 1e-4, 1, 1, 1, 1).asDiagonal());
+  const FusionResult alone = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({sure}));
+  const FusionResult both = defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({sure, vague}));
+  EXPECT_EQ(both.weights[1], 0.0);
+  EXPECT_EQ(both.z, alone.z);
+  EXPECT_EQ(both.R, alone.R);
+  EXPECT_GT(defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({sure, one_way})).weights[1], 0.0);
+  EXPECT_GT(defaultFusion().fuse(Vector6d::Zero(), P, inputsOf({vague})).weights[0], 0.0) << "there is nothing better";
+}
+
 TEST(MeasurementFusion, BestMeasurementLimitsTrust) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -395,6 +409,19 @@ TEST(MeasurementFusionPartial, AddsWhatItObserves) {
   EXPECT_NEAR(with.z[1], without.z[1], 1e-6);
   EXPECT_NEAR(with.R(1, 1), without.R(1, 1), 1e-9);  // it does not dilute what the others observe
   EXPECT_GT(with.weights[2], 0.0);
+}
+
+TEST(MeasurementFusionPartial, MotionIsNoPlaceInTheMap) {
+  const Matrix6d P = diagonal(0.01, 0.01, 1e-3);
+  const Measurement pose = measurementAt(Vector6d::Zero(), diagonal(0.01, 1e-4, 1e-6));
+  const Measurement along = measurementAt(Vector6d::Zero(), vector6(1e-4, 1e4, 1e4, 1e4, 1e4, 1e4).asDiagonal());
+  std::vector<FusionInput> inputs = {{"pose", &pose}, {"along", &along, FusionInput::Kind::kMotion}};
+  const FusionResult motion = defaultFusion().fuse(Vector6d::Zero(), P, inputs);
+  EXPECT_NEAR(motion.R(0, 0), 1e-4, 1e-6);
+  EXPECT_NEAR(motion.R_map(0, 0), 0.01, 1e-9);
+  inputs[1].kind = FusionInput::Kind::kPartial;
+  const FusionResult place = defaultFusion().fuse(Vector6d::Zero(), P, inputs);
+  EXPECT_TRUE(place.R_map.isApprox(place.R, 1e-9));
 }
 
 TEST(MeasurementFusionPartial, IsNoAgreementAndNoDisagreement) {

@@ -37,7 +37,7 @@ TEST(LocalMap, KnowsItsFirstAndItsNewestSweep) {
   EXPECT_EQ(map.first().time_s, 1.0);
   EXPECT_EQ(map.newest().time_s, 1.1);
   EXPECT_EQ(map.newest().T_odom_cog.translation().x(), 2.0);
-  map.restart();
+  map.clearPoints();
   EXPECT_TRUE(map.empty());
   EXPECT_EQ(map.first().time_s, 1.0);
   map.insert(cloudAt(1.2), placeAt(4.0), 1.2, false);
@@ -59,7 +59,7 @@ TEST(LocalMap, AnotherOdomEmptiesIt) {
 TEST(LocalMap, ARestartLeavesWhatStands) {
   LocalMap map = makeLocalMap();
   map.insert(cloudAt(0.0), placeAt(0.0), 0.0, true);
-  map.restart();
+  map.clearPoints();
   EXPECT_FALSE(map.aboveGround().map().empty());
 }
 
