@@ -31,7 +31,7 @@ class DriftModel {
     double registration_ratio = 0.3;  ///< of a registration's variance: what a map's worth of sweeps has in common
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
-    double heading_per_root_metre_deg = 0.00025;
+    double heading_per_root_metre_deg = 0.0003;
     double heading_bias_deg_per_m = 0.00002;  ///< standard deviation of the constant
     double scale_bias = 0.00005;              ///< likewise: metres per metre
     double slow_mps = 10.0;                   ///< faster, the walks and the scale bias grow with the speed

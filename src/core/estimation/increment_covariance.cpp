@@ -72,8 +72,9 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
     return turned;
   };
   state.motion_covariance = aboutPrevious(motion, 1.0);
-  if (state.registered) state.registration_covariance = aboutPrevious(fusion.R_map, scale.factor);
-  state.increment_covariance = aboutPrevious(increment, scale.factor * scale.dead_reckoning_factor);
+  const double factor = scale.factor * scale.dead_reckoning_factor;
+  if (state.registered) state.registration_covariance = aboutPrevious(fusion.R_map, factor);
+  state.increment_covariance = aboutPrevious(increment, factor);
   const double floor_m = scale.floor_m + scale.floor_per_metre_m * state.T_previous_now.translation().norm();
   const double floor_rad = scale.floor_deg * kDegree;
   state.increment_covariance.diagonal().head<3>().array() += floor_m * floor_m;
