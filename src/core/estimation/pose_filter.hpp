@@ -44,7 +44,7 @@ class PoseFilter {
     double max_yaw_rate_rps = 3.0;    ///< larger yaw rates are limited to this: half a turn a second
     double increment_scale = 0.43;    ///< scales the covariance that one sweep adds to the odometry
     /// factor on it during dead reckoning: weakly observed measurements also mislead
-    double dead_reckoning_increment_factor = 6.8;
+    double dead_reckoning_increment_factor = 3.0;
     double increment_floor_m = 0.0005;   ///< least standard deviation of a sweep's increment
     double increment_per_metre_m = 0.0;  ///< added to it per metre driven
     double increment_floor_deg = 0.012;  ///< least standard deviation of a sweep's rotation
