@@ -159,19 +159,24 @@ std::vector<Eigen::Matrix2d> covariancesAt(const std::vector<DriftRun>& runs, co
                                            const DriftModel::Params& params) {
   std::vector<Eigen::Matrix2d> covariances;
   for (std::size_t k = 0; k < samples.size();) {
-    const std::size_t run = samples[k].run, begin = samples[k].begin;
+    const std::size_t run = samples[k].run;
     const std::vector<MonitorInput>& log = runs[run].log;
-    OdometryCovariance covariance(params);
-    const auto propagate = [&](std::size_t i) {
+    const auto propagate = [&](std::size_t i, OdometryCovariance& covariance) {
       const FilterState& s = log[i].state;
       covariance.propagate(log[i - 1].state.T_odom_cog, s.T_odom_cog, incrementOf(s));
     };
-    if (begin > 0) propagate(begin);  // for the jitter of the mark
-    covariance.mark(log[begin].state.T_odom_cog);
-    std::size_t i = begin;
-    for (; k < samples.size() && samples[k].run == run && samples[k].begin == begin; ++k) {
-      while (i < samples[k].end) propagate(++i);
-      covariances.push_back(covariance.sinceMark().topLeftCorner<2, 2>());
+    OdometryCovariance since_start(params);
+    std::size_t now = 0;
+    while (k < samples.size() && samples[k].run == run) {
+      const std::size_t begin = samples[k].begin;
+      while (now < begin) propagate(++now, since_start);
+      OdometryCovariance since_begin = since_start;
+      since_begin.mark(log[begin].state.T_odom_cog);
+      std::size_t i = begin;
+      for (; k < samples.size() && samples[k].run == run && samples[k].begin == begin; ++k) {
+        while (i < samples[k].end) propagate(++i, since_begin);
+        covariances.push_back(since_begin.sinceMark().topLeftCorner<2, 2>());
+      }
     }
   }
   return covariances;

@@ -56,6 +56,10 @@ int run(const Options& options) {
   const ProfileParameters& given = runs.front().params.profile;
   ProfileParameters fitted = given;
   fitted.filter = fitIncrementNoise(increments, fitted.filter);
+  for (std::size_t r = 0; r < runs.size(); ++r) {  // as if the runs had been made with it
+    const double rescaled = fitted.filter.increment_scale / runs[r].params.profile.filter.increment_scale;
+    for (MonitorInput& input : drives[r].log) input.state.registration_covariance *= rescaled;
+  }
   progress.update(runs.size() + 1);
   fitted.monitor.drift = fitDrift(drives, fitted.monitor.drift);
   progress.update(runs.size() + 2);

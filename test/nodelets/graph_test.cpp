@@ -104,7 +104,8 @@ TEST(Graph, EveryCloudHasItsEstimateAndItIsOfflines) {
     if (i == 0) {
       EXPECT_GT(graph.odometry.at(stamp).twist.covariance[0], 1e5) << "a speed that is not known yet";
     }
-    if (i > 1) expectGrownCovariance(graph.odometry.at(stamp), graph.odometry.at(clouds[i - 1]->header.stamp));
+    // the third sweep's registration ends what the first motion's search left open
+    if (i > 2) expectGrownCovariance(graph.odometry.at(stamp), graph.odometry.at(clouds[i - 1]->header.stamp));
   }
   for (const auto& cloud : clouds) {
     EXPECT_EQ(graph.states.count(cloud->header.stamp), 1u);

@@ -21,7 +21,9 @@ bool isAsPredicted(const FilterState& state) {
 Matrix6d measuredMotion(const Matrix6d& Q, const FusionResult& fusion) {
   if (fusion.R == fusion.R_map) return Q;
   const Matrix6d measured = inverseOf(inverseOf(Q) + inverseOf(fusion.R) - inverseOf(fusion.R_map));
-  return measured.allFinite() ? measured : Q;
+  const auto variances = measured.diagonal().array();
+  const bool is_better = measured.allFinite() && (variances > 0.0).all() && (variances <= Q.diagonal().array()).all();
+  return is_better ? measured : Q;
 }
 
 Matrix6d unknownMotion() {
@@ -37,10 +39,14 @@ OdometryIncrement incrementOf(const FilterState& state) {
   increment.motion = state.motion_covariance;
   if (state.registered) increment.registration = state.registration_covariance;
   increment.confirmed = isConfirmed(state);
+  increment.alone = !increment.confirmed && state.fusion.disagreement_m == 0.0 && !(state.doubt.sigma_m > 0.0);
   increment.dt_s = state.dt_s;
   increment.speed_error = state.speed_error;
   increment.doubt = state.doubt;
-  increment.map_update = state.map_update;
+  // before a motion is known, a map that begins with a sweep is reported as an insertion
+  const bool begins = state.map_update == MapUpdate::kInsert && !state.measurement_applied &&
+                      state.motion_status == MotionStatus::kUnknown;
+  increment.map_update = begins ? MapUpdate::kRestart : state.map_update;
   return increment;
 }
 
@@ -71,7 +77,8 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
     if (least < 0.0) turned.diagonal().array() -= least;
     return turned;
   };
-  state.motion_covariance = aboutPrevious(motion, 1.0);
+  // errors of successive predictions are alike, while a registration ends them
+  state.motion_covariance = aboutPrevious(motion, state.registered ? 1.0 : scale.dead_reckoning_factor);
   const double factor = scale.factor * scale.dead_reckoning_factor;
   if (state.registered) state.registration_covariance = aboutPrevious(fusion.R_map, factor);
   state.increment_covariance = aboutPrevious(increment, factor);

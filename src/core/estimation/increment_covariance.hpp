@@ -14,8 +14,9 @@
 namespace fail_aware {
 
 struct IncrementScale {
-  double factor = 1.0;                 ///< on what follows from Q and R: the increment's, and the registration's
-  double dead_reckoning_factor = 1.0;  ///< on both in addition: weakly observed measurements also mislead
+  double factor = 1.0;  ///< on what follows from Q and R: the increment's, and the registration's
+  /// On both in addition, as weakly observed measurements also mislead, and on the motion's if nothing is registered.
+  double dead_reckoning_factor = 1.0;
   double floor_m = 0.0, floor_per_metre_m = 0.0, floor_deg = 0.0;  ///< least standard deviations of the increment
 };
 

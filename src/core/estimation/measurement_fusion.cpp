@@ -122,9 +122,9 @@ void fuseByInformation(const std::vector<Candidate>& candidates, FusionResult* r
   result->z += *R * information_d;
 }
 
-/// Whether `c` knows nothing that another one does not know ten times better, in every direction.
+/// Whether `c` knows nothing that another one does not know a hundred times better, in every direction.
 bool addsNothing(const Candidate& c, const std::vector<Candidate>& candidates, const std::vector<double>& weights) {
-  constexpr double kVaguer = 100.0;  // of the variances
+  constexpr double kVaguer = 1e4;  // of the variances
   return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& other) {
     return weights[other.input] > 0.0 && (c.R.diagonal().array() >= kVaguer * other.R.diagonal().array()).all();
   });

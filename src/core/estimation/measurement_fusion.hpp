@@ -9,7 +9,7 @@
 // default: d_i is the Mahalanobis distance under P~_xy + R_i,xy and w_i = 1 - d_i / gate_sigma. With v_i = w_i / sum w:
 //   R = (sum v_i R_i^-1)^-1,  z = R sum v_i R_i^-1 z_i     (covariance intersection)
 // Since sum v_i = 1, measurements that share a sweep's errors do not shrink R, and a direction that a measurement does
-// not observe (huge variance) is left to the others. One whose standard deviations are all ten times those of another gets
+// not observe (huge variance) is left to the others. One whose standard deviations are all a hundred times those of another gets
 // no weight: its share would only make R larger. If every measurement is outside its gate but two or more agree
 // with each other, the prediction is what is wrong: the largest group that agrees is fused with equal weights, flagged.
 //

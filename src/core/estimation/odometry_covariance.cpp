@@ -30,21 +30,35 @@ bool isUsable(const OdometryIncrement& increment) {
          std::isfinite(increment.speed_error.kept);
 }
 
-constexpr double kObservedSigma_m = 0.5;  // a registration that is less sure has hardly left its guess
-constexpr double kUnobservedVariance_m2 = 1e8;
+/// A registration with a smaller standard deviation counts as it is, with a larger one not at all: it has hardly left its
+/// guess. Between them less and less.
+struct Observed {
+  double surely, hardly;
+};
+constexpr Observed kObserved_m = {0.3, 0.5}, kObserved_rad = {0.01, 0.02};
+constexpr double kUnobservedVariance = 1e8;
+constexpr int kConfirmedAlone = 20;             // registered sweeps in a row: what only one source measures
 constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
 constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
 constexpr double kLeastReplaced = 1e-4;         // at standstill the rate is that of a very slow drive
 
+void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
+  const auto eigen = symmetricEigen(Eigen::Matrix3d(block));
+  for (int i = 0; i < 3; ++i) {
+    const double variance = eigen.eigenvalues()[i], sigma = std::sqrt(std::max(variance, 0.0));
+    const double open = std::clamp((sigma - limit.surely) / (limit.hardly - limit.surely), 0.0, 1.0);
+    if (open == 0.0) continue;
+    const double left = open < 1.0 ? std::min(variance / (1.0 - open), kUnobservedVariance) : kUnobservedVariance;
+    const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
+    block += std::max(left - variance, 0.0) * axis * axis.transpose();
+  }
+}
+
 // The registration, with what it does not observe left open.
 Matrix6d observed(const Matrix6d& registration) {
   Matrix6d R = positiveSemidefinite(registration);
-  const auto eigen = symmetricEigen(Eigen::Matrix3d(R.topLeftCorner<3, 3>()));
-  for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
-    if (eigen.eigenvalues()[i] <= kObservedSigma_m * kObservedSigma_m) continue;
-    R.topLeftCorner<3, 3>() += kUnobservedVariance_m2 * axis * axis.transpose();
-  }
+  openUnobserved(kObserved_m, R.topLeftCorner<3, 3>());
+  openUnobserved(kObserved_rad, R.bottomRightCorner<3, 3>());
   return R;
 }
 
@@ -83,14 +97,14 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   predictDrift(step, R_odom, since_start);
   if (T_odom_mark_) predictDrift(step, R_mark, since_mark);
 
-  const int unconfirmed_sweeps =
+  const Confirmation confirmation =
       takeRegistration(increment, rotateCovariance(since_start.inMap(), R_odom.transpose()), step);
   const MapDistance map_distance = extendMap(increment, T_odom_base_previous, T_odom_base_now, step);
   correctDrift(step, R_odom, since_start);
   if (T_odom_mark_) correctDrift(step, R_mark, since_mark);
-  if (!since_start.C.allFinite() || !since_mark.C.allFinite()) return false;
+  if (!since_start.C.allFinite() || !since_mark.C.allFinite() || !step.transient.allFinite()) return false;
 
-  unconfirmed_sweeps_ = unconfirmed_sweeps;
+  confirmation_ = confirmation;
   map_distance_ = map_distance;
   since_start_ = since_start;
   since_mark_ = since_mark;
@@ -104,14 +118,17 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   return true;
 }
 
-// K, and whether the map is out of sight. Returns the sweeps since a predicted pose that no two measurements confirmed.
-int OdometryCovariance::takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map,
-                                         DriftStep& step) const {
+// K, and whether the map is out of sight.
+OdometryCovariance::Confirmation OdometryCovariance::takeRegistration(const OdometryIncrement& increment,
+                                                                      const Matrix6d& in_map, DriftStep& step) const {
   const bool measured = increment.registration.has_value(), restarted = increment.map_update == MapUpdate::kRestart;
   const Matrix6d D = positiveSemidefinite(in_map);
-  int unconfirmed_sweeps = measured && increment.confirmed ? kConfirmed : unconfirmed_sweeps_;
-  if (!measured || unconfirmed_sweeps != kConfirmed) ++unconfirmed_sweeps;
-  if (measured && unconfirmed_sweeps == kConfirmed) {
+  Confirmation next = confirmation_;
+  next.alone_in_a_row = measured && increment.alone ? std::min(confirmation_.alone_in_a_row + 1, kConfirmedAlone) : 0;
+  const bool confirmed = measured && (increment.confirmed || next.alone_in_a_row == kConfirmedAlone);
+  if (confirmed) next.open_sweeps = kConfirmed;
+  if (!measured || next.open_sweeps != kConfirmed) ++next.open_sweeps;
+  if (measured && next.open_sweeps == kConfirmed) {
     const Matrix6d R = observed(*increment.registration);
     const Matrix6d K = solutionOf(D + R, D).transpose();
     step.left -= K;
@@ -119,12 +136,15 @@ int OdometryCovariance::takeRegistration(const OdometryIncrement& increment, con
     step.transient = drift_.transient(step.registration);
   }
   const bool too_wide = !(D.diagonal().head<2>().maxCoeff() < kMaxUnconfirmedSigma_m * kMaxUnconfirmedSigma_m);
-  const bool out_of_sight =
-      unconfirmed_sweeps > kMaxUnconfirmedSweeps || (unconfirmed_sweeps != kConfirmed && too_wide);
+  const bool out_of_sight = next.open_sweeps > kMaxUnconfirmedSweeps || (next.open_sweeps != kConfirmed && too_wide);
   const bool inserted = increment.map_update == MapUpdate::kInsert;
   step.replaced = out_of_sight || restarted ? 1.0 : inserted ? drift_.mapReplaced(step.step_m.norm()) : 0.0;
-  if (restarted || (out_of_sight && measured)) return kConfirmed;
-  return out_of_sight ? kMaxUnconfirmedSweeps + 1 : unconfirmed_sweeps;
+  if (restarted || (out_of_sight && measured)) {
+    next.open_sweeps = kConfirmed;
+  } else if (out_of_sight) {
+    next.open_sweeps = kMaxUnconfirmedSweeps + 1;
+  }
+  return next;
 }
 
 // What the map gets beside the pose's error.
@@ -161,7 +181,7 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   covariance_ = since_start_.pose();
   transient_base_.setZero();
   largest_transient_base_.setZero();
-  unconfirmed_sweeps_ = kConfirmed;
+  confirmation_ = Confirmation();
   rate_ = DriftRate();
   map_distance_.reset();
   T_odom_mark_.reset();
@@ -172,7 +192,7 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
 void OdometryCovariance::enterOdom() {
   since_start_.foldIntoMap(1.0);
   since_mark_.foldIntoMap(1.0);
-  unconfirmed_sweeps_ = kConfirmed;
+  confirmation_ = Confirmation();
   map_distance_.reset();
 }
 
@@ -183,11 +203,15 @@ void OdometryCovariance::mark(const Pose& T_odom_mark) {
   T_odom_mark_.reset();
   if (!isFinite(T_odom_mark)) return;
   T_odom_mark_ = T_odom_mark;
-  // The pose is right by definition, so the map is off by -d.
+  // The pose is right by definition, so the map is off by -d. Unless d is open since a predicted pose: what the measured
+  // pose has to do with the map from before is not known.
   const Eigen::Matrix3d R_mark_odom = T_odom_mark.linear().transpose();
-  const Matrix6d D = symmetric(rotateCovariance(since_start_.inMap(), R_mark_odom));
+  const bool open = confirmation_.open_sweeps != kConfirmed;
+  const Matrix6d D =
+      open ? Matrix6d::Zero().eval() : symmetric(rotateCovariance(since_start_.inMap(), R_mark_odom)).eval();
   Vector6d d_speed = since_start_.C.block<6, 1>(kInMap, kSpeed);
   d_speed << R_mark_odom * d_speed.head<3>(), R_mark_odom * d_speed.tail<3>();
+  if (open) d_speed.setZero();
   DriftState::Matrix& C = since_mark_.C;
   C.block<6, 6>(kInMap, kInMap) = C.block<6, 6>(kMap, kMap) = D;
   C.block<6, 6>(kMap, kInMap) = C.block<6, 6>(kInMap, kMap) = -D;

@@ -9,8 +9,9 @@
 //   m += a part of K R K^T: what the registrations that make a map have in common; random walks.
 // So where registration is good, the pose goes with the map. Along a tunnel d grows, and so m; a place without
 // information shorter than the map costs nothing, since the map from before it is seen again.
-// After a pose that is a prediction (sensor gone for a moment) nothing is taken back until two measurements agree; if
-// the prediction becomes too uncertain for a search, or too old, the map is out of sight: d stays for good.
+// After a pose that is a prediction (sensor gone for a moment) nothing is taken back until two measurements agree, or one
+// alone holds for two seconds; if the prediction becomes too uncertain for a search, or too old, the map is out of sight:
+// d stays for good.
 //
 // Beside them it carries, with their correlations: heading bias per metre, scale bias (both constant), and the error
 // of the speed along the vehicle's axis during dead reckoning (successive errors are then alike, not independent).
@@ -71,8 +72,12 @@ class OdometryCovariance {
     double farthest_m = 0.0;
   };
   static constexpr int kConfirmed = -1;
+  struct Confirmation {
+    int open_sweeps = kConfirmed;  ///< since a predicted pose; kConfirmed: a pose was confirmed since
+    int alone_in_a_row = 0;        ///< registered sweeps that one source alone measured
+  };
 
-  int takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map, DriftStep& step) const;
+  Confirmation takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map, DriftStep& step) const;
   MapDistance extendMap(const OdometryIncrement& increment, const Pose& T_odom_base_previous,
                         const Pose& T_odom_base_now, DriftStep& step) const;
   static DriftRate rateOf(const DriftStep& step);
@@ -86,7 +91,7 @@ class OdometryCovariance {
   Matrix6d largest_transient_base_ = Matrix6d::Zero();  ///< no less than any so far
   std::optional<Pose> T_odom_mark_;
   std::optional<MapDistance> map_distance_;
-  int unconfirmed_sweeps_ = kConfirmed;  ///< since a predicted pose; kConfirmed: none is open
+  Confirmation confirmation_;
   DriftRate rate_;
 };
 

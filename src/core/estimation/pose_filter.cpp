@@ -264,7 +264,7 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   }
   sweep.dead_reckoned = prediction_.motion_status == MotionStatus::kDeadReckoning;
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
-  // after a gap the accumulated covariance would otherwise restart from the R of confirmed measurements
+  // after a predicted pose the accumulated covariance would otherwise take back what this measurement does not know
   if (inflation.unbelievable) state.fusion.confirmed = false;
   state.doubt = {inflation.sigma_m, inflation.sigma_yaw_rad};
   state.increment_covariance.diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;

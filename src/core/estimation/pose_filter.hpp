@@ -42,8 +42,8 @@ class PoseFilter {
     double initial_sigma_deg = 0.01;  ///< sigma of the start attitude
     double max_speed_mps = 80.0;      ///< larger speeds are limited to this: no car on a road is faster
     double max_yaw_rate_rps = 3.0;    ///< larger yaw rates are limited to this: half a turn a second
-    double increment_scale = 0.43;    ///< scales the covariance that one sweep adds to the odometry
-    /// factor on it during dead reckoning: weakly observed measurements also mislead
+    double increment_scale = 0.43;    ///< scales the covariances of one sweep's increment and registration
+    /// factor on both during dead reckoning: weakly observed measurements also mislead
     double dead_reckoning_increment_factor = 3.0;
     double increment_floor_m = 0.0005;   ///< least standard deviation of a sweep's increment
     double increment_per_metre_m = 0.0;  ///< added to it per metre driven

@@ -152,8 +152,8 @@ bool isUsable(const CovarianceGrowth& g) {
   return isCovariance(g.covariance) && isCovariance(g.rate) && isCovariance(g.drivers) && g.cross.allFinite() &&
          g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.transient.allFinite() &&
          g.transient.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
-         bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.unobserved >= 0.0 &&
-         g.unobserved <= 1.0 && bounded(g.pace) && g.pace >= 1.0;
+         bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.speed_share >= 0.0 &&
+         g.speed_share <= 1.0 && bounded(g.pace) && g.pace >= 1.0;
 }
 
 }  // namespace
@@ -190,7 +190,7 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     if (sought.found) sought.time = TimeToFailure::reached();
   }
 
-  const double v = growth.speed_mps, scaled_v = growth.pace * v, u = growth.unobserved;
+  const double v = growth.speed_mps, scaled_v = growth.pace * v, u = growth.speed_share;
   for (double t = 0.0; t < params_.horizon_s && !(all[0].found && all[1].found); t += params_.step_s) {
     const double step_s = std::min(params_.step_s, params_.horizon_s - t);
     const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);

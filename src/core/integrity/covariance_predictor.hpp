@@ -9,7 +9,7 @@
 // down to a normal's two-sided quantile for a line. `radius` is that r.
 //
 // Growth: at constant speed v and yaw rate, the error (x, y, yaw) in the frame at t1 with heading bias h, scale bias s
-// and speed error w (estimation/odometry_covariance.hpp), u how little of the speed is observed, p the pace, th the course:
+// and speed error w (estimation/odometry_covariance.hpp), u the part of w's way that stays, p the pace, th the course:
 //   x' = -v sin th yaw + (p v s + u w) cos th,  y' = v cos th yaw + (p v s + u w) sin th,  yaw' = v h
 // driven by white noise: Q on (x, y, yaw), about the body's axes, and on w. Integrated in steps of constant course
 // (exact for straight driving), the crossing found inside its step by bisection.
@@ -68,7 +68,7 @@ struct CovarianceGrowth {
   Eigen::Matrix3d drivers = Eigen::Matrix3d::Zero();    ///< of heading bias (rad/m), scale bias, speed error (m/s)
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();      ///< (x, y, yaw) against the drivers
   double speed_wander = 0.0;                            ///< of the speed error, m^2/s^3
-  double unobserved = 0.0;                              ///< u above, 0..1
+  double speed_share = 0.0;                             ///< u above, 0..1: DriftRate::speed_share
   double pace = 1.0;                                    ///< p above: DriftModel::pace(), 1 or more
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow
 };

@@ -66,7 +66,7 @@ void FailAwareMonitor::reset() {
   motion_ = Motion();
   last_measured_ = false;
   intervals_s_.clear();
-  unobserved_.clear();
+  speed_share_.clear();
   speed_wander_.clear();
   error_unbounded_ = false;
   has_previous_ = false;
@@ -132,7 +132,7 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftS
   growth.cross << cross.topRows<2>(), cross.bottomRows<1>();
   growth.transient = drift.transient.topLeftCorner<2, 2>();
   growth.speed_wander = speed_wander_.median();
-  growth.unobserved = unobserved_.median();
+  growth.speed_share = speed_share_.median();
   growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
   const Eigen::Matrix3d R_mark_cog = T_odom_mark.linear().transpose() * state.T_odom_cog.linear();
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
@@ -166,7 +166,7 @@ void FailAwareMonitor::begin(const FilterState& state) {
   t1_stamp_s_ = state.stamp_s;
 }
 
-// As if marked now: what a mark takes over of the state before it is the bias of the head.
+// As if marked now: a mark takes over the error of the pose in the map, of the speed, and the biases.
 void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& output) const {
   if (!state.motionObserved() || !rate_.rate()) return;
   OdometryCovariance marked = covariance_;
@@ -194,7 +194,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     if (state.motionObserved() || rate_.rate()) {
       if (added) {
         speed_wander_.add(std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s);
-        unobserved_.add(covariance_.rate().speed_share);
+        speed_share_.add(covariance_.rate().speed_share);
         rate_.update(covariance_.rate().covariance, state.dt_s);
       }
     }

@@ -101,7 +101,7 @@ class FailAwareMonitor {
   MovingMedian intervals_s_{kUsualIntervals};  ///< of the last sweeps
   // What the prediction takes for lasting, of the last sweeps: one that is blinded alone says nothing of the future.
   static constexpr std::size_t kLasting = 5;
-  MovingMedian unobserved_{kLasting};    ///< DriftRate::speed_share
+  MovingMedian speed_share_{kLasting};   ///< DriftRate::speed_share
   MovingMedian speed_wander_{kLasting};  ///< growth of the speed error's variance, m^2/s^3
   struct Motion {
     Pose T_previous_now = Pose::Identity();

@@ -16,6 +16,7 @@ struct OdometryIncrement {
   Matrix6d motion = Matrix6d::Zero();      ///< FilterState::motion_covariance
   std::optional<Matrix6d> registration{};  ///< FilterState::registration_covariance; none: the pose is not measured
   bool confirmed = false;                  ///< at least two measurements agree on the pose
+  bool alone = false;                      ///< of one source: nothing confirms or contradicts the pose
   double dt_s = 0.0;
   SpeedError speed_error;
   MotionDoubt doubt;

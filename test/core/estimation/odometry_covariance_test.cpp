@@ -404,6 +404,24 @@ TEST_F(Gap, IsNotForgivenInAReferenceThatBeganInIt) {
   EXPECT_GT(x(), then + 0.08);
 }
 
+TEST_F(Gap, IsOverWhenOneSourceAloneHoldsForTwoSeconds) {
+  drive(10, predicted());
+  OdometryIncrement alone = measured();
+  alone.alone = true;
+  drive(19, alone);
+  EXPECT_GT(x(), 0.09);
+  drive(1, alone);
+  EXPECT_LT(x(), before + 0.02);
+}
+
+TEST_F(Gap, LeavesNothingOfItselfToAMark) {
+  drive(10, predicted());
+  drive(1, measured());
+  odometry.mark(T);
+  drive(1, confirmed(Vector6d::Constant(1e-3)));
+  EXPECT_LT(x(), 1e-4) << "the pose did not jump";
+}
+
 TEST_F(Gap, ThatWasTooLongIsNotForgivenInParts) {
   drive(150, predicted());
   const double lost = x();
@@ -482,6 +500,18 @@ TEST(OdometryCovariance, TheRateIsThatOfTheGrowth) {
     odometry.mark(Pose::Identity());
     const double before = sigmaAlong(odometry, 1000, sigma_m), after = sigmaAlong(odometry, 1000, sigma_m);
     EXPECT_NEAR(1000.0 * odometry.rate().covariance(0, 0) / (after * after - before * before), 1.0, 0.05) << sigma_m;
+  }
+}
+
+TEST(OdometryCovariance, WhatHardlyLeftItsGuessObservesNothing) {
+  for (const int axis : {0, 5}) {
+    OdometryCovariance odometry(maps(50.0, 0.0));
+    odometry.mark(Pose::Identity());
+    Matrix6d motion = 1e-6 * Matrix6d::Identity(), R = 1e-8 * Matrix6d::Identity();
+    motion(axis, axis) = 1e-4;
+    R(0, 0) = R(1, 1) = 0.6 * 0.6;  // the way to the side would tell the heading
+    if (axis == 5) R(5, 5) = 0.03 * 0.03;
+    EXPECT_NEAR(driveStraight(odometry, 100, motion, R).pose()(axis, axis), 100.0 * 1e-4, 1e-4) << axis;
   }
 }
 

@@ -126,14 +126,14 @@ TEST(CovariancePredictor, DriversInClosedForm) {
   scale.pace = 2.0;
   EXPECT_NEAR(predictorWith(kOneSigma).predict(scale).time_to_failure.seconds, 0.6 / (2.0 * 1e-3 * 20.0), 1e-4);
   CovarianceGrowth lost;
-  lost.unobserved = 1.0;
+  lost.speed_share = 1.0;
   lost.speed_wander = 0.04;  // 0.04 t^3 / 3 = 0.36
   EXPECT_NEAR(predictorWith(kOneSigma).predict(lost).time_to_failure.seconds, std::cbrt(27.0), 1e-4);
   CovarianceGrowth speed;
-  speed.unobserved = 1.0;
+  speed.speed_share = 1.0;
   speed.drivers(2, 2) = 0.09;
   EXPECT_NEAR(predictorWith(kOneSigma).predict(speed).time_to_failure.seconds, 2.0, 1e-4);
-  speed.unobserved = 0.0;
+  speed.speed_share = 0.0;
   EXPECT_EQ(predictorWith(kOneSigma).predict(speed).time_to_failure.status, Status::kBeyondHorizon);
 }
 
