@@ -18,8 +18,7 @@
 //
 // Convention: geometry/pose.hpp's (m, rad; rotation about fixed axes).
 // Height, roll and pitch have in addition what the vertical reference knows of them (vertical_drift.hpp).
-// Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 15x15 products,
-// 10 us.
+// Failure: propagate() returns false and changes nothing (poses or covariance not finite). Cost: some 15x15 products.
 #pragma once
 
 #include <optional>
