@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSweepsToForgetPlanes = 10;
 // At first the map holds a sweep or two: with 32 beams 0.24 and 0.33 of the points fit, though the pose is right.
-constexpr int kYoungMap = 2;  // sweeps
+constexpr int kYoungMap = 2;         // sweeps
 constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from the interval's uncertainty
 
 }  // namespace
@@ -65,8 +65,8 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
   Inflation inflation;
-  inflation.sigma_m = std::hypot(apart_m, persistent_m);
-  inflation.sigma_yaw_rad = turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0;
+  inflation.doubt.sigma_m = std::hypot(apart_m, persistent_m);
+  inflation.doubt.sigma_yaw_rad = turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0;
   inflation.unbelievable = persistent_m > 0.0 || turned;
   const bool fitted_not = recent_fit_.isFull() && recent_fit_.median() < params_.fitting_ratio;
   inflation.velocity_unobservable =

@@ -21,6 +21,7 @@
 #include "core/estimation/fitting_ratio.hpp"
 #include "core/estimation/lost_motion.hpp"
 #include "core/moving_median.hpp"
+#include "core/types/motion_doubt.hpp"
 
 namespace fail_aware {
 
@@ -56,8 +57,7 @@ class ConsistencyMonitor {
   };
 
   struct Inflation {
-    double sigma_m = 0.0;  ///< sigma to add to the increment, along the road and across it
-    double sigma_yaw_rad = 0.0;
+    MotionDoubt doubt;          ///< to add to the increment
     bool unbelievable = false;  ///< agreement between the measurements confirms nothing in this sweep
     /// Almost nothing fits the map, although it did before: the measurement only repeats the prediction.
     bool velocity_unobservable = false;

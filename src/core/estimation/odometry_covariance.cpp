@@ -62,14 +62,6 @@ Matrix6d observed(const Matrix6d& registration) {
   return R;
 }
 
-// About the body's axes.
-Matrix6d covarianceOf(const MotionDoubt& doubt) {
-  Vector6d sigmas = Vector6d::Zero();
-  sigmas.head<2>().setConstant(doubt.sigma_m);
-  sigmas[5] = doubt.sigma_yaw_rad;
-  return sigmas.cwiseAbs2().asDiagonal();
-}
-
 }  // namespace
 
 OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }

@@ -266,9 +266,8 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
   // after a predicted pose the accumulated covariance would otherwise take back what this measurement does not know
   if (inflation.unbelievable) state.fusion.confirmed = false;
-  state.doubt = {inflation.sigma_m, inflation.sigma_yaw_rad};
-  state.increment_covariance.diagonal().head<2>().array() += inflation.sigma_m * inflation.sigma_m;
-  state.increment_covariance(5, 5) += inflation.sigma_yaw_rad * inflation.sigma_yaw_rad;
+  state.doubt = inflation.doubt;
+  state.increment_covariance += covarianceOf(inflation.doubt);
   return inflation;
 }
 

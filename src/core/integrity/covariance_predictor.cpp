@@ -28,12 +28,52 @@ bool isCovariance(const Eigen::Matrix3d& C) {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// The solution of dS/dt = L S + S L^T + Q after `dt`; L^3 = 0, and L^2 Q = 0, since what L^2 takes in has no noise.
-Matrix6 grown(const Matrix6& S, const Matrix6& L, const Matrix6& Q, double dt) {
-  const Matrix6 A = Matrix6::Identity() + dt * L + 0.5 * dt * dt * L * L;
+// The error of the speed: w' = -w / time + white noise.
+struct SpeedWander {
+  double forgotten_per_s = 0.0;  ///< 1 / time
+  double noise = 0.0;            ///< m^2/s^3
+};
+
+// What of w is left after `dt`, its way, and the covariance of (w, way) that the noise makes.
+struct SpeedStep {
+  double kept = 1.0, way_s = 0.0, variance = 0.0, cross = 0.0, way_variance = 0.0;
+};
+
+SpeedStep stepOf(const SpeedWander& speed, double dt) {
+  const double k = speed.forgotten_per_s, x = k * dt;
+  SpeedStep step;
+  step.kept = std::exp(-x);
+  if (x < 1e-3) {  // to second order in x: the differences below would lose their digits
+    step.way_s = dt * (1.0 - 0.5 * x);
+    step.variance = speed.noise * dt * (1.0 - x);
+    step.cross = speed.noise * dt * dt * (0.5 - 0.5 * x);
+    step.way_variance = speed.noise * dt * dt * dt * (1.0 / 3.0 - 0.25 * x);
+    return step;
+  }
+  const double once = -std::expm1(-x) / k, twice = -std::expm1(-2.0 * x) / (2.0 * k);
+  step.way_s = once;
+  step.variance = speed.noise * twice;
+  step.cross = speed.noise * (once - twice) / k;
+  step.way_variance = speed.noise * (dt - 2.0 * once + twice) / (k * k);
+  return step;
+}
+
+// S after `dt` with dS/dt = L S + S L^T + Q, and the speed's error beside it, whose way goes `along` (x, y, 1/s).
+// L^3 = 0, and L^2 Q = 0, since what L^2 takes in has no noise.
+Matrix6 grown(const Matrix6& S, const Matrix6& L, const Matrix6& Q, const SpeedWander& speed,
+              const Eigen::Vector2d& along, double dt) {
+  const SpeedStep step = stepOf(speed, dt);
+  Matrix6 A = Matrix6::Identity() + dt * L + 0.5 * dt * dt * L * L;
+  A.block<2, 1>(0, 5) = step.way_s * along;
+  A(5, 5) = step.kept;
   const Matrix6 LQ = L * Q;
-  return A * S * A.transpose() + dt * Q + 0.5 * dt * dt * (LQ + LQ.transpose()) +
-         dt * dt * dt / 3.0 * LQ * L.transpose();
+  Matrix6 next =
+      A * S * A.transpose() + dt * Q + 0.5 * dt * dt * (LQ + LQ.transpose()) + dt * dt * dt / 3.0 * LQ * L.transpose();
+  next.topLeftCorner<2, 2>() += step.way_variance * along * along.transpose();
+  next.block<2, 1>(0, 5) += step.cross * along;
+  next.block<1, 2>(5, 0) += step.cross * along.transpose();
+  next(5, 5) += step.variance;
+  return next;
 }
 
 // Probability that an error with scales 1 and `ratio` is farther than `radius`. The integrand has period pi and is
@@ -152,7 +192,8 @@ bool isUsable(const CovarianceGrowth& g) {
   return isCovariance(g.covariance) && isCovariance(g.rate) && isCovariance(g.drivers) && g.cross.allFinite() &&
          g.cross.cwiseAbs().maxCoeff() <= kLargestEntry && g.transient.allFinite() &&
          g.transient.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
-         bounded(g.yaw_rate_rps) && bounded(g.speed_wander) && g.speed_wander >= 0.0 && g.speed_share >= 0.0 &&
+         bounded(g.yaw_rate_rps) && bounded(g.speed_noise) && g.speed_noise >= 0.0 &&
+         bounded(g.speed_forgotten_per_s) && g.speed_forgotten_per_s >= 0.0 && g.speed_share >= 0.0 &&
          g.speed_share <= 1.0 && bounded(g.pace) && g.pace >= 1.0;
 }
 
@@ -190,29 +231,31 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     if (sought.found) sought.time = TimeToFailure::reached();
   }
 
-  const double v = growth.speed_mps, scaled_v = growth.pace * v, u = growth.speed_share;
+  const double v = growth.speed_mps, scaled_v = growth.pace * v;
+  const SpeedWander speed = {growth.speed_forgotten_per_s, params_.rate_scale * growth.speed_noise};
   for (double t = 0.0; t < params_.horizon_s && !(all[0].found && all[1].found); t += params_.step_s) {
     const double step_s = std::min(params_.step_s, params_.horizon_s - t);
     const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);
     const double c = std::cos(course), s = std::sin(course);
     Matrix6 L = Matrix6::Zero();
-    L.row(0) << 0.0, 0.0, -v * s, 0.0, scaled_v * c, u * c;
-    L.row(1) << 0.0, 0.0, v * c, 0.0, scaled_v * s, u * s;
+    L.row(0) << 0.0, 0.0, -v * s, 0.0, scaled_v * c, 0.0;
+    L.row(1) << 0.0, 0.0, v * c, 0.0, scaled_v * s, 0.0;
     L(2, 3) = std::abs(v);  // by distance, whichever way
     const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
     Matrix6 Q = Matrix6::Zero();
     Q.topLeftCorner<3, 3>() = R * rate * R.transpose();
-    Q(5, 5) = params_.rate_scale * u * growth.speed_wander;
-    const Matrix6 next = grown(S, L, Q, step_s);
+    const Eigen::Vector2d along = growth.speed_share * Eigen::Vector2d(c, s);
+    const auto after = [&](double dt) { return grown(S, L, Q, speed, along, dt); };
+    const Matrix6 next = after(step_s);
     const double at_end = failed(next);
     for (Sought& sought : all) {
       if (sought.found || at_end < sought.probability) continue;
-      double before = 0.0, after = step_s;
+      double low = 0.0, high = step_s;
       for (int i = 0; i < kBisections; ++i) {
-        const double middle = 0.5 * (before + after);
-        (failed(grown(S, L, Q, middle)) < sought.probability ? before : after) = middle;
+        const double middle = 0.5 * (low + high);
+        (failed(after(middle)) < sought.probability ? low : high) = middle;
       }
-      sought.time = TimeToFailure::fromSeconds(t + after, params_.horizon_s);
+      sought.time = TimeToFailure::fromSeconds(t + high, params_.horizon_s);
       sought.found = true;
     }
     S = next;

@@ -11,8 +11,9 @@
 // Growth: at constant speed v and yaw rate, the error (x, y, yaw) in the frame at t1 with heading bias h, scale bias s
 // and speed error w (estimation/odometry_covariance.hpp), u the part of w's way that stays, p the pace, th the course:
 //   x' = -v sin th yaw + (p v s + u w) cos th,  y' = v cos th yaw + (p v s + u w) sin th,  yaw' = v h
-// driven by white noise: Q on (x, y, yaw), about the body's axes, and on w. Integrated in steps of constant course
-// (exact for straight driving), the crossing found inside its step by bisection.
+// driven by white noise: Q on (x, y, yaw), about the body's axes. Measurements take a part of w back, and as much is
+// made anew: w' = -f w + white noise. Integrated in steps of constant course (exact for straight driving), the crossing
+// found inside its step by bisection.
 //
 // Two times. To the alarm: until a failure has a probability of 1 - alarm_confidence. To the failure: what has not
 // failed by now (probability 1 - p) fails before it with 1 - confidence, so until p has grown to
@@ -67,7 +68,8 @@ struct CovarianceGrowth {
 
   Eigen::Matrix3d drivers = Eigen::Matrix3d::Zero();    ///< of heading bias (rad/m), scale bias, speed error (m/s)
   Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();      ///< (x, y, yaw) against the drivers
-  double speed_wander = 0.0;                            ///< of the speed error, m^2/s^3
+  double speed_noise = 0.0;                             ///< that drives the speed error, m^2/s^3
+  double speed_forgotten_per_s = 0.0;                   ///< ratio of the speed error that measurements take back
   double speed_share = 0.0;                             ///< u above, 0..1: DriftRate::speed_share
   double pace = 1.0;                                    ///< p above: DriftModel::pace(), 1 or more
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow

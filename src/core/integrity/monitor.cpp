@@ -42,7 +42,7 @@ FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
       indicator_(params.indicator),
       predictor_(params.predictor),
       drift_(params.drift),
-      rate_(params.rate_window_s),
+      growth_rate_(params.rate_window_s),
       covariance_(params.drift),
       hysteresis_(params.sweeps_to_recover) {}
 
@@ -54,6 +54,7 @@ void FailAwareMonitor::start() {
 void FailAwareMonitor::stop() {
   indicator_.stop();
   hysteresis_.reset();
+  rise_limit_.reset();
   start_pending_ = false;
   t1_stamp_s_ = -1.0;
 }
@@ -61,13 +62,11 @@ void FailAwareMonitor::stop() {
 void FailAwareMonitor::reset() {
   const bool serving = started();
   stop();
-  rate_.reset();
+  growth_rate_.reset();
   covariance_.reset();
   motion_ = Motion();
   last_measured_ = false;
   intervals_s_.clear();
-  speed_share_.clear();
-  speed_wander_.clear();
   error_unbounded_ = false;
   has_previous_ = false;
   start_pending_ = serving;
@@ -131,9 +130,7 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftS
   const Eigen::Matrix<double, 6, 3> cross = drift.cross();
   growth.cross << cross.topRows<2>(), cross.bottomRows<1>();
   growth.transient = drift.transient.topLeftCorner<2, 2>();
-  growth.speed_wander = speed_wander_.median();
-  growth.speed_share = speed_share_.median();
-  growth.rate = rate_.rate().value_or(Eigen::Matrix3d::Zero());
+  growth_rate_.describe(growth);
   const Eigen::Matrix3d R_mark_cog = T_odom_mark.linear().transpose() * state.T_odom_cog.linear();
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
   if (motion_.dt_s > 0.0) {
@@ -168,7 +165,7 @@ void FailAwareMonitor::begin(const FilterState& state) {
 
 // As if marked now: a mark takes over the error of the pose in the map, of the speed, and the biases.
 void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& output) const {
-  if (!state.motionObserved() || !rate_.rate()) return;
+  if (!state.motionObserved() || !growth_rate_.known()) return;
   OdometryCovariance marked = covariance_;
   marked.mark(state.T_odom_cog);
   const CovariancePrediction prediction = predictor_.predict(growth(state, marked.driftSinceMark(), state.T_odom_cog));
@@ -187,16 +184,13 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   if (has_previous_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
   if (has_previous_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
-    const double speed_variance = covariance_.speedVariance();
+    const double speed_variance_before = covariance_.speedVariance();
     const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
     error_unbounded_ = error_unbounded_ || !added;
     // What a drive begins with is unknown, and says nothing of what follows.
-    if (state.motionObserved() || rate_.rate()) {
-      if (added) {
-        speed_wander_.add(std::max(0.0, covariance_.speedVariance() - speed_variance) / state.dt_s);
-        speed_share_.add(covariance_.rate().speed_share);
-        rate_.update(covariance_.rate().covariance, state.dt_s);
-      }
+    if (added && (state.motionObserved() || growth_rate_.known())) {
+      growth_rate_.add(covariance_.rate(), {speed_variance_before, covariance_.speedVariance(), state.speed_error.kept},
+                       state.dt_s);
     }
   }
   has_previous_ = true;
@@ -219,11 +213,12 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     output.covariance_since_start = covariance_.sinceMark();
     output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
     output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
-    if (rate_.rate()) {
+    if (growth_rate_.known()) {
       CovarianceGrowth since_start = growth(state, covariance_.driftSinceMark(), T_odom_mark_);
       if (error_unbounded_) since_start.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
       const CovariancePrediction prediction = predictor_.predict(since_start);
-      output.time_to_failure_covariance = prediction.time_to_failure;
+      output.time_to_failure_covariance =
+          rise_limit_.limit(prediction.time_to_failure, state.dt_s, params_.predictor.horizon_s);
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
     }

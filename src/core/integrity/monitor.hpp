@@ -14,7 +14,9 @@
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/integrity/covariance_predictor.hpp"
 #include "core/integrity/failure_state.hpp"
+#include "core/integrity/growth_rate.hpp"
 #include "core/integrity/indicator.hpp"
+#include "core/integrity/rise_limit.hpp"
 #include "core/moving_median.hpp"
 #include "core/stamp_difference.hpp"
 #include "core/types/filter_state.hpp"
@@ -92,17 +94,14 @@ class FailAwareMonitor {
   FailAwareIndicator indicator_;
   CovariancePredictor predictor_;
   DriftModel drift_;
-  IncrementRate rate_;
+  GrowthRate growth_rate_;
   OdometryCovariance covariance_;
   StateHysteresis hysteresis_;
+  RiseLimit rise_limit_;
   Pose T_odom_mark_ = Pose::Identity();
   double t1_stamp_s_ = -1.0;
   int odom_reset_count_ = 0;
   MovingMedian intervals_s_{kUsualIntervals};  ///< of the last sweeps
-  // What the prediction takes for lasting, of the last sweeps: one that is blinded alone says nothing of the future.
-  static constexpr std::size_t kLasting = 5;
-  MovingMedian speed_share_{kLasting};   ///< DriftRate::speed_share
-  MovingMedian speed_wander_{kLasting};  ///< growth of the speed error's variance, m^2/s^3
   struct Motion {
     Pose T_previous_now = Pose::Identity();
     double dt_s = 0.0;

@@ -2,6 +2,8 @@
 // registration takes it back.
 #pragma once
 
+#include "core/geometry/pose.hpp"
+
 namespace fail_aware {
 
 /// Standard deviations; 0: the motion is plausible.
@@ -9,5 +11,13 @@ struct MotionDoubt {
   double sigma_m = 0.0;  ///< along the road and across it
   double sigma_yaw_rad = 0.0;
 };
+
+/// About the body's axes.
+inline Matrix6d covarianceOf(const MotionDoubt& doubt) {
+  Vector6d sigmas = Vector6d::Zero();
+  sigmas.head<2>().setConstant(doubt.sigma_m);
+  sigmas[5] = doubt.sigma_yaw_rad;
+  return sigmas.cwiseAbs2().asDiagonal();
+}
 
 }  // namespace fail_aware

@@ -33,8 +33,8 @@ Inflation afterOdd(int count, const std::function<void(Sweep&)>& change,
 }
 
 void expectNone(const Inflation& inflation, const std::string& of) {
-  EXPECT_EQ(inflation.sigma_m, 0.0) << of;
-  EXPECT_EQ(inflation.sigma_yaw_rad, 0.0) << of;
+  EXPECT_EQ(inflation.doubt.sigma_m, 0.0) << of;
+  EXPECT_EQ(inflation.doubt.sigma_yaw_rad, 0.0) << of;
   EXPECT_FALSE(inflation.unbelievable || inflation.velocity_unobservable) << of;
 }
 
@@ -47,7 +47,7 @@ TEST(ConsistencyMonitor, PersistentDisagreementInflates) {
   const auto apart = [](Sweep& sweep) { sweep.undecided_m = 0.25; };
   expectNone(afterOdd(2, apart), "two of the last five");
   const Inflation accumulated = afterOdd(3, apart);
-  EXPECT_DOUBLE_EQ(accumulated.sigma_m, 0.10);
+  EXPECT_DOUBLE_EQ(accumulated.doubt.sigma_m, 0.10);
   EXPECT_FALSE(accumulated.unbelievable) << "one of them is right";
 }
 
@@ -55,7 +55,7 @@ TEST(ConsistencyMonitor, PersistentInnovationInflates) {
   const auto off = [](Sweep& sweep) { sweep.innovation_m = 0.12; };
   expectNone(afterOdd(4, off), "four of the last ten");
   const Inflation accumulated = afterOdd(5, off);
-  EXPECT_DOUBLE_EQ(accumulated.sigma_m, 0.12);
+  EXPECT_DOUBLE_EQ(accumulated.doubt.sigma_m, 0.12);
   EXPECT_TRUE(accumulated.unbelievable);
   EXPECT_FALSE(accumulated.velocity_unobservable) << "whoever brakes hard would never be believed again";
   expectNone(afterOdd(10, [](Sweep& sweep) { sweep.innovation_m = 0.067; }), "as sound sweeps at most");
@@ -69,17 +69,17 @@ TEST(ConsistencyMonitor, LongIntervalAllowsMore) {
     });
   };
   expectNone(slow(0.27), "below four times 0.07 m");
-  EXPECT_DOUBLE_EQ(slow(0.29).sigma_m, 0.29);
+  EXPECT_DOUBLE_EQ(slow(0.29).doubt.sigma_m, 0.29);
 }
 
 TEST(ConsistencyMonitor, WhereLittleFitsTheMapTheIncrementIsOpen) {
   const auto fitting = [](double share) { return afterOdd(2, [=](Sweep& sweep) { sweep.inlier_ratio = share; }); };
   expectNone(fitting(0.3), "the least that is usual");
-  EXPECT_NEAR(fitting(0.1).sigma_m, 0.25 * 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(fitting(0.1).doubt.sigma_m, 0.25 * 2.0 / 3.0, 1e-12);
   EXPECT_TRUE(fitting(0.1).unbelievable && fitting(0.1).velocity_unobservable);
-  EXPECT_DOUBLE_EQ(fitting(0.0).sigma_m, 0.25);
+  EXPECT_DOUBLE_EQ(fitting(0.0).doubt.sigma_m, 0.25);
   const Inflation once = afterOdd(1, [](Sweep& sweep) { sweep.inlier_ratio = 0.0; });
-  EXPECT_EQ(once.sigma_m, 0.0) << "one of three";
+  EXPECT_EQ(once.doubt.sigma_m, 0.0) << "one of three";
   EXPECT_FALSE(once.unbelievable);
   EXPECT_TRUE(once.velocity_unobservable) << "at once";
 }
@@ -110,7 +110,7 @@ TEST(ConsistencyMonitor, SilentPlanesForgetTheFit) {
   unfitting.inlier_ratio = 0.0;
   silent.inlier_ratio = std::nullopt;
   for (int i = 0; i < 5; ++i) monitor.add(unfitting);
-  for (int i = 1; i <= 10; ++i) EXPECT_DOUBLE_EQ(monitor.add(silent).sigma_m, 0.25) << i;
+  for (int i = 1; i <= 10; ++i) EXPECT_DOUBLE_EQ(monitor.add(silent).doubt.sigma_m, 0.25) << i;
   expectNone(monitor.add(silent), "eleven in a row");
 }
 
@@ -119,8 +119,8 @@ TEST(ConsistencyMonitor, ATurnThatNoVehicleMakesMayBeWrongByARatio) {
     return afterOdd(1, [=](Sweep& sweep) { sweep.turn_rad = turn_deg * kDegree; });
   };
   expectNone(turned(4.4), "a bump in the road");
-  EXPECT_NEAR(turned(6.0).sigma_yaw_rad, 0.6 * kDegree, 1e-12);
-  EXPECT_EQ(turned(6.0).sigma_m, 0.0);
+  EXPECT_NEAR(turned(6.0).doubt.sigma_yaw_rad, 0.6 * kDegree, 1e-12);
+  EXPECT_EQ(turned(6.0).doubt.sigma_m, 0.0);
   EXPECT_TRUE(turned(6.0).unbelievable);
 }
 
@@ -128,7 +128,7 @@ Sweep oddInAll() { return {0.1, 0.25, 0.12, 10.0 * kDegree, 0.0}; }
 
 TEST(ConsistencyMonitor, ErrorsAddAsIndependent) {
   const Inflation inflation = afterOdd(10, [](Sweep& sweep) { sweep = oddInAll(); });
-  EXPECT_NEAR(inflation.sigma_m, std::hypot(0.10, 0.25), 1e-12) << "the larger one of innovation and unfitting";
+  EXPECT_NEAR(inflation.doubt.sigma_m, std::hypot(0.10, 0.25), 1e-12) << "the larger one of innovation and unfitting";
 }
 
 TEST(ConsistencyMonitor, EachSignCanBeSwitchedOff) {
@@ -136,8 +136,8 @@ TEST(ConsistencyMonitor, EachSignCanBeSwitchedOff) {
   params.persistent_innovation_m = params.fitting_ratio = params.max_yaw_innovation_deg = 0.0;
   const Inflation inflation = afterOdd(
       10, [](Sweep& sweep) { sweep = oddInAll(); }, params);
-  EXPECT_DOUBLE_EQ(inflation.sigma_m, 0.10) << "what measurements stay apart";
-  EXPECT_EQ(inflation.sigma_yaw_rad, 0.0);
+  EXPECT_DOUBLE_EQ(inflation.doubt.sigma_m, 0.10) << "what measurements stay apart";
+  EXPECT_EQ(inflation.doubt.sigma_yaw_rad, 0.0);
   EXPECT_FALSE(inflation.unbelievable || inflation.velocity_unobservable);
 }
 
@@ -172,10 +172,10 @@ TEST(ConsistencyMonitor, ClearedItBeginsAnew) {
   odd.turn_rad = 0.0;
   for (int i = 0; i < 5; ++i) monitor.add(sound());
   for (int i = 0; i < 10; ++i) monitor.add(odd);
-  EXPECT_GT(monitor.add(odd).sigma_m, 0.25);
+  EXPECT_GT(monitor.add(odd).doubt.sigma_m, 0.25);
   monitor.clear();
   for (int i = 0; i < 4; ++i) expectNone(monitor.add(odd), "nothing lasts yet");
-  EXPECT_GE(monitor.add(odd).sigma_m, 0.25) << "three of the sweeps after the first two";
+  EXPECT_GE(monitor.add(odd).doubt.sigma_m, 0.25) << "three of the sweeps after the first two";
 }
 
 TEST(ConsistencyMonitor, ParametersAreChecked) {

@@ -127,7 +127,7 @@ TEST(CovariancePredictor, DriversInClosedForm) {
   EXPECT_NEAR(predictorWith(kOneSigma).predict(scale).time_to_failure.seconds, 0.6 / (2.0 * 1e-3 * 20.0), 1e-4);
   CovarianceGrowth lost;
   lost.speed_share = 1.0;
-  lost.speed_wander = 0.04;  // 0.04 t^3 / 3 = 0.36
+  lost.speed_noise = 0.04;  // 0.04 t^3 / 3 = 0.36
   EXPECT_NEAR(predictorWith(kOneSigma).predict(lost).time_to_failure.seconds, std::cbrt(27.0), 1e-4);
   CovarianceGrowth speed;
   speed.speed_share = 1.0;
@@ -135,6 +135,31 @@ TEST(CovariancePredictor, DriversInClosedForm) {
   EXPECT_NEAR(predictorWith(kOneSigma).predict(speed).time_to_failure.seconds, 2.0, 1e-4);
   speed.speed_share = 0.0;
   EXPECT_EQ(predictorWith(kOneSigma).predict(speed).time_to_failure.status, Status::kBeyondHorizon);
+}
+
+// w of steady variance V that is forgotten within T: its way has the variance 2 V T (t - T (1 - e^(-t/T))).
+TEST(CovariancePredictor, SpeedErrorThatWandersInClosedForm) {
+  constexpr double kForgotten_per_s = 1.6, kSeconds = 9.0, T_s = 1.0 / kForgotten_per_s;
+  const double variance = 0.36 / (2.0 * T_s * (kSeconds - T_s * (1.0 - std::exp(-kSeconds / T_s))));
+  CovarianceGrowth growth;
+  growth.speed_share = 1.0;
+  growth.drivers(2, 2) = variance;
+  growth.speed_forgotten_per_s = kForgotten_per_s;
+  growth.speed_noise = 2.0 * kForgotten_per_s * variance;
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, kSeconds, 1e-4);
+}
+
+TEST(CovariancePredictor, SlowlyForgottenSpeedErrorIsNearlyTheLasting) {
+  CovarianceGrowth growth;
+  growth.speed_share = 1.0;
+  growth.speed_noise = 0.04;
+  const double lasting_s = predictorWith(kOneSigma).predict(growth).time_to_failure.seconds;
+  for (const double forgotten_per_s : {1e-9, 3.9e-3, 4.1e-3}) {  // 0.25 s: on either side of the series' end
+    growth.speed_forgotten_per_s = forgotten_per_s;
+    // the way's variance is noise t^3 (1/3 - forgotten t / 4 + ...)
+    const double later_s = 0.25 * forgotten_per_s * lasting_s * lasting_s;
+    EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, lasting_s + later_s, 1e-4);
+  }
 }
 
 TEST(CovariancePredictor, JitterIsOnTopAndDoesNotGrow) {
