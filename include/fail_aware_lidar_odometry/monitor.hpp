@@ -30,10 +30,11 @@ enum ReasonBit : std::uint32_t {
   kReasonFrozenCloud = 1u << 13,  ///< the sensor repeats itself
   kReasonTimeJump = 1u << 14,
   kReasonDroppedSweeps = 1u << 15,
-  kReasonLowVisibility = 1u << 16,    ///< ranges cut short (fog, spray)
-  kReasonNoAnswer = 1u << 17,         ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
-  kReasonMotionUnknown = 1u << 18,    ///< the motion was not observed yet: t1 waits for it. Explains UNKNOWN
-  kReasonTimeFieldRefused = 1u << 19  ///< the cloud's time field cannot be read: its points are timed by a guess
+  kReasonLowVisibility = 1u << 16,     ///< ranges cut short (fog, spray)
+  kReasonNoAnswer = 1u << 17,          ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
+  kReasonMotionUnknown = 1u << 18,     ///< the motion was not observed yet: t1 waits for it. Explains UNKNOWN
+  kReasonTimeFieldRefused = 1u << 19,  ///< the cloud's time field cannot be read: its points are timed by a guess
+  kReasonWeakRoadAhead = 1u << 20      ///< a tunnel or the like is in view: explains the time, does not degrade
 };
 
 /// "STALE|NO_MEASUREMENT"; empty for none; a bit without a name as "BIT_n".
@@ -82,6 +83,10 @@ struct MonitorOutput {
   Eigen::Matrix<double, 6, 6> covariance_since_start = Eigen::Matrix<double, 6, 6>::Zero();
   /// Bounds the horizontal error, with the predictor's confidence; 1e6: nothing does; -1: unknown.
   double protection_level_m = -1.0;
+  /// On the weakest stretch of road in view: of what the walls say of the horizontal position, the ratio along the road;
+  /// about 0.001 in a tunnel. 1: not known.
+  double min_information_ahead = 1.0;
+  double information_ahead_distance_m = 0.0;                ///< to where this stretch begins
   FailAwareState standby_state = FailAwareState::kUnknown;  ///< before t1: if t1 were now
   TimeToFailure standby_time_to_failure;                    ///< likewise
 };

@@ -186,6 +186,9 @@ def _monitor(bag, run):
     monitor.time_to_failure_s = {"combined": values("time_to_failure"), "eta": values("time_to_failure_indicator"),
                                  "covariance": values("time_to_failure_covariance")}
     monitor.eta, monitor.sigma_yaw = np.nan_to_num(values("eta")), values("sigma_yaw")
+    if hasattr(messages[0], "min_information_ahead"):
+        monitor.information_ahead = values("min_information_ahead")
+        monitor.information_ahead_distance_m = values("information_ahead_distance")
     last = messages[-1]
     run.horizon_s, run.eta_threshold, run.alert_limit_m = last.horizon, last.eta_threshold, last.alert_limit
     run.t1_s = last.t1.to_sec() if last.t1.to_nsec() > 0 else None

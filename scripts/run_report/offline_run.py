@@ -80,6 +80,8 @@ def _monitor(table, stamp_s):
             monitor.time_to_failure_s[name] = values
     monitor.eta = table.numbers("eta")
     monitor.sigma_yaw = table.numbers("sigma_yaw", unknown=-1.0)
+    monitor.information_ahead = table.numbers("min_information_ahead")
+    monitor.information_ahead_distance_m = table.numbers("information_ahead_distance_m")
     return monitor
 
 

@@ -2,8 +2,8 @@
 import html
 
 from offline_tools import progress
-from . import (comparison as comparisons, figure_error, figure_indicator, figure_measurements, figure_stage_times,
-               figure_time_to_failure, figure_timeline, figure_trajectory, style, summary)
+from . import (comparison as comparisons, figure_error, figure_indicator, figure_measurements, figure_road_ahead,
+               figure_stage_times, figure_time_to_failure, figure_timeline, figure_trajectory, style, summary)
 from .run import NotAvailable
 
 SECTIONS = [
@@ -20,6 +20,9 @@ SECTIONS = [
      "Predicted against true. A prediction above the truth is late (unsafe), one below it is early. At the top edge: "
      "beyond the horizon. Gaps: unknown. If the error does not pass the alert limit before the end, the true time is not "
      "known; it is longer than the dotted line, the time that is left to the end."),
+    ("road_ahead", "Road ahead", figure_road_ahead.draw,
+     "Of what the walls in view say of the horizontal position, the ratio along the road, on the weakest stretch ahead, and "
+     "how far away that begins. On roads it is 0.02 to 0.3, in a smooth tunnel 0.001. Gaps: not known."),
     ("timeline", "States, reasons, faults", figure_timeline.draw,
      "State and reasons in the message to the planner, sweep by sweep; below them, the simulated faults."),
     ("weights", "Weights of the measurements", figure_measurements.draw_weights,

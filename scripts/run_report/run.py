@@ -31,6 +31,8 @@ class Monitor:
     time_to_failure_s: Dict[str, np.ndarray] = field(default_factory=dict)  # combined, eta, covariance; NaN: unknown
     eta: Optional[np.ndarray] = None              # rad
     sigma_yaw: Optional[np.ndarray] = None        # rad, the filter's; NaN: unknown
+    information_ahead: Optional[np.ndarray] = None  # 0..1, on the weakest stretch of road in view; 1: not known
+    information_ahead_distance_m: Optional[np.ndarray] = None  # to where it begins
 
     def first_known_s(self):
         """Stamp of the first time to failure: t1 within a sweep or two, where the run does not say it. None: never."""

@@ -30,6 +30,14 @@ double setBack_s(const Message& message) {
 
 constexpr std::uint8_t kNotArrived = messages::FilterState::NOT_ARRIVED;
 
+InformationAhead aheadSeen(const SweepAccount& account) {
+  for (const SweepAccount::Source& source : account.sources) {
+    const bool sees = source.name == kIcpPointToPlane && source.measurement && source.measurement->ok();
+    if (sees) return source.measurement->ahead;
+  }
+  return {};
+}
+
 static_assert(static_cast<int>(MeasurementStatus::kOk) == messages::PoseMeasurement::OK, "");
 static_assert(static_cast<int>(MeasurementStatus::kNoReference) == messages::PoseMeasurement::NO_REFERENCE, "");
 static_assert(static_cast<int>(MeasurementStatus::kTooFewPoints) == messages::PoseMeasurement::TOO_FEW_POINTS, "");
@@ -97,6 +105,8 @@ messages::PoseMeasurement toMessage(const Measurement& measurement, const std::s
   message.seed_spread = measurement.seed_spread_m;
   message.degenerate_directions = static_cast<std::uint8_t>(std::clamp(measurement.degenerate_directions, 0, 6));
   message.min_information_ratio = measurement.min_information_ratio;
+  message.min_information_ahead = measurement.ahead.ratio;
+  message.information_ahead_distance = measurement.ahead.distance_m;
   message.clock_jump_suspected = measurement.clock_jump_suspected;
   message.sweep_points = -1;
   return message;
@@ -118,8 +128,14 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
   measurement.seed_spread_m = finiteOr0(message.seed_spread);
   measurement.degenerate_directions = message.degenerate_directions;
   measurement.min_information_ratio = finiteOr0(message.min_information_ratio);
+  measurement.ahead = aheadOf(message.min_information_ahead, message.information_ahead_distance);
   measurement.clock_jump_suspected = message.clock_jump_suspected != 0;
   return measurement;
+}
+
+InformationAhead aheadOf(double ratio, double distance_m) {
+  const bool valid = ratio >= 0.0 && ratio < 1.0 && distance_m >= 0.0 && std::isfinite(distance_m);
+  return valid ? InformationAhead{ratio, distance_m} : InformationAhead();
 }
 
 messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points, const std_msgs::Header& header) {
@@ -183,6 +199,9 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.set_back = state.set_back_s;
   message.odom_reset_count = state.odom_reset_count;
   message.map_update = static_cast<std::uint8_t>(state.map_update);
+  const InformationAhead ahead = aheadSeen(account);
+  message.min_information_ahead = ahead.ratio;
+  message.information_ahead_distance = ahead.distance_m;
   for (const SweepAccount::Source& source : account.sources) {
     message.measurement_names.push_back(source.name);
     message.measurement_status.push_back(source.measurement ? static_cast<std::uint8_t>(source.measurement->status)

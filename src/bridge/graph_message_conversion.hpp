@@ -44,6 +44,9 @@ messages::PoseMeasurement toMessage(const Measurement& measurement, const std::s
 /// A pose that is not valid becomes not finite, and the fusion counts it as invalid. An unknown status: kNoReference.
 Measurement fromMessage(const messages::PoseMeasurement& message);
 
+/// Of a message's two fields. Not known if one is not a number in its range.
+InformationAhead aheadOf(double ratio, double distance_m);
+
 /// `points`: number of usable points.
 messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points, const std_msgs::Header& header);
 SweepFindings fromMessage(const messages::SweepCheck& message);

@@ -216,6 +216,20 @@ MarkerArray uncertaintyMarkers(const Eigen::Matrix2d& covariance_odom, const Eig
   return array;
 }
 
+Marker roadAheadMarker(const MonitorOutput& output, const Pose& T_odom_base, const std_msgs::Header& header) {
+  constexpr double kHalfWidth_m = 5.0;
+  Marker line = makeMarker(header, "road ahead", 0, Marker::LINE_STRIP, 0.3, kOrange);
+  const bool weak = (output.reasons & kReasonWeakRoadAhead) != 0;
+  if (weak && isFinite(T_odom_base) && std::isfinite(output.information_ahead_distance_m)) {
+    for (const double side_m : {-kHalfWidth_m, kHalfWidth_m}) {
+      addPoint(T_odom_base * Eigen::Vector3d(output.information_ahead_distance_m, side_m, 0.0), line);
+    }
+  } else {
+    line.action = Marker::DELETE;
+  }
+  return line;
+}
+
 Marker timeToFailureMarker(const MonitorOutput& output, const Eigen::Vector3d& position_odom,
                            const std_msgs::Header& header) {
   Marker marker =

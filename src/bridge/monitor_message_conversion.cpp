@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "bridge/graph_message_conversion.hpp"
 #include "core/types/measurement.hpp"
 #include "fail_aware_lidar_odometry/PoseMeasurement.h"
 
@@ -17,6 +18,7 @@ SweepCondition conditionOf(const messages::FilterState& message) {
   condition.time_jump = message.time_jump != 0;
   condition.time_field_refused = message.sweep_time_field_refused != 0;
   condition.no_answer = message.deadline_missed != 0;
+  condition.ahead = aheadOf(message.min_information_ahead, message.information_ahead_distance);
   for (std::size_t i = 0; i < message.measurement_names.size(); ++i) {
     if (i >= message.measurement_status.size()) break;
     const bool missing = message.measurement_status[i] != messages::PoseMeasurement::OK;
@@ -48,6 +50,8 @@ messages::TimeToFailure toMessage(const MonitorOutput& output, const MonitorPara
   message.sigma_x = output.sigma_x_m;
   message.sigma_y = output.sigma_y_m;
   message.protection_level = output.protection_level_m;
+  message.min_information_ahead = output.min_information_ahead;
+  message.information_ahead_distance = output.information_ahead_distance_m;
   if (output.t1_stamp_s > 0.0 && output.t1_stamp_s < ros::TIME_MAX.toSec() - 1.0) message.t1.fromSec(output.t1_stamp_s);
   message.eta_threshold = params.indicator.threshold;
   message.alert_limit = params.predictor.alert_limit_m;

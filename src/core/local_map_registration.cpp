@@ -2,6 +2,7 @@
 
 #include "core/geometry/rotation.hpp"
 #include "core/initial_guess/first_motion.hpp"
+#include "core/registration/look_ahead.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -85,6 +86,10 @@ Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<
 Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma_yaw_rad) const {
   if (readiness() != MeasurementStatus::kOk) return withoutPose(readiness());
   Measurement measurement = icp.align(scan_.cloud.plane_points_cog, map(), T_odom_cog_start(), sigma_yaw_rad);
+  if (measurement.ok()) {
+    measurement.ahead =
+        lookAhead(icp.params(), scan_.cloud.plane_points_cog, map(), measurement.T_odom_cog, guess_.twist_cog);
+  }
   describeGuess(measurement);
   return measurement;
 }

@@ -155,7 +155,10 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
   condition.point_missing = missing(kIcpPointToPoint);
   condition.plane_missing = missing(kIcpPointToPlane);
   condition.corners_missing = missing(kCornerSvd);
-  if (planes.ok()) condition.min_information_ratio = planes.min_information_ratio;
+  if (planes.ok()) {
+    condition.min_information_ratio = planes.min_information_ratio;
+    condition.ahead = planes.ahead;
+  }
   return condition;
 }
 

@@ -73,7 +73,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     rate_.tick();
     output_ = monitor_->update(*state, conditionOf(*message));
     header_ = message->header;
-    base_position_odom_ = (state->T_odom_cog * T_base_cog_.inverse()).translation();
+    T_odom_base_ = state->T_odom_cog * T_base_cog_.inverse();
     publish(header_);
   }
 
@@ -100,9 +100,10 @@ class FailAwareMonitorNodelet : public GraphNodelet {
 
   void showMarkers(const std_msgs::Header& header) {
     const auto markers = boost::make_shared<visualization_msgs::MarkerArray>(
-        uncertaintyMarkers(monitor_->monitor().horizontalCovarianceOdom(), base_position_odom_,
+        uncertaintyMarkers(monitor_->monitor().horizontalCovarianceOdom(), T_odom_base_.translation(),
                            monitor_->params().predictor.alert_limit_m, header));
-    markers->markers.push_back(timeToFailureMarker(output_, base_position_odom_, header));
+    markers->markers.push_back(timeToFailureMarker(output_, T_odom_base_.translation(), header));
+    markers->markers.push_back(roadAheadMarker(output_, T_odom_base_, header));
     marker_publisher_.publish(visualization_msgs::MarkerArrayConstPtr(markers));
   }
 
@@ -149,7 +150,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   std::unique_ptr<DriveMonitor> monitor_;
   MonitorOutput output_;
   std_msgs::Header header_;  ///< of the last filter state
-  Eigen::Vector3d base_position_odom_ = Eigen::Vector3d::Zero();
+  Pose T_odom_base_ = Pose::Identity();
   ClockCheck clock_;  ///< of the filter states' stamps
   RateMeter rate_;
   SilenceWatch silence_;

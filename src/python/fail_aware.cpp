@@ -161,6 +161,12 @@ void bindResult(py::handle module) {
           "protection_level", [orNone](const Result& r) { return orNone(r.monitor.protection_level_m); },
           "m: bound of the horizontal error since t1; 1e6: nothing bounds it, None: unknown")
       .def_property_readonly(
+          "min_information_ahead", [](const Result& r) { return r.monitor.min_information_ahead; },
+          "0..1, on the weakest stretch in view: ratio of the walls' information along the road; 1: not known")
+      .def_property_readonly(
+          "information_ahead_distance", [](const Result& r) { return r.monitor.information_ahead_distance_m; },
+          "m: to where this stretch begins")
+      .def_property_readonly(
           "pose_set_refused", [](const Result& r) { return r.pose_set_refused; },
           "why a pose that was set could not be taken; empty: none waited, or it is done");
 }

@@ -112,6 +112,8 @@ void visitOutput(Visitor& v, Output& output) {
     for (int column = 0; column < 2; ++column) v(output.covariance_since_start(row, column));
   }
   v(output.protection_level_m);
+  v(output.min_information_ahead);
+  v(output.information_ahead_distance_m);
   v(output.standby_state);
   visitTime(v, output.standby_time_to_failure);
 }

@@ -489,7 +489,7 @@ void printTable(std::ostream& out, const Json& reports) {
 void writePredictions(std::ostream& out, const std::vector<std::string>& run_names,
                       const std::vector<FailAwareEpisode>& episodes) {
   out << "run,begin_s,failed,since_start_s,remaining_s,combination_s,eta_s,covariance_s,state,reasons,eta,error_m,"
-         "protection_level_m,speed_mps\n";
+         "protection_level_m,speed_mps,min_information_ahead,information_ahead_distance_m\n";
   out << std::setprecision(8);
   for (const FailAwareEpisode& episode : episodes) {
     for (const std::size_t i : eachSecond(episode)) {
@@ -499,7 +499,8 @@ void writePredictions(std::ostream& out, const std::vector<std::string>& run_nam
           << sweep.since_start_s << ',' << sweep.remaining_s << ',' << o.time_to_failure.seconds << ','
           << o.time_to_failure_indicator.seconds << ',' << o.time_to_failure_covariance.seconds << ','
           << toString(o.state) << ',' << reasonText(o.reasons) << ',' << o.eta << ',' << sweep.error_m.norm() << ','
-          << o.protection_level_m << ',' << sweep.speed_mps << '\n';
+          << o.protection_level_m << ',' << sweep.speed_mps << ',' << o.min_information_ahead << ','
+          << o.information_ahead_distance_m << '\n';
     }
   }
 }

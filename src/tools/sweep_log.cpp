@@ -67,7 +67,7 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   out_ << ",seed_spread_m,min_information_ratio,disagreement_m,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw,speed_mps,"
           "yaw_rate_rps,odom_sigma_x,odom_sigma_y,odom_sigma_z,odom_sigma_roll,odom_sigma_pitch,odom_sigma_yaw";
   for (const char* name : kPartial) out_ << ",weight_" << name;
-  out_ << '\n';
+  out_ << ",min_information_ahead,information_ahead_distance_m\n";
 }
 
 void SweepLog::add(double stamp_s, const SweepResult& r) {
@@ -94,7 +94,7 @@ void SweepLog::add(double stamp_s, const SweepResult& r) {
        << (dt_s > 0.0 ? rpyFromRotation(r.state.T_previous_now.linear()).z() / dt_s : 0.0);
   for (int i = 0; i < 6; ++i) out_ << ',' << std::sqrt(std::max(0.0, r.odometry_covariance(i, i)));
   for (const char* name : kPartial) out_ << ',' << weightOf(name, r);
-  out_ << '\n';
+  out_ << ',' << m.min_information_ahead << ',' << m.information_ahead_distance_m << '\n';
   if (hasPose(r.status)) {
     logSweep(total_ms_.size(), r);
   } else {

@@ -46,7 +46,8 @@ TEST(GraphMessages, ReasonBitsAndStatesAreTheCores) {
   EXPECT_EQ(Message::REASON_NO_ANSWER, kReasonNoAnswer);
   EXPECT_EQ(Message::REASON_MOTION_UNKNOWN, kReasonMotionUnknown);
   EXPECT_EQ(Message::REASON_TIME_FIELD_REFUSED, kReasonTimeFieldRefused);
-  EXPECT_EQ(reasonText(Message::REASON_TIME_FIELD_REFUSED << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
+  EXPECT_EQ(Message::REASON_WEAK_ROAD_AHEAD, kReasonWeakRoadAhead);
+  EXPECT_EQ(reasonText(Message::REASON_WEAK_ROAD_AHEAD << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
   EXPECT_EQ(Message::UNKNOWN, static_cast<int>(FailAwareState::kUnknown));
   EXPECT_EQ(Message::OK, static_cast<int>(FailAwareState::kOk));
   EXPECT_EQ(Message::DEGRADED, static_cast<int>(FailAwareState::kDegraded));
@@ -107,6 +108,7 @@ TEST(GraphMessages, MeasurementThereAndBack) {
   measurement.seed_spread_m = 0.02;
   measurement.degenerate_directions = 2;
   measurement.min_information_ratio = 0.3;
+  measurement.ahead = {0.002, 60.0};
   measurement.clock_jump_suspected = true;
   const Measurement back = fromMessage(toMessage(measurement, "x", someHeader()));
   EXPECT_EQ(back.status, measurement.status);
@@ -120,6 +122,8 @@ TEST(GraphMessages, MeasurementThereAndBack) {
   EXPECT_EQ(back.seed_spread_m, 0.02);
   EXPECT_EQ(back.degenerate_directions, 2);
   EXPECT_EQ(back.min_information_ratio, 0.3);
+  EXPECT_EQ(back.ahead.ratio, 0.002);
+  EXPECT_EQ(back.ahead.distance_m, 60.0);
 }
 
 TEST(GraphMessages, MeasurementThatIsNoPoseIsNotFinite) {
@@ -215,6 +219,7 @@ TEST(GraphMessages, ConditionTellsWhatIsMissing) {
   Measurement ok;
   ok.status = MeasurementStatus::kOk;
   ok.min_information_ratio = 0.25;
+  ok.ahead = {0.003, 50.0};
   SweepAccount account;
   account.sources = {{kIcpPointToPoint, Measurement()}, {kIcpPointToPlane, ok}, {kCornerSvd, std::nullopt}};
   account.sweep_points = 0;
@@ -231,6 +236,10 @@ TEST(GraphMessages, ConditionTellsWhatIsMissing) {
   EXPECT_FALSE(condition.plane_missing);
   EXPECT_TRUE(condition.corners_missing);
   EXPECT_EQ(condition.min_information_ratio, 0.25);
+  EXPECT_EQ(condition.ahead.ratio, 0.003);
+  EXPECT_EQ(condition.ahead.distance_m, 50.0);
+  EXPECT_FALSE(aheadOf(std::nan(""), 50.0).known());
+  EXPECT_FALSE(aheadOf(0.003, -1.0).known());
   account.sweep_points = -1;
   EXPECT_FALSE(conditionOf(toMessage(someState(), account, someHeader())).empty);
   account.sources.pop_back();

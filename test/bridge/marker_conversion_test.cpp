@@ -207,6 +207,26 @@ Marker textOf(FailAwareState state, const TimeToFailure& time, std::uint32_t rea
   return marker;
 }
 
+TEST(RoadAheadMarker, LiesAcrossTheRoadWhereItGetsWeak) {
+  MonitorOutput output;
+  output.min_information_ahead = 0.001;
+  output.information_ahead_distance_m = 40.0;
+  Pose T_odom_base = Pose::Identity();
+  T_odom_base.translation().x() = 100.0;
+  EXPECT_EQ(roadAheadMarker(output, T_odom_base, sweepHeader()).action, static_cast<int>(Marker::DELETE))
+      << "no reason";
+  output.reasons = kReasonWeakRoadAhead;
+  const Marker line = roadAheadMarker(output, T_odom_base, sweepHeader());
+  MarkerArray array;
+  array.markers.push_back(line);
+  expectDisplayable(array);
+  ASSERT_EQ(line.points.size(), 2u);
+  EXPECT_EQ(line.points[0].x, 140.0);
+  EXPECT_EQ(line.points[0].y, -line.points[1].y);
+  T_odom_base.translation().x() = kNan;
+  EXPECT_EQ(roadAheadMarker(output, T_odom_base, sweepHeader()).action, static_cast<int>(Marker::DELETE));
+}
+
 TEST(TimeToFailureMarker, SaysStateTimeAndReasons) {
   const Marker degraded = textOf(FailAwareState::kDegraded, TimeToFailure::fromSeconds(7.26, 60.0),
                                  kReasonSweepIncomplete | kReasonMissingIcpPlane);

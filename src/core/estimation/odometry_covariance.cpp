@@ -40,6 +40,7 @@ constexpr double kUnobservedVariance = 1e8;
 constexpr int kConfirmedAlone = 20;             // registered sweeps in a row: what only one source measures
 constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
 constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
+constexpr double kWeakStretch_m = 0.1;          // sigma of the registration along simulated tunnels: 0.05 to 0.2 m
 constexpr double kLeastReplaced = 1e-4;         // at standstill the rate is that of a very slow drive
 
 void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
@@ -100,7 +101,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   map_distance_ = map_distance;
   since_start_ = since_start;
   since_mark_ = since_mark;
-  rate_ = rateOf(step);
+  last_step_ = step;
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
   transient_base_ = rotateCovariance(step.transient, T_previous_now.linear().transpose());
   largest_transient_base_ += positiveSemidefinite(transient_base_ - largest_transient_base_);
@@ -155,13 +156,24 @@ OdometryCovariance::MapDistance OdometryCovariance::extendMap(const OdometryIncr
 }
 
 // Of an error e in d the registration leaves (I - K) e, of which m gets its part in each sweep until nothing is left.
-DriftRate OdometryCovariance::rateOf(const DriftStep& step) {
+DriftRate OdometryCovariance::rate() const {
+  const DriftStep& step = last_step_;
   const double replaced = std::max(step.replaced, kLeastReplaced);
   const Matrix6d stays = replaced * inverseOf(Matrix6d::Identity() - (1.0 - replaced) * step.left) * step.left;
   DriftRate rate;
   rate.covariance = symmetric(Matrix6d(stays * step.motion * stays.transpose())) + step.lasting;
   rate.speed_share = std::clamp(stays(0, 0), 0.0, 1.0);
+  rate.on_weak_stretch = rateOnWeakStretch();
   return rate;
+}
+
+// The same in one dimension, with the steady variance of d before a registration: D = D (D + R)^-1 R + motion.
+DriftRate::Along OdometryCovariance::rateOnWeakStretch() const {
+  constexpr double R = kWeakStretch_m * kWeakStretch_m;
+  const double replaced = std::max(last_step_.replaced, kLeastReplaced), motion = last_step_.motion(0, 0);
+  const double D = 0.5 * (motion + std::sqrt(motion * motion + 4.0 * motion * R)), K = D / (D + R);
+  const double stays = replaced * (1.0 - K) / (1.0 - (1.0 - replaced) * (1.0 - K));
+  return {stays * stays * motion + drift_.registrationRatio() * replaced * K * K * R, stays};
 }
 
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {
@@ -174,7 +186,7 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   transient_base_.setZero();
   largest_transient_base_.setZero();
   confirmation_ = Confirmation();
-  rate_ = DriftRate();
+  last_step_ = DriftStep();
   map_distance_.reset();
   T_odom_mark_.reset();
   since_mark_ = DriftState();

@@ -33,8 +33,13 @@ namespace fail_aware {
 
 /// How the last sweep makes the error grow, if sweeps like it follow: about the previous body's axes.
 struct DriftRate {
+  struct Along {
+    double variance_m2 = 0.0;  ///< of one sweep
+    double speed_share = 0.0;  ///< of an error along the vehicle in d, that stays for good, 0..1
+  };
   Matrix6d covariance = Matrix6d::Zero();  ///< of one sweep
-  double speed_share = 0.0;                ///< of an error along the vehicle in d, that stays for good, 0..1
+  double speed_share = 0.0;                ///< as in Along
+  Along on_weak_stretch;                   ///< if the registration knew the way along the road to 0.1 m only
 };
 
 class OdometryCovariance {
@@ -63,7 +68,7 @@ class OdometryCovariance {
   /// The same with all that will make it grow.
   const DriftState& driftSinceMark() const { return since_mark_; }
 
-  const DriftRate& rate() const { return rate_; }
+  DriftRate rate() const;
 
  private:
   struct MapDistance {  ///< how far the vehicle came from where the map began
@@ -79,7 +84,7 @@ class OdometryCovariance {
   Confirmation takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map, DriftStep& step) const;
   MapDistance extendMap(const OdometryIncrement& increment, const Pose& T_odom_base_previous,
                         const Pose& T_odom_base_now, DriftStep& step) const;
-  static DriftRate rateOf(const DriftStep& step);
+  DriftRate::Along rateOnWeakStretch() const;
 
   DriftModel drift_;
   DriftState since_start_, since_mark_;
@@ -91,7 +96,7 @@ class OdometryCovariance {
   std::optional<Pose> T_odom_mark_;
   std::optional<MapDistance> map_distance_;
   Confirmation confirmation_;
-  DriftRate rate_;
+  DriftStep last_step_;
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that

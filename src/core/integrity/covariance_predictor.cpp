@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/parameters/check.hpp"
 
@@ -187,6 +188,57 @@ const CovariancePredictor::Params& validated(const CovariancePredictor::Params& 
   return params;
 }
 
+// The growth along the path, step by step.
+class Growing {
+ public:
+  Growing(const CovarianceGrowth& growth, double rate_scale)
+      : growth_(growth),
+        scale_(rate_scale),
+        rate_(0.5 * rate_scale * (growth.rate + growth.rate.transpose())),
+        speed_{growth.speed_forgotten_per_s, rate_scale * growth.speed_noise},
+        speed_share_(growth.speed_share) {
+    const double speed_mps = std::abs(growth.speed_mps);
+    const bool worse = growth.weak_stretch && growth.weak_stretch->speed_share > growth.speed_share && speed_mps > 0.0;
+    if (worse) weak_from_s_ = growth.weak_stretch->distance_m / speed_mps;
+  }
+
+  /// Prepares a step from t_s on; returns its length: at most step_s, and not beyond the beginning of the weak stretch.
+  double begin(double t_s, double step_s, Matrix6& S) {
+    if (t_s >= weak_from_s_) enterWeakStretch(S);
+    if (t_s + step_s > weak_from_s_) step_s = weak_from_s_ - t_s;
+    const double course = growth_.course_rad + growth_.yaw_rate_rps * (t_s + 0.5 * step_s);
+    const double c = std::cos(course), s = std::sin(course), v = growth_.speed_mps, scaled_v = growth_.pace * v;
+    L_.row(0) << 0.0, 0.0, -v * s, 0.0, scaled_v * c, 0.0;
+    L_.row(1) << 0.0, 0.0, v * c, 0.0, scaled_v * s, 0.0;
+    L_(2, 3) = std::abs(v);  // by distance, whichever way
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    Q_.topLeftCorner<3, 3>() = R * rate_ * R.transpose();
+    along_ = speed_share_ * Eigen::Vector2d(c, s);
+    return step_s;
+  }
+
+  Matrix6 after(const Matrix6& S, double dt) const { return grown(S, L_, Q_, speed_, along_, dt); }
+
+ private:
+  void enterWeakStretch(Matrix6& S) {
+    const CovarianceGrowth::WeakStretch& weak = *growth_.weak_stretch;
+    weak_from_s_ = std::numeric_limits<double>::infinity();
+    rate_(0, 0) = std::max(rate_(0, 0), scale_ * weak.rate);
+    speed_share_ = weak.speed_share;
+    speed_ = {weak.speed_forgotten_per_s, scale_ * 2.0 * weak.speed_forgotten_per_s * weak.speed_variance};
+    S(5, 5) = std::max(S(5, 5), weak.speed_variance);
+  }
+
+  const CovarianceGrowth& growth_;
+  double scale_;
+  Eigen::Matrix3d rate_;
+  SpeedWander speed_;
+  double speed_share_;
+  double weak_from_s_ = std::numeric_limits<double>::infinity();
+  Matrix6 L_ = Matrix6::Zero(), Q_ = Matrix6::Zero();
+  Eigen::Vector2d along_ = Eigen::Vector2d::Zero();
+};
+
 bool isUsable(const CovarianceGrowth& g) {
   const auto bounded = [](double value) { return std::isfinite(value) && std::abs(value) <= kLargestEntry; };
   return isCovariance(g.covariance) && isCovariance(g.rate) && isCovariance(g.drivers) && g.cross.allFinite() &&
@@ -208,7 +260,6 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   Matrix6 S;
   S << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
   S = (0.5 * (S + S.transpose())).eval();
-  const Eigen::Matrix3d rate = 0.5 * params_.rate_scale * (growth.rate + growth.rate.transpose());
   const auto horizontal = [&](const Matrix6& covariance) {
     return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.transient);
   };
@@ -231,21 +282,11 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     if (sought.found) sought.time = TimeToFailure::reached();
   }
 
-  const double v = growth.speed_mps, scaled_v = growth.pace * v;
-  const SpeedWander speed = {growth.speed_forgotten_per_s, params_.rate_scale * growth.speed_noise};
-  for (double t = 0.0; t < params_.horizon_s && !(all[0].found && all[1].found); t += params_.step_s) {
-    const double step_s = std::min(params_.step_s, params_.horizon_s - t);
-    const double course = growth.course_rad + growth.yaw_rate_rps * (t + 0.5 * step_s);
-    const double c = std::cos(course), s = std::sin(course);
-    Matrix6 L = Matrix6::Zero();
-    L.row(0) << 0.0, 0.0, -v * s, 0.0, scaled_v * c, 0.0;
-    L.row(1) << 0.0, 0.0, v * c, 0.0, scaled_v * s, 0.0;
-    L(2, 3) = std::abs(v);  // by distance, whichever way
-    const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    Matrix6 Q = Matrix6::Zero();
-    Q.topLeftCorner<3, 3>() = R * rate * R.transpose();
-    const Eigen::Vector2d along = growth.speed_share * Eigen::Vector2d(c, s);
-    const auto after = [&](double dt) { return grown(S, L, Q, speed, along, dt); };
+  Growing growing(growth, params_.rate_scale);
+  double t = 0.0;
+  while (t < params_.horizon_s && !(all[0].found && all[1].found)) {
+    const double step_s = growing.begin(t, std::min(params_.step_s, params_.horizon_s - t), S);
+    const auto after = [&](double dt) { return growing.after(S, dt); };
     const Matrix6 next = after(step_s);
     const double at_end = failed(next);
     for (Sought& sought : all) {
@@ -259,6 +300,7 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
       sought.found = true;
     }
     S = next;
+    t += step_s;
   }
   prediction.time_to_failure = combine(prediction.time_to_failure, prediction.time_to_alarm);
   return prediction;

@@ -73,6 +73,16 @@ struct CovarianceGrowth {
   double speed_share = 0.0;                             ///< u above, 0..1: DriftRate::speed_share
   double pace = 1.0;                                    ///< p above: DriftModel::pace(), 1 or more
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow
+
+  /// A stretch of the road ahead on which the error along the vehicle grows faster.
+  struct WeakStretch {
+    double distance_m = 0.0;  ///< where it begins
+    double rate = 0.0;        ///< m^2/s along the vehicle
+    double speed_share = 0.0;
+    double speed_variance = 0.0;  ///< m^2/s^2
+    double speed_forgotten_per_s = 0.0;
+  };
+  std::optional<WeakStretch> weak_stretch;  ///< from its beginning on; none: as now, as far as the horizon
 };
 
 struct CovariancePrediction {

@@ -8,6 +8,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kLeastKept = 1e-3;  // of a speed's error: all but nothing
+constexpr double kTunnelSpeedSigma_mps = 0.4, kTunnelSpeedForgotten_per_s = 1.6;
 
 }  // namespace
 
@@ -19,13 +20,32 @@ void GrowthRate::add(const DriftRate& rate, const SpeedChange& speed, double dt_
   speed_share_.add(rate.speed_share);
   speed_noise_.add(std::max(0.0, noise));
   speed_forgotten_.add(forgotten_per_s);
+  const DriftRate::Along& weak = rate.on_weak_stretch;
+  weak_stretch_ = {0.0, weak.variance_m2 / dt_s, weak.speed_share, kTunnelSpeedSigma_mps * kTunnelSpeedSigma_mps,
+                   kTunnelSpeedForgotten_per_s};
 }
 
-void GrowthRate::describe(CovarianceGrowth& growth) const {
+void GrowthRate::lookAhead(const InformationAhead& ahead) {
+  const bool valid =
+      ahead.ratio >= 0.0 && ahead.ratio <= 1.0 && ahead.distance_m >= 0.0 && std::isfinite(ahead.distance_m);
+  const InformationAhead seen = valid ? ahead : InformationAhead();
+  ahead_ratio_.add(seen.ratio);
+  ahead_distance_m_.add(seen.distance_m);
+}
+
+InformationAhead GrowthRate::ahead() const {
+  if (ahead_ratio_.size() == 0) return {};
+  return {ahead_ratio_.median(), ahead_distance_m_.median()};
+}
+
+void GrowthRate::describe(double min_information_ratio, CovarianceGrowth& growth) const {
   growth.rate = increments_.rate().value_or(Eigen::Matrix3d::Zero());
   growth.speed_share = speed_share_.median();
   growth.speed_noise = speed_noise_.median();
   growth.speed_forgotten_per_s = speed_forgotten_.median();
+  if (!known() || !isWeakAhead(min_information_ratio)) return;
+  growth.weak_stretch = weak_stretch_;
+  growth.weak_stretch->distance_m = ahead().distance_m;
 }
 
 void GrowthRate::reset() {
@@ -33,6 +53,9 @@ void GrowthRate::reset() {
   speed_share_.clear();
   speed_noise_.clear();
   speed_forgotten_.clear();
+  ahead_ratio_.clear();
+  ahead_distance_m_.clear();
+  weak_stretch_ = {};
 }
 
 }  // namespace fail_aware

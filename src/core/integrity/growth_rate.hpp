@@ -4,12 +4,14 @@
 // single blinded sweep says nothing of the future.
 // The speed's error wanders: measurements take a part of it back in each sweep, and as much is made anew. In a tunnel it
 // is 0.4 m/s, and of another sign every 0.6 s.
+// On a weak stretch ahead (registration/look_ahead.hpp) the growth is assumed to be that of a simulated tunnel.
 // Cost: about 1 us a sweep.
 #pragma once
 
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/integrity/covariance_predictor.hpp"
 #include "core/moving_median.hpp"
+#include "core/types/information_ahead.hpp"
 
 namespace fail_aware {
 
@@ -24,8 +26,15 @@ class GrowthRate {
   };
   void add(const DriftRate& rate, const SpeedChange& speed, double dt_s);
   bool known() const { return increments_.rate().has_value(); }
-  /// Sets the rates; zeros before the first sweep.
-  void describe(CovarianceGrowth& growth) const;
+  /// What the sweep sees of the road ahead.
+  void lookAhead(const InformationAhead& ahead);
+  /// The median of what the last sweeps saw.
+  InformationAhead ahead() const;
+  /// Whether that is half of what is reported as weak here: what is far away is seen poorly.
+  bool isWeakAhead(double min_information_ratio) const { return ahead().ratio < 0.5 * min_information_ratio; }
+
+  /// Sets the rates (zeros before the first sweep) and the weak stretch, if there is one.
+  void describe(double min_information_ratio, CovarianceGrowth& growth) const;
   void reset();
 
  private:
@@ -34,6 +43,8 @@ class GrowthRate {
   MovingMedian speed_share_{kSweeps};      ///< DriftRate::speed_share
   MovingMedian speed_noise_{kSweeps};      ///< m^2/s^3
   MovingMedian speed_forgotten_{kSweeps};  ///< 1/s
+  MovingMedian ahead_ratio_{kSweeps}, ahead_distance_m_{kSweeps};
+  CovarianceGrowth::WeakStretch weak_stretch_;  ///< growth on one, at the present speed
 };
 
 }  // namespace fail_aware

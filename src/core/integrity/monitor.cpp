@@ -130,7 +130,7 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftS
   const Eigen::Matrix<double, 6, 3> cross = drift.cross();
   growth.cross << cross.topRows<2>(), cross.bottomRows<1>();
   growth.transient = drift.transient.topLeftCorner<2, 2>();
-  growth_rate_.describe(growth);
+  growth_rate_.describe(params_.min_information_ratio, growth);
   const Eigen::Matrix3d R_mark_cog = T_odom_mark.linear().transpose() * state.T_odom_cog.linear();
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
   if (motion_.dt_s > 0.0) {
@@ -193,6 +193,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
                        state.dt_s);
     }
   }
+  growth_rate_.lookAhead(condition.ahead);
   has_previous_ = true;
   if (start_pending_ && state.motionObserved()) begin(state);
   if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
@@ -204,6 +205,10 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.t1_stamp_s = t1_stamp_s_;
   output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
   output.reasons = reasonsFor(state, condition);
+  const InformationAhead ahead = growth_rate_.ahead();
+  output.min_information_ahead = ahead.ratio;
+  output.information_ahead_distance_m = ahead.distance_m;
+  if (growth_rate_.isWeakAhead(params_.min_information_ratio)) output.reasons |= kReasonWeakRoadAhead;
   if (isAfterGap(state.dt_s)) output.reasons |= kReasonDroppedSweeps;
   output.eta = indicator_.eta();
   output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);

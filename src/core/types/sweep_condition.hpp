@@ -1,6 +1,8 @@
 // The condition of a sweep: input of the fail-aware monitor (integrity/monitor.hpp) in addition to the filter's state.
 #pragma once
 
+#include "core/types/information_ahead.hpp"
+
 namespace fail_aware {
 
 struct SweepCondition {
@@ -16,6 +18,7 @@ struct SweepCondition {
   bool plane_missing = false;
   bool corners_missing = false;
   double min_information_ratio = 1.0;  ///< weakest horizontal direction, point-to-plane ICP; 1: not known
+  InformationAhead ahead;
 
   /// Visits every field: the columns of the monitor's log.
   template <class Self, class Visitor>
@@ -32,6 +35,8 @@ struct SweepCondition {
     v("plane_missing", self.plane_missing);
     v("corners_missing", self.corners_missing);
     v("min_information_ratio", self.min_information_ratio);
+    v("min_information_ahead", self.ahead.ratio);
+    v("information_ahead_distance_m", self.ahead.distance_m);
   }
 };
 

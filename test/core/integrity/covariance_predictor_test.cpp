@@ -162,6 +162,26 @@ TEST(CovariancePredictor, SlowlyForgottenSpeedErrorIsNearlyTheLasting) {
   }
 }
 
+TEST(CovariancePredictor, OnAWeakStretchTheGrowthIsItsOwn) {
+  CovarianceGrowth growth;
+  growth.speed_mps = 20.0;
+  growth.rate(0, 0) = 1e-4;
+  EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kBeyondHorizon);
+  growth.weak_stretch = CovarianceGrowth::WeakStretch{63.0, 0.0361, 0.5, 0.0, 0.0};
+  // 3.15 s to its beginning, between two steps; then 0.36 - 3.15e-4 at 0.0361 a second
+  const double expected_s = 3.15 + (0.36 - 3.15e-4) / 0.0361;
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, expected_s, 1e-4);
+  growth.speed_share = 0.6;
+  EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kBeyondHorizon)
+      << "what is worse now stays";
+  growth.speed_share = 0.0;
+  growth.speed_mps = 0.0;
+  EXPECT_EQ(predictorWith(kOneSigma).predict(growth).time_to_failure.status, Status::kBeyondHorizon) << "never there";
+  growth.speed_mps = 20.0;
+  growth.weak_stretch = CovarianceGrowth::WeakStretch{0.0, 0.0, 1.0, 0.09, 0.0};
+  EXPECT_NEAR(predictorWith(kOneSigma).predict(growth).time_to_failure.seconds, 2.0, 0.05) << "an error of 0.3 m/s";
+}
+
 TEST(CovariancePredictor, JitterIsOnTopAndDoesNotGrow) {
   CovarianceGrowth growth;
   growth.transient(1, 1) = 0.16;

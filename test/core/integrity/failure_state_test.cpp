@@ -72,6 +72,7 @@ TEST(StateFor, Reasons) {
   EXPECT_EQ(stateAt(2.0, kReasonPredictionOnly), State::kFailing);
   EXPECT_EQ(unknownWith(kReasonPredictionOnly), State::kUnknown);
   EXPECT_EQ(stateAt(50.0, kReasonMissingCorners | kReasonEtaThreshold | kReasonCovarianceLimit), State::kOk);
+  EXPECT_EQ(stateAt(50.0, kReasonWeakRoadAhead), State::kOk) << "the time tells what it costs";
 }
 
 TEST(StateHysteresis, WorseAtOnceBetterOnlyAfterARow) {

@@ -7,7 +7,7 @@
 namespace fail_aware {
 namespace {
 
-constexpr double kPeriod_s = 0.1;
+constexpr double kPeriod_s = 0.1, kWeak = 0.01;
 
 DriftRate rateOf(double variance, double speed_share) {
   DriftRate rate;
@@ -22,7 +22,7 @@ TEST(GrowthRate, IsUnknownBeforeTheFirstSweep) {
   growth_rate.add(rateOf(1.0, 0.5), {}, 0.0);
   EXPECT_FALSE(growth_rate.known()) << "no interval";
   CovarianceGrowth growth;
-  growth_rate.describe(growth);
+  growth_rate.describe(kWeak, growth);
   EXPECT_TRUE(growth.rate.isZero());
   EXPECT_EQ(growth.speed_share, 0.0);
 }
@@ -31,7 +31,7 @@ TEST(GrowthRate, SteadySpeedErrorIsForgottenAsFastAsMade) {
   GrowthRate growth_rate(3.0);
   for (int i = 0; i < 20; ++i) growth_rate.add(rateOf(0.01, 0.2), {0.16, 0.16, 0.85}, kPeriod_s);
   CovarianceGrowth growth;
-  growth_rate.describe(growth);
+  growth_rate.describe(kWeak, growth);
   EXPECT_NEAR(growth.rate(0, 0), 0.1, 1e-12);
   EXPECT_EQ(growth.speed_share, 0.2);
   EXPECT_NEAR(growth.speed_forgotten_per_s, -std::log(0.85) / kPeriod_s, 1e-12);
@@ -42,9 +42,36 @@ TEST(GrowthRate, KeptSpeedErrorGrowsByItsNoise) {
   GrowthRate growth_rate(3.0);
   for (int i = 0; i < 20; ++i) growth_rate.add(rateOf(0.01, 1.0), {0.1 * i, 0.1 * (i + 1), 1.0}, kPeriod_s);
   CovarianceGrowth growth;
-  growth_rate.describe(growth);
+  growth_rate.describe(kWeak, growth);
   EXPECT_EQ(growth.speed_forgotten_per_s, 0.0);
   EXPECT_NEAR(growth.speed_noise, 1.0, 1e-12);
+}
+
+TEST(GrowthRate, WeakStretchAheadIsOfMostSweeps) {
+  GrowthRate growth_rate(3.0);
+  DriftRate rate = rateOf(0.01, 0.01);
+  rate.on_weak_stretch = {2e-5, 0.05};
+  const auto stretchAfter = [&](int sweeps, const InformationAhead& ahead) {
+    for (int i = 0; i < sweeps; ++i) {
+      growth_rate.add(rate, {}, kPeriod_s);
+      growth_rate.lookAhead(ahead);
+    }
+    CovarianceGrowth growth;
+    growth_rate.describe(kWeak, growth);
+    return growth.weak_stretch;
+  };
+  EXPECT_FALSE(stretchAfter(5, {}));
+  EXPECT_FALSE(stretchAfter(2, {0.001, 60.0})) << "two of five";
+  const auto weak = stretchAfter(1, {0.001, 50.0});
+  ASSERT_TRUE(weak);
+  EXPECT_EQ(weak->distance_m, 50.0);
+  EXPECT_NEAR(weak->rate, 2e-4, 1e-12);
+  EXPECT_EQ(weak->speed_share, 0.05);
+  EXPECT_GT(weak->speed_variance, 0.0);
+  EXPECT_FALSE(stretchAfter(5, {0.006, 50.0})) << "half of what is weak here";
+  EXPECT_EQ(growth_rate.ahead().ratio, 0.006);
+  EXPECT_FALSE(stretchAfter(5, {std::nan(""), 50.0}));
+  EXPECT_FALSE(growth_rate.ahead().known());
 }
 
 TEST(GrowthRate, OneBlindedSweepSaysNothingOfTheFuture) {
@@ -52,7 +79,7 @@ TEST(GrowthRate, OneBlindedSweepSaysNothingOfTheFuture) {
   for (int i = 0; i < 10; ++i) growth_rate.add(rateOf(0.01, 0.05), {}, kPeriod_s);
   growth_rate.add(rateOf(0.01, 1.0), {0.0, 1.0, 1.0}, kPeriod_s);
   CovarianceGrowth growth;
-  growth_rate.describe(growth);
+  growth_rate.describe(kWeak, growth);
   EXPECT_EQ(growth.speed_share, 0.05);
   EXPECT_EQ(growth.speed_noise, 0.0);
   growth_rate.reset();

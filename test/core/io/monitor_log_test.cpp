@@ -43,6 +43,7 @@ MonitorInput oddNumbers() {
   input.condition.incomplete = true;
   input.condition.dropped_before = 3;
   input.condition.min_information_ratio = 2.0 / 3.0;
+  input.condition.ahead = {1.0 / 300.0, 70.0};
   return input;
 }
 
@@ -99,6 +100,8 @@ TEST_F(MonitorLog, EveryNumberReadsBackAsItself) {
   EXPECT_TRUE(read.condition.incomplete);
   EXPECT_EQ(read.condition.dropped_before, 3);
   EXPECT_EQ(read.condition.min_information_ratio, 2.0 / 3.0);
+  EXPECT_EQ(read.condition.ahead.ratio, 1.0 / 300.0);
+  EXPECT_EQ(read.condition.ahead.distance_m, 70.0);
   EXPECT_EQ(monitorLogRow(read), monitorLogRow(input)) << "and so every other column";
   EXPECT_TRUE(log[1].state.fusion.weights.empty());
 }

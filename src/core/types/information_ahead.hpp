@@ -1,0 +1,15 @@
+// What a sweep tells of the road ahead (registration/look_ahead.hpp).
+#pragma once
+
+namespace fail_aware {
+
+struct InformationAhead {
+  /// On the weakest stretch in view: of what the walls say of the horizontal position, the ratio along the road, 0..1.
+  /// 1: not known.
+  double ratio = 1.0;
+  double distance_m = 0.0;  ///< along the path, to where the weakest stretch begins
+
+  bool known() const { return ratio < 1.0; }
+};
+
+}  // namespace fail_aware
