@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/parameters/check.hpp"
+
 namespace fail_aware {
 
 namespace {
@@ -11,6 +13,32 @@ constexpr double kLeastKept = 1e-3;  // of a speed's error: all but nothing
 constexpr double kTunnelSpeedSigma_mps = 0.4, kTunnelSpeedForgotten_per_s = 1.6;
 
 }  // namespace
+
+IncrementRate::IncrementRate(double window_s) : window_s_(window_s) { requirePositive("window_s", window_s); }
+
+bool IncrementRate::update(const Matrix6d& increment_covariance, double dt_s) {
+  const Eigen::Matrix3d block = horizontalBlock(increment_covariance);
+  if (!std::isfinite(dt_s) || dt_s <= 0.0 || !isHorizontalCovariance(block)) return false;
+  increments_.push_back({block, dt_s});
+  double total_s = 0.0;
+  for (const Increment& increment : increments_) total_s += increment.dt_s;
+  while (increments_.size() > 1 && total_s - increments_.front().dt_s >= window_s_) {
+    total_s -= increments_.front().dt_s;
+    increments_.pop_front();
+  }
+  return true;
+}
+
+std::optional<Eigen::Matrix3d> IncrementRate::rate() const {
+  if (increments_.empty()) return std::nullopt;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  double total_s = 0.0;
+  for (const Increment& increment : increments_) {
+    sum += increment.covariance;
+    total_s += increment.dt_s;
+  }
+  return Eigen::Matrix3d(sum / total_s);
+}
 
 void GrowthRate::add(const DriftRate& rate, const SpeedChange& speed, double dt_s) {
   if (!increments_.update(rate.covariance, dt_s)) return;

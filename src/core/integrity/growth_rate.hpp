@@ -8,12 +8,38 @@
 // Cost: about 1 us a sweep.
 #pragma once
 
+#include <Eigen/Core>
+#include <deque>
+#include <optional>
+
 #include "core/estimation/odometry_covariance.hpp"
-#include "core/integrity/covariance_predictor.hpp"
+#include "core/integrity/covariance_growth.hpp"
 #include "core/moving_median.hpp"
 #include "core/types/information_ahead.hpp"
 
 namespace fail_aware {
+
+/// The increments' covariance per second, averaged over the last `window_s` of accepted increments.
+class IncrementRate {
+ public:
+  /// Throws ParameterError unless window_s > 0.
+  explicit IncrementRate(double window_s);
+
+  /// `increment_covariance`: of one sweep's motion, about the previous body's axes. False: ignored (not a covariance,
+  /// or dt not > 0).
+  bool update(const Matrix6d& increment_covariance, double dt_s);
+  /// (x, y, yaw) about the body's axes: m^2/s, m rad/s, rad^2/s. Nothing before the first increment.
+  std::optional<Eigen::Matrix3d> rate() const;
+  void reset() { increments_.clear(); }
+
+ private:
+  struct Increment {
+    Eigen::Matrix3d covariance;
+    double dt_s;
+  };
+  double window_s_;
+  std::deque<Increment> increments_;
+};
 
 class GrowthRate {
  public:

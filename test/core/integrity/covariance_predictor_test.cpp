@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/estimation/odometry_covariance.hpp"
+#include "core/integrity/growth_rate.hpp"
 #include "core/parameters/check.hpp"
 
 namespace fail_aware {

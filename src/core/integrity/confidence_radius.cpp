@@ -1,0 +1,65 @@
+#include "core/integrity/confidence_radius.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fail_aware {
+
+namespace {
+
+constexpr int kBisections = 40;
+
+// Probability that an error with scales 1 and `ratio` is farther than `radius`. The integrand has period pi and is
+// symmetric about pi / 2.
+double exceedance(double ratio, double radius, double degrees_of_freedom) {
+  constexpr int kSteps = 64;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double sine = std::sin(0.5 * M_PI * (i + 0.5) / kSteps);
+    const double squared = radius * radius / (1.0 - (1.0 - ratio * ratio) * sine * sine);
+    sum += degrees_of_freedom > 0.0 ? std::pow(1.0 + squared / degrees_of_freedom, -0.5 * degrees_of_freedom)
+                                    : std::exp(-0.5 * squared);
+  }
+  return sum / kSteps;
+}
+
+// Standard deviations along the axes, the larger first.
+Eigen::Vector2d axesOf(const Eigen::Matrix2d& covariance) {
+  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
+  const double half = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+  return Eigen::Vector2d(std::max(mean + half, 0.0), std::max(mean - half, 0.0)).cwiseSqrt();
+}
+
+}  // namespace
+
+ConfidenceRadius::ConfidenceRadius(double probability, double degrees_of_freedom) {
+  const double n = degrees_of_freedom;
+  const double circle = n > 0.0 ? std::sqrt(n * (std::pow(1.0 - probability, -2.0 / n) - 1.0))
+                                : std::sqrt(-2.0 * std::log1p(-probability));  // the largest
+  for (int i = 0; i <= kTable; ++i) {
+    const double ratio = static_cast<double>(i) / kTable;
+    double low = 0.0, high = circle * (1.0 + 1e-9);
+    for (int k = 0; k < kBisections; ++k) {
+      const double middle = 0.5 * (low + high);
+      (exceedance(ratio, middle, n) > 1.0 - probability ? low : high) = middle;
+    }
+    sigmas_[static_cast<std::size_t>(i)] = high;
+  }
+}
+
+double ConfidenceRadius::operator()(const Eigen::Matrix2d& covariance) const {
+  const Eigen::Vector2d sigmas = axesOf(covariance);
+  if (sigmas[0] <= 0.0) return 0.0;
+  const double place = std::min(sigmas[1] / sigmas[0], 1.0) * kTable;
+  const auto below = std::min(static_cast<std::size_t>(place), static_cast<std::size_t>(kTable - 1));
+  const double share = place - static_cast<double>(below);
+  return ((1.0 - share) * sigmas_[below] + share * sigmas_[below + 1]) * sigmas[0];
+}
+
+double exceedance(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom) {
+  const Eigen::Vector2d sigmas = axesOf(covariance);
+  if (sigmas[0] <= 0.0) return 0.0;
+  return exceedance(std::min(sigmas[1] / sigmas[0], 1.0), radius / sigmas[0], degrees_of_freedom);
+}
+
+}  // namespace fail_aware
