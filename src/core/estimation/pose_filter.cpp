@@ -20,6 +20,9 @@ namespace {
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
+constexpr int kSpeedKnown = -1;
+constexpr double kGuessed_mps = 5.0;  // standard deviation of the first speed: found by search 2 m/s at most, else 15
+constexpr int kManyGuessed = 10;      // sweeps; in a shorter time hardly anything is in the map
 constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over several sweeps
 constexpr double kDoubtfulRate_rad_s = 0.1;
 // Times the prediction's variance; with a larger variance a measurement leaves roll and pitch open.
@@ -96,7 +99,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   started_ = false;
   consistency_.clear();
   map_update_policy_.clear();
-  corrected_sweeps_ = 0;
+  corrected_sweeps_ = guessed_sweeps_ = 0;
   prediction_ = SweepPrediction();
   const int odom_reset_count = state_.odom_reset_count;
   state_ = FilterState();
@@ -199,7 +202,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
   next.map_update = map.update;
   if (map.out_of_sight) consistency_.clear();
-  if (inflation.motion_lost) corrected_sweeps_ = 0;
+  if (inflation.motion_lost) corrected_sweeps_ = guessed_sweeps_ = 0;
   const bool measured = next.measurement_applied || map.begins;
   started_ = true;
   state_ = next;
@@ -207,7 +210,29 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
   if (state_.dt_s > 0.0) state_.speed_error = motion_.deadReckoning().speedError();
   state_.motion_status = motionStatus();
+  if (wasSpeedGuessed()) loseMotion();
   return state_;
+}
+
+// A drive that begins where nothing observes the speed (a tunnel), and no search finds it, dead-reckons a guess and makes a
+// map of it. What fits this map later seems to confirm the guess.
+bool PoseFilter::wasSpeedGuessed() {
+  if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
+  if (state_.motion_status == MotionStatus::kDeadReckoning) {
+    const bool found = guessed_sweeps_ == 0 && state_.speed_error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
+    guessed_sweeps_ = found ? kSpeedKnown : guessed_sweeps_ + 1;
+    return false;
+  }
+  const bool guessed = guessed_sweeps_ >= kManyGuessed;
+  guessed_sweeps_ = kSpeedKnown;
+  return guessed;
+}
+
+void PoseFilter::loseMotion() {
+  state_.map_update = MapUpdate::kRestart;
+  state_.motion_status = MotionStatus::kUnknown;
+  consistency_.clear();
+  corrected_sweeps_ = guessed_sweeps_ = 0;
 }
 
 MotionStatus PoseFilter::motionStatus() const {

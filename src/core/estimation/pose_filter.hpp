@@ -96,6 +96,8 @@ class PoseFilter {
  private:
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
+  bool wasSpeedGuessed();
+  void loseMotion();
   ConsistencyMonitor::Inflation addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
                                              FilterState& state);
 
@@ -112,6 +114,7 @@ class PoseFilter {
   double interval_sigma_s_ = 0.0;                  ///< SweepTime::interval_sigma_s of the last prediction
   bool started_ = false;
   int corrected_sweeps_ = 0;  ///< since the start, or since the motion was lost
+  int guessed_sweeps_ = 0;    ///< likewise, at a speed that was not observed yet; kSpeedKnown: it was
 };
 
 }  // namespace fail_aware

@@ -56,8 +56,8 @@ class GrowthRate {
   void lookAhead(const InformationAhead& ahead);
   /// The median of what the last sweeps saw.
   InformationAhead ahead() const;
-  /// Whether that is half of what is reported as weak here: what is far away is seen poorly.
-  bool isWeakAhead(double min_information_ratio) const { return ahead().ratio < 0.5 * min_information_ratio; }
+  /// Whether that is a fifth of what is reported as weak here: posts and trees beside the road are not counted ahead.
+  bool isWeakAhead(double min_information_ratio) const { return ahead().ratio < 0.2 * min_information_ratio; }
 
   /// Sets the rates (zeros before the first sweep) and the weak stretch, if there is one.
   void describe(double min_information_ratio, CovarianceGrowth& growth) const;

@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t kPlaces = 10;
 constexpr double kSpacing_m = 10.0;
 constexpr double kRadius_m = 25.0;
+constexpr std::size_t kFirst = 2;       // the sweep itself registers against what is nearer
 constexpr std::size_t kStretch = 3;     // places: a gap between two houses is shorter
 constexpr int kFewestPoints = 12;       // around a place
 constexpr std::size_t kStride = 2;      // every so many points
@@ -70,7 +71,7 @@ InformationAhead weakestStretch(const Places& places) {
   std::array<double, kPlaces> ratios;
   ratios.fill(1.0);  // where nothing is seen
   double weakest = 1.0;
-  for (std::size_t k = 0; k + kStretch <= kPlaces; ++k) {
+  for (std::size_t k = kFirst; k + kStretch <= kPlaces; ++k) {
     const auto begin = places.begin() + k, end = begin + kStretch;
     if (std::any_of(begin, end, [](const Place& place) { return place.points < kFewestPoints; })) continue;
     const auto less = [](const Place& a, const Place& b) { return a.ratio() < b.ratio(); };

@@ -373,6 +373,29 @@ TEST(PoseFilter, TheTwistAfterABlindSecondIsNoCorrection) {
   EXPECT_EQ(filter.stateAsDriven().increment_covariance, filter.state().increment_covariance);
 }
 
+// A tunnel that is seen from the first sweep on: at first "still here", with R that means nothing; then observed, against
+// the map that was made at this speed.
+TEST(PoseFilter, GuessedSpeedIsNotConfirmedByItsOwnMap) {
+  const auto statusWhenObserved = [](int unobserved_sweeps) {
+    PoseFilter filter = makeFilter();
+    const Drive standing{0.0};
+    filter.reset(standing.T_start);
+    step(filter, standing.stamp(0), {});
+    Measurement open = measured(Pose::Identity());
+    open.covariance(0, 0) = 900.0;
+    for (int i = 1; i <= unobserved_sweeps; ++i) step(filter, standing.stamp(i), {open});
+    EXPECT_FALSE(filter.state().motionObserved());
+    for (int i = 1; i <= 20; ++i) {
+      const FilterState state = step(filter, standing.stamp(unobserved_sweeps + i), {measured(Pose::Identity())}).state;
+      if (state.motionObserved()) return MotionStatus::kObserved;
+      if (state.map_update == MapUpdate::kRestart) return state.motion_status;
+    }
+    return MotionStatus::kDeadReckoning;
+  };
+  EXPECT_EQ(statusWhenObserved(3), MotionStatus::kObserved) << "hardly a map";
+  EXPECT_EQ(statusWhenObserved(40), MotionStatus::kUnknown) << "the motion is searched for";
+}
+
 TEST(PoseFilter, UnobservedSpeedIsHeld) {
   PoseFilter filter = makeFilter();
   Drive drive;

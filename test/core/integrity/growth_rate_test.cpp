@@ -68,8 +68,8 @@ TEST(GrowthRate, WeakStretchAheadIsOfMostSweeps) {
   EXPECT_NEAR(weak->rate, 2e-4, 1e-12);
   EXPECT_EQ(weak->speed_share, 0.05);
   EXPECT_GT(weak->speed_variance, 0.0);
-  EXPECT_FALSE(stretchAfter(5, {0.006, 50.0})) << "half of what is weak here";
-  EXPECT_EQ(growth_rate.ahead().ratio, 0.006);
+  EXPECT_FALSE(stretchAfter(5, {0.003, 50.0})) << "more than a fifth of what is weak here";
+  EXPECT_EQ(growth_rate.ahead().ratio, 0.003);
   EXPECT_FALSE(stretchAfter(5, {std::nan(""), 50.0}));
   EXPECT_FALSE(growth_rate.ahead().known());
 }
