@@ -95,7 +95,7 @@ TEST_F(LiveDemo, DrivesRecordsAndReports) {
   EXPECT_GT(fs::file_size(folder_ / "out/drive.bag"), 10000u);
   EXPECT_GT(countOf(contentOf(folder_ / "out/trajectory_tum.txt"), "\n"), 20u);
   const std::string page = contentOf(folder_ / "out/report.html");
-  EXPECT_EQ(countOf(page, "data:image/png;base64,"), 8u);
+  EXPECT_EQ(countOf(page, "data:image/png;base64,"), 9u);
   EXPECT_EQ(page.find("No picture"), std::string::npos);
 }
 

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kSweeps = 60;
-const std::vector<std::string> kPictures = {"trajectory", "error",   "indicator", "time_to_failure",
+const std::vector<std::string> kPictures = {"trajectory", "error",   "indicator", "time_to_failure", "road_ahead",
                                             "timeline",   "weights", "nis",       "stage_times"};
 
 /// A straight drive at 10 m/s whose odometry is 2 % too long: 0.6 m are passed 3 s after t1 = 1 s.
@@ -55,7 +55,7 @@ class Report : public ::testing::Test {
            "fused,"
            "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference,"
            "icp_point_to_point_status,icp_point_to_plane_status,"
-           "corner_svd_status,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw\n";
+           "corner_svd_status,cov_xx,cov_xy,cov_yy,cov_zz,cov_yaw,min_information_ahead,information_ahead_distance_m\n";
     for (int i = 0; i < kSweeps; ++i) {
       const double since_t1_s = std::max(0.0, 0.1 * i - 1.0), left_s = i < 10 ? -1.0 : std::max(0.0, 3.0 - since_t1_s);
       csv << 0.1 * i << ',' << (i == 0 ? "first" : "corrected") << ','
@@ -66,7 +66,7 @@ class Report : public ::testing::Test {
           << ',' << 3e-4 * since_t1_s << ",3e-4," << 1e-4 * (1.0 + 0.1 * std::sin(i)) << ",0,0,0.9,0.8,"
           << (i % 3 ? 0.0 : 0.5) << ",5,6," << (i % 3 ? -1 : 4) << ",5,20,2,10,5,2,1,1,ok,ok,"
           << (i % 3 ? "too_few_corners" : "ok") << ',' << 1e-3 * since_t1_s << ",0," << 2e-3 * since_t1_s
-          << ",1e-4,1e-6\n";
+          << ",1e-4,1e-6," << (i < 20 ? "1,0" : "0.001,40") << '\n';
     }
     return csv.str();
   }

@@ -40,8 +40,9 @@ constexpr double kUnobservedVariance = 1e8;
 constexpr int kConfirmedAlone = 20;             // registered sweeps in a row: what only one source measures
 constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
 constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
-constexpr double kWeakStretch_m = 0.1;          // sigma of the registration along simulated tunnels: 0.05 to 0.2 m
-constexpr double kLeastReplaced = 1e-4;         // at standstill the rate is that of a very slow drive
+// Sigma of the registration along simulated tunnels: 0.05 to 0.2 m where niches are in view, else nothing is observed.
+constexpr double kWeakStretch_m = 0.5;
+constexpr double kLeastReplaced = 1e-4;  // at standstill the rate is that of a very slow drive
 
 void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
   const auto eigen = symmetricEigen(Eigen::Matrix3d(block));

@@ -39,7 +39,7 @@ struct DriftRate {
   };
   Matrix6d covariance = Matrix6d::Zero();  ///< of one sweep
   double speed_share = 0.0;                ///< as in Along
-  Along on_weak_stretch;                   ///< if the registration knew the way along the road to 0.1 m only
+  Along on_weak_stretch;                   ///< if the registration hardly knew the way along the road
 };
 
 class OdometryCovariance {
