@@ -134,7 +134,7 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
 }
 
 InformationAhead aheadOf(double ratio, double distance_m) {
-  const bool valid = ratio >= 0.0 && ratio < 1.0 && distance_m >= 0.0 && std::isfinite(distance_m);
+  const bool valid = ratio >= 0.0 && ratio < 1.0 && distance_m > 0.0 && std::isfinite(distance_m);
   return valid ? InformationAhead{ratio, distance_m} : InformationAhead();
 }
 

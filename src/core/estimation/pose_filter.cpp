@@ -21,8 +21,8 @@ namespace {
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kSpeedKnown = -1;
-constexpr double kGuessed_mps = 5.0;  // standard deviation of the first speed: found by search 2 m/s at most, else 15
-constexpr int kManyGuessed = 10;      // sweeps; in a shorter time hardly anything is in the map
+constexpr double kGuessed_mps = 5.0;        // sigma of the first speed: 2 m/s at most if a search found it, else 15
+constexpr int kManyGuessed = 10;            // sweeps: a guess over fewer is hardly in the map
 constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over several sweeps
 constexpr double kDoubtfulRate_rad_s = 0.1;
 // Times the prediction's variance; with a larger variance a measurement leaves roll and pitch open.
@@ -214,8 +214,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   return state_;
 }
 
-// A drive that begins where nothing observes the speed (a tunnel), and no search finds it, dead-reckons a guess and makes a
-// map of it. What fits this map later seems to confirm the guess.
+// In a tunnel a drive may begin at a guessed speed and make a map of it, which later seems to confirm the guess.
 bool PoseFilter::wasSpeedGuessed() {
   if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
   if (state_.motion_status == MotionStatus::kDeadReckoning) {
@@ -231,8 +230,10 @@ bool PoseFilter::wasSpeedGuessed() {
 void PoseFilter::loseMotion() {
   state_.map_update = MapUpdate::kRestart;
   state_.motion_status = MotionStatus::kUnknown;
+  state_.fusion.confirmed = false;
   consistency_.clear();
-  corrected_sweeps_ = guessed_sweeps_ = 0;
+  corrected_sweeps_ = 0;
+  guessed_sweeps_ = 1;  // it was believed, so its variance is too small to tell whether the search finds another
 }
 
 MotionStatus PoseFilter::motionStatus() const {

@@ -107,7 +107,7 @@ GrowingCovariance::SpeedStep GrowingCovariance::stepOf(const SpeedWander& speed,
   const double k = speed.forgotten_per_s, x = k * dt_s;
   SpeedStep step;
   step.kept = std::exp(-x);
-  if (x < 1e-3) {  // to second order in x: the differences below would lose their digits
+  if (x < 1e-3) {  // to first order in x: the differences below would lose their digits
     step.way_s = dt_s * (1.0 - 0.5 * x);
     step.variance = speed.noise * dt_s * (1.0 - x);
     step.cross = speed.noise * dt_s * dt_s * (0.5 - 0.5 * x);

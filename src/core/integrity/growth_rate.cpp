@@ -50,9 +50,8 @@ void GrowthRate::add(const DriftRate& rate, const SpeedChange& speed, double dt_
   speed_share_.add(rate.speed_share);
   speed_noise_.add(std::max(0.0, noise));
   speed_forgotten_.add(forgotten_per_s);
-  const DriftRate::Along& weak = rate.on_weak_stretch;
-  weak_stretch_ = {0.0, weak.variance_m2 / dt_s, weak.speed_share, kTunnelSpeedSigma_mps * kTunnelSpeedSigma_mps,
-                   kTunnelSpeedForgotten_per_s};
+  weak_rate_.add(rate.on_weak_stretch.variance_m2 / dt_s);
+  weak_share_.add(rate.on_weak_stretch.speed_share);
 }
 
 void GrowthRate::lookAhead(const InformationAhead& ahead) {
@@ -74,8 +73,9 @@ void GrowthRate::describe(double min_information_ratio, CovarianceGrowth& growth
   growth.speed_noise = speed_noise_.median();
   growth.speed_forgotten_per_s = speed_forgotten_.median();
   if (!known() || !isWeakAhead(min_information_ratio)) return;
-  growth.weak_stretch = weak_stretch_;
-  growth.weak_stretch->distance_m = ahead().distance_m;
+  growth.weak_stretch =
+      CovarianceGrowth::WeakStretch{ahead().distance_m, weak_rate_.median(), weak_share_.median(),
+                                    kTunnelSpeedSigma_mps * kTunnelSpeedSigma_mps, kTunnelSpeedForgotten_per_s};
 }
 
 void GrowthRate::reset() {
@@ -85,7 +85,8 @@ void GrowthRate::reset() {
   speed_forgotten_.clear();
   ahead_ratio_.clear();
   ahead_distance_m_.clear();
-  weak_stretch_ = {};
+  weak_rate_.clear();
+  weak_share_.clear();
 }
 
 }  // namespace fail_aware

@@ -70,7 +70,7 @@ class GrowthRate {
   MovingMedian speed_noise_{kSweeps};      ///< m^2/s^3
   MovingMedian speed_forgotten_{kSweeps};  ///< 1/s
   MovingMedian ahead_ratio_{kSweeps}, ahead_distance_m_{kSweeps};
-  CovarianceGrowth::WeakStretch weak_stretch_;  ///< growth on one, at the present speed
+  MovingMedian weak_rate_{kSweeps}, weak_share_{kSweeps};  ///< of CovarianceGrowth::WeakStretch
 };
 
 }  // namespace fail_aware

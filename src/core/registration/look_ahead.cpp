@@ -15,14 +15,16 @@ namespace {
 constexpr std::size_t kPlaces = 10;
 constexpr double kSpacing_m = 10.0;
 constexpr double kRadius_m = 25.0;
-constexpr std::size_t kFirst = 2;       // the sweep itself registers against what is nearer
-constexpr std::size_t kStretch = 3;     // places: a gap between two houses is shorter
-constexpr int kFewestPoints = 12;       // around a place
-constexpr std::size_t kStride = 2;      // every so many points
-constexpr double kMaxWallZ = 0.5;       // a wall's normal is within 30 deg of the horizontal
-constexpr double kSameRatio = 2.0;      // so much more is still the same stretch
-constexpr double kMinSpeed_mps = 3.0;   // slower, the curvature is not known
-constexpr double kMaxCurvature = 0.05;  // 1/m: sharper bends leave the view
+constexpr std::size_t kFirst = 2;           // the sweep itself registers against what is nearer
+constexpr std::size_t kStretch = 3;         // places: a gap between two houses is shorter
+constexpr int kFewestPoints = 12;           // around a place
+constexpr std::size_t kStride = 2;          // every so many points
+constexpr double kMaxWallZ = 0.5;           // a wall's normal is within 30 deg of the horizontal
+constexpr double kAsGoodAsNothing = 0.002;  // a smaller ratio is as weak as any
+constexpr double kSameRatio = 2.0;          // so much more is still the same stretch
+constexpr double kReverse_mps = 0.5;        // slower, it stands
+constexpr double kMinSpeed_mps = 3.0;       // slower, the curvature is not known
+constexpr double kMaxCurvature = 0.05;      // 1/m: sharper bends leave the view
 
 struct Place {
   Eigen::Vector2d position_odom = Eigen::Vector2d::Zero();
@@ -47,10 +49,11 @@ Places placesAhead(const Pose& T_odom_cog, const Vector6d& twist_cog) {
   const double heading = rpyFromRotation(T_odom_cog.linear()).z();
   Places places;
   for (std::size_t k = 0; k < kPlaces; ++k) {
-    const double way_m = std::copysign(kSpacing_m * static_cast<double>(k), speed_mps);
-    const double chord = heading + 0.5 * curvature * way_m;
+    const double way_m = (speed_mps < -kReverse_mps ? -1.0 : 1.0) * kSpacing_m * static_cast<double>(k);
+    const double half_turn = 0.5 * curvature * way_m, direction = heading + half_turn;
+    const double chord_m = std::abs(half_turn) < 1e-6 ? way_m : way_m * std::sin(half_turn) / half_turn;
     places[k].position_odom =
-        T_odom_cog.translation().head<2>() + way_m * Eigen::Vector2d(std::cos(chord), std::sin(chord));
+        T_odom_cog.translation().head<2>() + chord_m * Eigen::Vector2d(std::cos(direction), std::sin(direction));
   }
   return places;
 }
@@ -79,8 +82,9 @@ InformationAhead weakestStretch(const Places& places) {
     weakest = std::min(weakest, ratios[k]);
   }
   if (!(weakest < 1.0)) return {};
+  const double as_weak = std::max(kSameRatio * weakest, kAsGoodAsNothing);
   const auto first =
-      std::find_if(ratios.begin(), ratios.end(), [&](double ratio) { return ratio <= kSameRatio * weakest; });
+      std::find_if(ratios.begin() + kFirst, ratios.end(), [&](double ratio) { return ratio <= as_weak; });
   return {weakest, kSpacing_m * static_cast<double>(first - ratios.begin())};
 }
 
