@@ -134,8 +134,8 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
 }
 
 InformationAhead aheadOf(double ratio, double distance_m) {
-  const bool valid = ratio >= 0.0 && ratio < 1.0 && distance_m > 0.0 && std::isfinite(distance_m);
-  return valid ? InformationAhead{ratio, distance_m} : InformationAhead();
+  const InformationAhead ahead{ratio, distance_m};
+  return ahead.isValid() && ahead.known() && distance_m > 0.0 ? ahead : InformationAhead();
 }
 
 messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points, const std_msgs::Header& header) {

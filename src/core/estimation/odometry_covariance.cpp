@@ -40,8 +40,8 @@ constexpr double kUnobservedVariance = 1e8;
 constexpr int kConfirmedAlone = 20;             // registered sweeps in a row: what only one source measures
 constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
 constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
-// Sigma of a registration that observes next to nothing along the road. In simulated tunnels it is 0.05 to 0.2 m where
-// niches are in view.
+// Standard deviation along the road of a registration that observes almost nothing. A simulated tunnel has 0.05 to 0.2 m
+// where niches are in view.
 constexpr double kWeakStretch_m = 0.5;
 constexpr double kLeastReplaced = 1e-4;  // at standstill the rate is that of a very slow drive
 

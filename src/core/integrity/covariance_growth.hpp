@@ -63,8 +63,8 @@ class GrowingCovariance {
   double begin(double t_s, double step_s);
   /// `dt_s` after the beginning of the step.
   Matrix after(double dt_s) const;
-  /// Ends the step there.
-  void advance(double dt_s) { S_ = after(dt_s); }
+  /// Ends the step, with what after() gave there.
+  void advance(const Matrix& at_end) { S_ = at_end; }
   const Matrix& now() const { return S_; }
 
  private:

@@ -68,7 +68,8 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   double t = 0.0;
   while (t < params_.horizon_s && !(all[0].found && all[1].found)) {
     const double step_s = growing.begin(t, std::min(params_.step_s, params_.horizon_s - t));
-    const double at_end = failed(growing.after(step_s));
+    const GrowingCovariance::Matrix next = growing.after(step_s);
+    const double at_end = failed(next);
     for (Sought& sought : all) {
       if (sought.found || at_end < sought.probability) continue;
       double low = 0.0, high = step_s;
@@ -79,7 +80,7 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
       sought.time = TimeToFailure::fromSeconds(t + high, params_.horizon_s);
       sought.found = true;
     }
-    growing.advance(step_s);
+    growing.advance(next);
     t += step_s;
   }
   prediction.time_to_failure = combine(prediction.time_to_failure, prediction.time_to_alarm);

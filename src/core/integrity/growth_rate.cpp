@@ -55,9 +55,7 @@ void GrowthRate::add(const DriftRate& rate, const SpeedChange& speed, double dt_
 }
 
 void GrowthRate::lookAhead(const InformationAhead& ahead) {
-  const bool valid =
-      ahead.ratio >= 0.0 && ahead.ratio <= 1.0 && ahead.distance_m >= 0.0 && std::isfinite(ahead.distance_m);
-  const InformationAhead seen = valid ? ahead : InformationAhead();
+  const InformationAhead seen = ahead.isValid() ? ahead : InformationAhead();
   ahead_ratio_.add(seen.ratio);
   ahead_distance_m_.add(seen.distance_m);
 }
