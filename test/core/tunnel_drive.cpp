@@ -84,6 +84,7 @@ TEST(Tunnel, BegunInsideAnUnknownSpeedIsNoConfidentStandstill) {
     ASSERT_LT(std::abs(s.estimated_m - s.driven_m), 2.0 * s.sigma_m) << i;
     ASSERT_EQ(s.result.monitor.state, FailAwareState::kUnknown) << i << ": t1 waits for a motion that is observed";
     ASSERT_NE(s.result.monitor.reasons & static_cast<std::uint32_t>(kReasonMotionUnknown), 0u) << i;
+    if (!s.result.state.measurement_applied) continue;  // the map begins anew
     ASSERT_NE(s.result.monitor.reasons & static_cast<std::uint32_t>(kReasonWeakDirection), 0u) << i;
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/estimation/increment_covariance.hpp"
@@ -214,17 +215,16 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   return state_;
 }
 
-// In a tunnel a drive may begin at a guessed speed and make a map of it, which later seems to confirm the guess.
+// In a tunnel a drive may begin at a guessed speed and make a map of it, which later seems to confirm the guess. On
+// highways the search may find a standstill that is none, and elsewhere find the speed.
 bool PoseFilter::wasSpeedGuessed() {
   if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
   if (state_.motion_status == MotionStatus::kDeadReckoning) {
     const bool found = guessed_sweeps_ == 0 && state_.speed_error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
     guessed_sweeps_ = found ? kSpeedKnown : guessed_sweeps_ + 1;
-    return false;
+    return guessed_sweeps_ > kManyGuessed && std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
   }
-  const bool guessed = guessed_sweeps_ >= kManyGuessed;
-  guessed_sweeps_ = kSpeedKnown;
-  return guessed;
+  return std::exchange(guessed_sweeps_, kSpeedKnown) >= kManyGuessed;
 }
 
 void PoseFilter::loseMotion() {

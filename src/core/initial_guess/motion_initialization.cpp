@@ -19,11 +19,91 @@ constexpr double kRounding = 1e-9;  // 0.7 / 0.1 is less than 7
 constexpr double kUnmet = 0.1;
 constexpr double kFineKernel = 0.3;  // the kernel of the last search, as a ratio of kernel_m
 
+// By how much the log likelihood of another speed must stand out of the median of all speeds. In a tunnel, where the
+// scenery tells nothing, it is 2 to 8, on highways 6 to 30.
+constexpr double kStandsOut = 10.0;
+
 double logLikelihood(const std::vector<double>& votes) {
   double sum = 0.0;
   for (const double vote : votes) sum += std::log(vote + kUnmet);
   return sum;
 }
+
+/// A motion and how well it fits.
+struct Tried {
+  Vector6d twist = Vector6d::Zero();
+  double likelihood = -std::numeric_limits<double>::infinity();
+  double votes = 0.0;
+
+  bool operator<(const Tried& other) const { return likelihood < other.likelihood; }
+};
+
+/// Scores motions of one sweep against the first one.
+struct Search {
+  const MotionInitialization::Params& params;
+  const AboveGroundPoints& standing;
+  const VoxelMap& first;
+  double dt_s;
+
+  Tried score(double speed_mps, double yaw_rate_rps, double kernel_m) const {
+    Tried tried;
+    if (speed_mps < params.min_speed_mps || speed_mps > params.max_speed_mps ||
+        std::abs(yaw_rate_rps) > params.max_yaw_rate_rps + kRounding ||
+        std::abs(speed_mps * yaw_rate_rps) > params.max_lateral_acceleration_mps2) {
+      return tried;
+    }
+    tried.twist[0] = speed_mps;
+    tried.twist[5] = yaw_rate_rps;
+    const std::vector<double> votes = votesOfPlaces(standing, first, expSe3(tried.twist * dt_s), kernel_m);
+    tried.likelihood = logLikelihood(votes);
+    tried.votes = std::accumulate(votes.begin(), votes.end(), 0.0);
+    return tried;
+  }
+
+  /// The best yaw rate of each speed, from the lowest speed on.
+  std::vector<Tried> bySpeed() const {
+    const int speeds = static_cast<int>((params.max_speed_mps - params.min_speed_mps) / params.step_mps + kRounding);
+    const int yaws = static_cast<int>(params.max_yaw_rate_rps / params.step_yaw_rate_rps + kRounding);
+    std::vector<Tried> all;
+    for (int i = 0; i <= speeds; ++i) {
+      Tried best;
+      for (int k = -yaws; k <= yaws; ++k) {
+        best = std::max(
+            best, score(params.min_speed_mps + i * params.step_mps, k * params.step_yaw_rate_rps, params.kernel_m));
+      }
+      all.push_back(best);
+    }
+    return all;
+  }
+
+  Tried refined(const Tried& coarse) const {
+    constexpr double kStep = MotionInitialization::kFineStep;
+    Tried best;
+    for (int i = -4; i <= 4; ++i) {
+      for (int k = -4; k <= 4; ++k) {
+        best = std::max(best,
+                        score(coarse.twist[0] + kStep * i * params.step_mps,
+                              coarse.twist[5] + kStep * k * params.step_yaw_rate_rps, kFineKernel * params.kernel_m));
+      }
+    }
+    return best;
+  }
+
+  bool isStandstill(const Tried& tried) const { return std::abs(tried.twist[0]) * dt_s < params.standstill_m; }
+
+  /// The best of the speeds that fit better than their neighbours, standstill aside, if it stands out.
+  const Tried* movingPeak(const std::vector<Tried>& tried) const {
+    const Tried* peak = nullptr;
+    for (std::size_t i = 1; i + 1 < tried.size(); ++i) {
+      const bool fits = tried[i - 1] < tried[i] && tried[i + 1] < tried[i];
+      if (fits && !isStandstill(tried[i]) && (peak == nullptr || *peak < tried[i])) peak = &tried[i];
+    }
+    std::vector<Tried> sorted = tried;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    return peak != nullptr && peak->likelihood > middle->likelihood + kStandsOut ? peak : nullptr;
+  }
+};
 
 VoxelMap::Params denseMap(const MotionInitialization::Params& params) {
   VoxelMap::Params map;
@@ -84,44 +164,17 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
   constexpr std::size_t kEnough = 2000;
   const AboveGroundPoints standing = findAboveGroundPoints(
       thinned(sweep, T_cog_lidar), {params_.cell_m, params_.column_m, params_.min_height_m}, kEnough);
-  Vector6d best = Vector6d::Zero();
-  double best_likelihood = -std::numeric_limits<double>::infinity(), best_votes = 0.0;
-  const auto consider = [&](double speed_mps, double yaw_rate_rps, double kernel_m) {
-    if (speed_mps < params_.min_speed_mps || speed_mps > params_.max_speed_mps ||
-        std::abs(yaw_rate_rps) > params_.max_yaw_rate_rps + kRounding ||
-        std::abs(speed_mps * yaw_rate_rps) > params_.max_lateral_acceleration_mps2) {
-      return;
-    }
-    Vector6d twist = Vector6d::Zero();
-    twist[0] = speed_mps;
-    twist[5] = yaw_rate_rps;
-    const std::vector<double> votes = votesOfPlaces(standing, first_, expSe3(twist * dt_s), kernel_m);
-    const double likelihood = logLikelihood(votes);
-    if (likelihood > best_likelihood) {
-      best_likelihood = likelihood;
-      best_votes = std::accumulate(votes.begin(), votes.end(), 0.0);
-      best = twist;
-    }
-  };
-  const int speeds = static_cast<int>((params_.max_speed_mps - params_.min_speed_mps) / params_.step_mps + kRounding);
-  const int yaws = static_cast<int>(params_.max_yaw_rate_rps / params_.step_yaw_rate_rps + kRounding);
-  for (int i = 0; i <= speeds; ++i) {
-    for (int k = -yaws; k <= yaws; ++k) {
-      consider(params_.min_speed_mps + i * params_.step_mps, k * params_.step_yaw_rate_rps, params_.kernel_m);
-    }
+  const Search search{params_, standing, first_, dt_s};
+  const std::vector<Tried> tried = search.bySpeed();
+  const auto best = std::max_element(tried.begin(), tried.end());
+  if (best->votes <= 0.0) return std::nullopt;  // no above-ground points, or no match
+  Tried found = search.refined(*best);
+  if (search.isStandstill(*best)) {
+    const Tried* moving = search.movingPeak(tried);
+    if (moving != nullptr && found < *moving) found = search.refined(*moving);
   }
-  if (best_votes <= 0.0) return std::nullopt;  // no above-ground points, or no match
-  // refine around the best
-  const Vector6d coarse = best;
-  best_likelihood = -std::numeric_limits<double>::infinity();
-  for (int i = -4; i <= 4; ++i) {
-    for (int k = -4; k <= 4; ++k) {
-      consider(coarse[0] + kFineStep * i * params_.step_mps, coarse[5] + kFineStep * k * params_.step_yaw_rate_rps,
-               kFineKernel * params_.kernel_m);
-    }
-  }
-  if (places_met != nullptr) *places_met = best_votes;
-  return best;
+  if (places_met != nullptr) *places_met = found.votes;
+  return found.twist;
 }
 
 void MotionInitialization::reset() { first_.clear(); }

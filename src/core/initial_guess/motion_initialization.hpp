@@ -10,6 +10,8 @@
 // - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle.
 // - Hedges and rails fit a little better at standstill, as the beams hit them in the same pattern. The score is the log
 //   likelihood of all votes, so a pole that meets nothing counts more than ten places that meet a little less well.
+// - At a true standstill the beams hit the same spots, so that nearly everything meets within centimetres. If standstill
+//   fits best but not that well, another speed that stands out of all the others is taken.
 // Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
 // first_motion.hpp inflates the covariance in this case (`standstill_ratio`).
 // Failure: nullopt. Cost: about 150 ms, on the second sweep only.
@@ -49,7 +51,7 @@ class MotionInitialization {
     /// While the speed is unknown, a sweep that moved less than standstill_m counts as standing only if its weakest
     /// horizontal direction has at least standstill_ratio of the information: objects that travel with the vehicle
     /// imitate standstill.
-    double standstill_m = 0.1;
+    double standstill_m = 0.3;
     double standstill_ratio = 0.15;
 
     template <class Self, class Visitor>

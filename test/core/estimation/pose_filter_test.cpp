@@ -396,6 +396,24 @@ TEST(PoseFilter, GuessedSpeedIsNotConfirmedByItsOwnMap) {
   EXPECT_EQ(statusWhenObserved(40), MotionStatus::kUnknown) << "the motion is searched for";
 }
 
+TEST(PoseFilter, AGuessedStandstillIsSearchedAnewEverySecond) {
+  PoseFilter filter = makeFilter();
+  const Drive standing{0.0};
+  filter.reset(standing.T_start);
+  step(filter, standing.stamp(0), {});
+  Measurement open = measured(Pose::Identity());
+  open.covariance(0, 0) = 900.0;
+  int searches = 0;
+  for (int i = 1; i <= 36; ++i) {
+    const FilterState state = step(filter, standing.stamp(i), {open}).state;
+    if (i > 1 && state.map_update == MapUpdate::kRestart) {
+      ++searches;
+      EXPECT_EQ(state.motion_status, MotionStatus::kUnknown);
+    }
+  }
+  EXPECT_EQ(searches, 3);
+}
+
 TEST(PoseFilter, UnobservedSpeedIsHeld) {
   PoseFilter filter = makeFilter();
   Drive drive;

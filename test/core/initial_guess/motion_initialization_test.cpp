@@ -54,16 +54,22 @@ TEST(MotionInitialization, FindsACurveBehindACar) {
   expectTwist(twistFound(drive, testParams()), 10.0, 0.4);
 }
 
-/// Two hedges that the beams hit in the same pattern in every sweep, and 16 poles; the vehicle has moved by moved_m.
-CorrectedSweep hedgesAndPoles(double moved_m) {
+/// Two hedges that the beams hit in the same pattern in every sweep, but for 0.4 m if rough, and poles; the vehicle has
+/// moved by moved_m.
+CorrectedSweep hedgesAndPoles(double moved_m, int poles = 16, unsigned rough = 0) {
   CorrectedSweep sweep;
   const auto add = [&sweep](double x, double y, double z) {
     sweep.points_lidar.push_back(Eigen::Vector3d(x, y, z).cast<float>());
   };
-  std::mt19937 random(1);
-  const auto uniform = [&random](double low, double high) { return low + (high - low) * (static_cast<double>(random()) / 4294967296.0); };
-  for (int i = 0; i < 1600; ++i) add(uniform(-20.0, 20.0), (i % 2 ? 6.0 : -6.0) + uniform(-0.5, 0.5), uniform(0.0, 2.0));
-  for (int pole = 0; pole < 16; ++pole) {
+  std::mt19937 random(1), roughness(rough);
+  const auto uniform = [&random](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+  };
+  for (int i = 0; i < 1600; ++i) {
+    const double leaf_m = rough > 0 ? 0.8 * (static_cast<double>(roughness()) / 4294967296.0 - 0.5) : 0.0;
+    add(uniform(-20.0, 20.0), (i % 2 ? 6.0 : -6.0) + uniform(-0.5, 0.5) + leaf_m, uniform(0.0, 2.0));
+  }
+  for (int pole = 0; pole < poles; ++pole) {
     for (int k = 0; k <= 10; ++k) add(2.4 * pole - 18.0 - moved_m, pole % 2 ? 12.0 : -12.0, 0.2 * k);
   }
   return sweep;
@@ -73,6 +79,14 @@ TEST(MotionInitialization, PolesDecideBetweenHedges) {
   MotionInitialization initialization(testParams(), kMinRange_m);
   initialization.setFirst(hedgesAndPoles(0.0), Pose::Identity());
   expectTwist(initialization.findTwist(hedgesAndPoles(2.7), Pose::Identity(), 0.1), 27.0, 0.0);
+}
+
+/// Eight poles cannot outvote the hedges, which fit best at standstill. But they do not fit as at a true standstill.
+TEST(MotionInitialization, AStandstillThatFitsBadlyIsNone) {
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  initialization.setFirst(hedgesAndPoles(0.0, 8, 1), Pose::Identity());
+  expectTwist(initialization.findTwist(hedgesAndPoles(2.7, 8, 2), Pose::Identity(), 0.1), 27.0, 0.0);
+  expectTwist(initialization.findTwist(hedgesAndPoles(0.0, 8, 2), Pose::Identity(), 0.1), 0.0, 0.0);
 }
 
 TEST(MotionInitialization, FindsStandstillAndReverse) {
