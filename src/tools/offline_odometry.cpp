@@ -114,6 +114,8 @@ Json levelSummary(const VerticalReference::Report& report) {
           {"tilt_sigma_deg", report.tilt_sigma_deg},
           {"drift_deg_per_m", report.drift_deg_per_m},
           {"drift_sigma_deg_per_m", report.drift_sigma_deg_per_m},
+          {"elevation_deg", report.elevation_deg},
+          {"elevation_sigma_deg", report.elevation_sigma_deg},
           {"curvature_deg_per_m", report.curvature_deg_per_m}};
 }
 

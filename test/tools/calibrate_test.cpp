@@ -1,5 +1,5 @@
-// Runs the built calibrators on made-up runs; CALIBRATE_NOISE, CALIBRATE_FAIL_AWARE and CALIBRATE_AZIMUTH are their
-// paths (compile definitions).
+// Runs the built calibrators on made-up runs; CALIBRATE_NOISE, CALIBRATE_FAIL_AWARE, CALIBRATE_AZIMUTH and
+// CALIBRATE_ELEVATION are their paths (compile definitions).
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -244,6 +244,46 @@ TEST_F(Calibrate, AzimuthSaysWhatItCannotUse) {
     EXPECT_EQ(result_.exit_code, 2);
     EXPECT_NE(result_.err.find("--run or --trajectory is needed"), std::string::npos) << result_.err;
   }
+}
+
+/// A run with `angle_deg` that found `left_deg` more.
+void writeTiltedRun(const fs::path& run, double angle_deg, double left_deg, double sigma_deg) {
+  fs::create_directories(run);
+  PipelineParameters params;
+  params.sensor.vertical_angle.angle_deg = angle_deg;
+  saveYaml((run / "parameters.yaml").string(), params);
+  Json summary;
+  summary["vertical_reference"] = {{"looks", 30}, {"elevation_deg", left_deg}, {"elevation_sigma_deg", sigma_deg}};
+  sealRun(run, {"parameters.yaml"}, "r0123456789abcdef", summary);
+}
+
+TEST_F(Calibrate, ElevationIsWhatTheRunsHadAndWhatIsLeft) {
+  writeTiltedRun(folder_ / "a", 0.1, 0.08, 0.04);
+  writeTiltedRun(folder_ / "b", 0.2, -0.02, 0.04);
+  const fs::path yaml = folder_ / "elevation.yaml";
+  run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "a").string() + "' --run '" + (folder_ / "b").string() +
+                               "' --output '" + yaml.string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.out, contentOf(yaml));
+  EXPECT_EQ(result_.err.find("warning"), std::string::npos) << result_.err;
+  PipelineParameters params;
+  loadYaml(yaml.string(), params, MissingKeys::kKeep);
+  EXPECT_NEAR(params.sensor.vertical_angle.angle_deg, 0.18, 1e-9);
+  EXPECT_NEAR(params.sensor.vertical_angle.sigma_deg, 0.035, 1e-9);
+}
+
+TEST_F(Calibrate, ElevationSaysWhatItCannotUse) {
+  writeTiltedRun(folder_ / "vague", 0.0, 0.08, 0.14);
+  run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "vague").string() + "'");
+  EXPECT_EQ(result_.exit_code, 0);
+  EXPECT_NE(result_.err.find("not known to 0.1 deg"), std::string::npos) << result_.err;
+  writeSkewedRun(folder_ / "silent", 0.0);
+  run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "silent").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("silent: it does not tell the beams' elevation"), std::string::npos) << result_.err;
+  run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "nowhere").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("nowhere"), std::string::npos) << result_.err;
 }
 
 }  // namespace

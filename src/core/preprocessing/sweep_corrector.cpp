@@ -47,7 +47,7 @@ SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_ang
       timing_(timing),
       seam_(timingOfRawPoints(timing, azimuth)),
       correction_(correction),
-      vertical_reference_(vertical_reference) {
+      vertical_reference_(vertical_reference, vertical_angle.sigma_deg) {
   vertical_angle_.validate();
   azimuth_.validate();
 }

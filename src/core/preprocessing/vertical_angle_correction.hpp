@@ -17,13 +17,18 @@
 namespace fail_aware {
 
 struct VerticalAngleCorrectionParams {
-  double angle_deg = 0.0;  ///< added to each point's elevation; 0: off; KITTI: 0.205
+  double angle_deg = 0.0;   ///< added to each point's elevation; 0: off; KITTI: 0.205
+  double sigma_deg = 0.15;  ///< how well it is known; the vertical reference finds the rest while driving
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("angle_deg", self.angle_deg);
+    v("sigma_deg", self.sigma_deg);
   }
-  void validate() const { requireWithin("angle_deg", angle_deg, -5.0, 5.0); }
+  void validate() const {
+    requireWithin("angle_deg", angle_deg, -5.0, 5.0);
+    requireWithin("sigma_deg", sigma_deg, 0.001, 5.0);
+  }
 };
 
 void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar);

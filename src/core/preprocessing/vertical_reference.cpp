@@ -33,7 +33,7 @@ void VerticalReferenceParams::validate() const {
   profiles.validate();
   noise.validate();
   requirePositive("sigma_range_m", sigma_range_m);
-  requirePositive("sigma_elevation_deg", sigma_elevation_deg);
+  requireNotNegative("drift_per_elevation_per_m", drift_per_elevation_per_m);
   requirePositive("sigma_drift_deg_per_m", sigma_drift_deg_per_m);
   requireNotNegative("drift_walk_deg_per_m", drift_walk_deg_per_m);
   requirePositive("tilt_walk_deg", tilt_walk_deg);
@@ -48,8 +48,10 @@ void VerticalReferenceParams::validate() const {
   requirePositive("curvature_range_m", curvature_range_m);
 }
 
-VerticalReference::VerticalReference(const Params& params) : params_(params), finder_(params.profiles) {
+VerticalReference::VerticalReference(const Params& params, double sigma_elevation_deg)
+    : params_(params), sigma_elevation_rad_(sigma_elevation_deg * kDegree), finder_(params.profiles) {
   params_.validate();
+  requirePositive("sigma_elevation_deg", sigma_elevation_deg);
   reset();
 }
 
@@ -59,8 +61,13 @@ void VerticalReference::reset() {
   curvature_per_m_ = 0.0;
   x_.setZero(VerticalState::kBeams);
   P_.setZero(VerticalState::kBeams, VerticalState::kBeams);
-  P_(VerticalState::kDrift, VerticalState::kDrift) = std::pow(params_.sigma_drift_deg_per_m * kDegree, 2);
-  P_(VerticalState::kElevation, VerticalState::kElevation) = std::pow(params_.sigma_elevation_deg * kDegree, 2);
+  const double elevation_variance = sigma_elevation_rad_ * sigma_elevation_rad_;
+  const double drift_covariance = params_.drift_per_elevation_per_m * elevation_variance;
+  P_(VerticalState::kElevation, VerticalState::kElevation) = elevation_variance;
+  P_(VerticalState::kDrift, VerticalState::kElevation) = drift_covariance;
+  P_(VerticalState::kElevation, VerticalState::kDrift) = drift_covariance;
+  P_(VerticalState::kDrift, VerticalState::kDrift) =
+      params_.drift_per_elevation_per_m * drift_covariance + std::pow(params_.sigma_drift_deg_per_m * kDegree, 2);
   ranges_.clear();
   forgetOdom();
   beams_ = 0;
@@ -249,6 +256,7 @@ void VerticalReference::setBend() {
   report_.drift_deg_per_m = x_[VerticalState::kDrift] / kDegree;
   report_.drift_sigma_deg_per_m = std::sqrt(P_(VerticalState::kDrift, VerticalState::kDrift)) / kDegree;
   report_.elevation_deg = x_[VerticalState::kElevation] / kDegree;
+  report_.elevation_sigma_deg = std::sqrt(P_(VerticalState::kElevation, VerticalState::kElevation)) / kDegree;
   report_.curvature_deg_per_m = curvature_per_m_ / kDegree;
   tilt_moment_ = covariance + tilt * tilt.transpose();
 }

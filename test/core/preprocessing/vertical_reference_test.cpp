@@ -234,6 +234,30 @@ TEST(VerticalReference, AnErrorOfAllElevationsIsNoTilt) {
   EXPECT_NEAR(level.report().elevation_deg, 0.25, 0.05);
 }
 
+/// Walls tell of the elevations before the tilt has grown: the drift that they cause is known by then.
+TEST(VerticalReference, AnErrorOfAllElevationsEndsItsDriftEarly) {
+  Street::Head head;
+  head.elevation_rad = 0.25 * kDegree;
+  const double drift_deg_per_m = VerticalReferenceParams().drift_per_elevation_per_m * 0.25;
+  const auto pitchAfter30m = [&](const VerticalReferenceParams& params) {
+    VerticalReference level(params);
+    return std::abs(drive(level, 30, drift_deg_per_m, params.response, head).pitch_error_rad) / kDegree;
+  };
+  VerticalReferenceParams apart;
+  apart.drift_per_elevation_per_m = 0.0;
+  apart.sigma_drift_deg_per_m = 0.005;
+  EXPECT_LT(pitchAfter30m(VerticalReferenceParams()), 0.6 * pitchAfter30m(apart));
+}
+
+TEST(VerticalReference, AnElevationThatIsKnownStays) {
+  Street::Head head;
+  head.elevation_rad = 0.25 * kDegree;
+  VerticalReference level(withoutBend(), 0.001);
+  drive(level, 100, 0.004, 0.0, head);
+  EXPECT_NEAR(level.report().elevation_deg, 0.0, 0.01);
+  EXPECT_LE(level.report().elevation_sigma_deg, 0.001);
+}
+
 TEST(VerticalReference, SweepsWithoutRingsSufficeToo) {
   VerticalReference level(withoutBend());
   Street street(Street::Head(), 7);

@@ -1,0 +1,41 @@
+#include "evaluation/elevation_calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/io/input_error.hpp"
+
+namespace fail_aware {
+
+namespace {
+
+/// The beams that meet walls have errors of their own (0.03 to 0.2 deg each on surrogate drives), whose mean depends on
+/// the scenery.
+constexpr double kSceneryVariance_deg2 = 0.03 * 0.03;
+
+}  // namespace
+
+ElevationEstimate meanElevation(const std::vector<ElevationEstimate>& drives) {
+  if (drives.empty()) throw InputError("no drive tells the beams' elevation");
+  double weights = 0.0, weighted = 0.0;
+  for (const ElevationEstimate& drive : drives) {
+    if (!std::isfinite(drive.angle_deg) || !std::isfinite(drive.sigma_deg) || drive.sigma_deg <= 0.0) {
+      throw InputError("an elevation or its sigma is not a number that can be used");
+    }
+    const double weight = 1.0 / (drive.sigma_deg * drive.sigma_deg + kSceneryVariance_deg2);
+    weights += weight;
+    weighted += weight * drive.angle_deg;
+  }
+  ElevationEstimate mean;
+  mean.angle_deg = weighted / weights;
+  double chi2 = 0.0;
+  for (const ElevationEstimate& drive : drives) {
+    const double off_deg = drive.angle_deg - mean.angle_deg;
+    chi2 += off_deg * off_deg / (drive.sigma_deg * drive.sigma_deg + kSceneryVariance_deg2);
+  }
+  const double freedom = std::max(1.0, static_cast<double>(drives.size()) - 1.0);
+  mean.sigma_deg = std::sqrt(std::max(1.0, chi2 / freedom) / weights);
+  return mean;
+}
+
+}  // namespace fail_aware
