@@ -12,8 +12,16 @@ namespace {
 /// The beams that meet walls have errors of their own (0.03 to 0.2 deg each on surrogate drives), whose mean depends on
 /// the scenery.
 constexpr double kSceneryVariance_deg2 = 0.03 * 0.03;
+constexpr double kLeastGain = 0.5;  // of the information, relative to the prior's
 
 }  // namespace
+
+std::optional<ElevationEstimate> withoutPrior(const ElevationEstimate& found, double prior_sigma_deg) {
+  const double prior = 1.0 / (prior_sigma_deg * prior_sigma_deg), posterior = 1.0 / (found.sigma_deg * found.sigma_deg);
+  const double own = posterior - prior;
+  if (!(own > kLeastGain * prior)) return std::nullopt;
+  return ElevationEstimate{found.angle_deg * posterior / own, std::sqrt(1.0 / own)};
+}
 
 ElevationEstimate meanElevation(const std::vector<ElevationEstimate>& drives) {
   if (drives.empty()) throw InputError("no drive tells the beams' elevation");

@@ -8,6 +8,7 @@
 // deg. Cost: none to speak of.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 namespace fail_aware {
@@ -16,6 +17,10 @@ struct ElevationEstimate {
   double angle_deg = 0.0;  ///< to be added to the elevations
   double sigma_deg = 0.0;  ///< above 0
 };
+
+/// What a drive itself tells, without the sigma that it began with: the error that it found, and its sigma. Nothing if
+/// that is hardly more than it began with.
+std::optional<ElevationEstimate> withoutPrior(const ElevationEstimate& found, double prior_sigma_deg);
 
 /// Throws InputError without estimates, and where a number is not finite or a sigma is not above 0.
 ElevationEstimate meanElevation(const std::vector<ElevationEstimate>& drives);

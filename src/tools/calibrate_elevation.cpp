@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,19 +29,24 @@ struct Options {
   std::string output;
 };
 
-ElevationEstimate estimateOf(const fs::path& run) {
+/// Nothing if the run did not find the elevation.
+std::optional<ElevationEstimate> estimateOf(const fs::path& run) {
   const Json summary = readRunSummary(run);
   PipelineParameters params;
   loadYaml((run / "parameters.yaml").string(), params, MissingKeys::kKeep);
   params.validate();
-  const Json found = summary.value("vertical_reference", Json::object());
-  if (found.value("looks", 0) == 0 || !found.contains("elevation_deg") || !found.contains("elevation_sigma_deg")) {
+  const Json found = summary.value("vertical_reference", Json());
+  if (!found.is_object() || found.value("looks", 0) == 0 || !found.contains("elevation_deg") ||
+      !found.contains("elevation_sigma_deg")) {
     throw InputError(run.string() +
                      ": it does not tell the beams' elevation: run offline_odometry again, with "
                      "vertical_reference.enabled true, on a drive with some way");
   }
-  return {params.sensor.vertical_angle.angle_deg + found.at("elevation_deg").get<double>(),
-          found.at("elevation_sigma_deg").get<double>()};
+  const ElevationEstimate posterior{found.at("elevation_deg").get<double>(),
+                                    found.at("elevation_sigma_deg").get<double>()};
+  std::optional<ElevationEstimate> own = withoutPrior(posterior, params.sensor.vertical_angle.sigma_deg);
+  if (own) own->angle_deg += params.sensor.vertical_angle.angle_deg;
+  return own;
 }
 
 double rounded(double value_deg) { return std::round(1e3 * value_deg) / 1e3 + 0.0; }
@@ -48,12 +54,18 @@ double rounded(double value_deg) { return std::round(1e3 * value_deg) / 1e3 + 0.
 int run(const Options& options) {
   std::vector<ElevationEstimate> drives;
   for (const fs::path folder : options.runs) {
-    drives.push_back(estimateOf(folder));
-    char text[80];
-    std::snprintf(text, sizeof(text), "%+.3f deg, +- %.3f deg", drives.back().angle_deg, drives.back().sigma_deg);
+    char text[120] = "warning: it tells no more than the sigma_deg that it began with; it does not count";
+    if (const std::optional<ElevationEstimate> drive = estimateOf(folder)) {
+      drives.push_back(*drive);
+      std::snprintf(text, sizeof(text), "%+.3f deg, +- %.3f deg", drive->angle_deg, drive->sigma_deg);
+    }
     std::cerr << kName << ": " << folder.string() << ": " << text << std::endl;
   }
   const ElevationEstimate mean = meanElevation(drives);
+  if (std::abs(mean.angle_deg) > VerticalAngleCorrectionParams::kMax_deg) {
+    throw InputError("that is more than sensor.vertical_angle.angle_deg takes (" +
+                     std::to_string(std::lround(VerticalAngleCorrectionParams::kMax_deg)) + " deg)");
+  }
   if (mean.sigma_deg > kUsefulSigma_deg) {
     std::cerr << kName << ": warning: that is not known to " << kUsefulSigma_deg
               << " deg; give more drives, or longer ones, between houses" << std::endl;

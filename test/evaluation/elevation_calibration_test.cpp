@@ -29,6 +29,17 @@ TEST(ElevationCalibration, DrivesThatDifferMakeItLessCertain) {
   EXPECT_GT(meanElevation({{0.2, 0.04}, {0.4, 0.04}, {0.0, 0.04}}).sigma_deg, 3.0 * agreed);
 }
 
+TEST(ElevationCalibration, WhatADriveBeganWithIsNoEvidence) {
+  // 0.3 deg measured with 0.06 deg, beside a prior of 0 with 0.15 deg
+  const double posterior = 1.0 / (0.06 * 0.06) + 1.0 / (0.15 * 0.15);
+  const auto own = withoutPrior({0.3 / (0.06 * 0.06) / posterior, std::sqrt(1.0 / posterior)}, 0.15);
+  ASSERT_TRUE(own.has_value());
+  EXPECT_NEAR(own->angle_deg, 0.3, 1e-9);
+  EXPECT_NEAR(own->sigma_deg, 0.06, 1e-9);
+  EXPECT_FALSE(withoutPrior({0.02, 0.14}, 0.15).has_value());
+  EXPECT_FALSE(withoutPrior({0.0, 0.001}, 0.001).has_value()) << "the drive had no say";
+}
+
 TEST(ElevationCalibration, WhatIsNoNumberIsRefused) {
   EXPECT_THROW(meanElevation({}), InputError);
   EXPECT_THROW(meanElevation({{0.2, 0.0}}), InputError);

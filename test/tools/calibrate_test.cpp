@@ -268,15 +268,20 @@ TEST_F(Calibrate, ElevationIsWhatTheRunsHadAndWhatIsLeft) {
   EXPECT_EQ(result_.err.find("warning"), std::string::npos) << result_.err;
   PipelineParameters params;
   loadYaml(yaml.string(), params, MissingKeys::kKeep);
-  EXPECT_NEAR(params.sensor.vertical_angle.angle_deg, 0.18, 1e-9);
-  EXPECT_NEAR(params.sensor.vertical_angle.sigma_deg, 0.035, 1e-9);
+  EXPECT_NEAR(params.sensor.vertical_angle.angle_deg, 0.182, 1e-9);  // without the prior of 0.15 deg
+  EXPECT_NEAR(params.sensor.vertical_angle.sigma_deg, 0.036, 1e-9);
 }
 
 TEST_F(Calibrate, ElevationSaysWhatItCannotUse) {
-  writeTiltedRun(folder_ / "vague", 0.0, 0.08, 0.14);
+  writeTiltedRun(folder_ / "vague", 0.0, 0.08, 0.10);
   run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "vague").string() + "'");
   EXPECT_EQ(result_.exit_code, 0);
   EXPECT_NE(result_.err.find("not known to 0.1 deg"), std::string::npos) << result_.err;
+  writeTiltedRun(folder_ / "open", 0.0, 0.01, 0.145);
+  run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "open").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("open: warning: it tells no more"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("no drive tells"), std::string::npos) << result_.err;
   writeSkewedRun(folder_ / "silent", 0.0);
   run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "silent").string() + "'");
   EXPECT_EQ(result_.exit_code, 2);

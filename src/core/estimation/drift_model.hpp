@@ -28,7 +28,7 @@ class DriftModel {
  public:
   struct Params {
     double map_length_m = 50.0;       ///< way on which the map around the vehicle is replaced; 0: with each sweep
-    double registration_ratio = 0.3;  ///< of a registration's variance: what a map's worth of sweeps has in common
+    double registration_ratio = 0.5;  ///< of a registration's variance: what a map's worth of sweeps has in common
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
     double heading_per_root_metre_deg = 0.0003;

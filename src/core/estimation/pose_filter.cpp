@@ -101,9 +101,9 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   consistency_.clear();
   map_update_policy_.clear();
   corrected_sweeps_ = guessed_sweeps_ = 0;
+  next_search_ = kFirstRepetition;
   prediction_ = SweepPrediction();
-  const int odom_reset_count = state_.odom_reset_count;
-  state_ = FilterState();
+  const int odom_reset_count = std::exchange(state_, FilterState()).odom_reset_count;
   state_.odom_reset_count = odom_reset_count;
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
@@ -215,14 +215,13 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   return state_;
 }
 
-// In a tunnel a drive may begin at a guessed speed and make a map of it, which later seems to confirm the guess. On
-// highways the search may find a standstill that is none, and elsewhere find the speed.
+// In a tunnel a map that is made at a guessed speed later seems to confirm it. On highways a standstill may be none.
 bool PoseFilter::wasSpeedGuessed() {
   if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
   if (state_.motion_status == MotionStatus::kDeadReckoning) {
     const bool found = guessed_sweeps_ == 0 && state_.speed_error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
     guessed_sweeps_ = found ? kSpeedKnown : guessed_sweeps_ + 1;
-    return guessed_sweeps_ > kManyGuessed && std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
+    return guessed_sweeps_ >= next_search_ && std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
   }
   return std::exchange(guessed_sweeps_, kSpeedKnown) >= kManyGuessed;
 }
@@ -233,6 +232,7 @@ void PoseFilter::loseMotion() {
   state_.fusion.confirmed = false;
   consistency_.clear();
   corrected_sweeps_ = 0;
+  next_search_ *= 2;    // the vehicle may really stand
   guessed_sweeps_ = 1;  // it was believed, so its variance is too small to tell whether the search finds another
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numeric>
 
@@ -89,14 +90,13 @@ struct Search {
     return best;
   }
 
-  bool isStandstill(const Tried& tried) const { return std::abs(tried.twist[0]) * dt_s < params.standstill_m; }
-
   /// The best of the speeds that fit better than their neighbours, standstill aside, if it stands out.
   const Tried* movingPeak(const std::vector<Tried>& tried) const {
+    const double slowest_mps = std::max(params.standstill_m / dt_s, 1.5 * params.step_mps);
     const Tried* peak = nullptr;
     for (std::size_t i = 1; i + 1 < tried.size(); ++i) {
       const bool fits = tried[i - 1] < tried[i] && tried[i + 1] < tried[i];
-      if (fits && !isStandstill(tried[i]) && (peak == nullptr || *peak < tried[i])) peak = &tried[i];
+      if (fits && std::abs(tried[i].twist[0]) >= slowest_mps && (peak == nullptr || *peak < tried[i])) peak = &tried[i];
     }
     std::vector<Tried> sorted = tried;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -169,8 +169,9 @@ std::optional<Vector6d> MotionInitialization::findTwist(const CorrectedSweep& sw
   const auto best = std::max_element(tried.begin(), tried.end());
   if (best->votes <= 0.0) return std::nullopt;  // no above-ground points, or no match
   Tried found = search.refined(*best);
-  if (search.isStandstill(*best)) {
+  if (std::abs(found.twist[0]) * dt_s < params_.standstill_m) {
     const Tried* moving = search.movingPeak(tried);
+    // the standstill with the narrow kernel against the other with the wide one
     if (moving != nullptr && found < *moving) found = search.refined(*moving);
   }
   if (places_met != nullptr) *places_met = found.votes;

@@ -14,7 +14,7 @@
 //   fits best but not that well, another speed that stands out of all the others is taken.
 // Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
 // first_motion.hpp inflates the covariance in this case (`standstill_ratio`).
-// Failure: nullopt. Cost: about 150 ms, on the second sweep only.
+// Failure: nullopt. Cost: about 150 ms, on the second sweep, and where the search starts again (estimation/pose_filter).
 #pragma once
 
 #include <Eigen/Core>
@@ -50,7 +50,7 @@ class MotionInitialization {
     double min_height_m = 0.4;  ///< a point this far above the lowest of its column is above ground; a kerb is not
     /// While the speed is unknown, a sweep that moved less than standstill_m counts as standing only if its weakest
     /// horizontal direction has at least standstill_ratio of the information: objects that travel with the vehicle
-    /// imitate standstill.
+    /// imitate standstill. The search rejects a step below standstill_m that fits badly; 0: it does not.
     double standstill_m = 0.3;
     double standstill_ratio = 0.15;
 

@@ -79,6 +79,7 @@ void UprightProfileFinder::find(const std::vector<Eigen::Vector3f>& points_lidar
                                 const Eigen::Matrix3d& R_odom_lidar) {
   profiles_.clear();
   beams_.clear();
+  hangs_ = R_odom_lidar(2, 2) < 0.0;
   sortIntoColumns(points_lidar, rings, ranges, R_odom_lidar.cast<float>());
   const auto min_points = static_cast<std::uint32_t>(params_.min_points);
   const auto min_extent = static_cast<float>(params_.min_extent_m);
@@ -219,8 +220,8 @@ void UprightProfileFinder::addProfile(UprightProfile::Kind kind, const Eigen::Ve
     s.height += p.z();
     s.obliqueness += direction.dot(p.head<2>()) / p.norm();
   }
-  UprightProfile profile{kind, direction.cast<double>(), centre.head<2>().cast<double>().normalized(), beams_.size(),
-                         0};
+  const Eigen::Vector2d sight = centre.head<2>().cast<double>().normalized();
+  UprightProfile profile{kind, direction.cast<double>(), hangs_ ? -sight : sight, beams_.size(), 0};
   float low = 0, high = 0, oblique = 0;
   for (std::size_t ring = 0; ring < kMaxBeams; ++ring) {
     const Sums& s = sums[ring];

@@ -53,8 +53,10 @@ struct UprightProfile {
 
   Kind kind;
   Eigen::Vector2d direction;  ///< horizontal unit vector
-  Eigen::Vector2d away;       ///< horizontal unit vector from the sensor to the column
-  std::size_t first, size;    ///< of its beams
+  /// horizontal unit vector from the sensor to the column; back to it if the sensor hangs: beams that point too high
+  /// then make things lean the other way
+  Eigen::Vector2d away;
+  std::size_t first, size;  ///< of its beams
 };
 
 class UprightProfileFinder {
@@ -93,6 +95,7 @@ class UprightProfileFinder {
 
   UprightProfilesParams params_;
   int cells_;  ///< columns along a side of the grid
+  bool hangs_ = false;
   std::vector<Point> unsorted_, sorted_;
   std::vector<Column> columns_;
   std::vector<Point> around_;   ///< a line's points

@@ -17,8 +17,11 @@
 namespace fail_aware {
 
 struct VerticalAngleCorrectionParams {
-  double angle_deg = 0.0;   ///< added to each point's elevation; 0: off; KITTI: 0.205
-  double sigma_deg = 0.15;  ///< how well it is known; the vertical reference finds the rest while driving
+  static constexpr double kMax_deg = 5.0;
+
+  double angle_deg = 0.0;  ///< added to each point's elevation; 0: off; KITTI: 0.205
+  /// standard deviation of the error that angle_deg leaves, which the vertical reference finds while driving
+  double sigma_deg = 0.15;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -26,8 +29,8 @@ struct VerticalAngleCorrectionParams {
     v("sigma_deg", self.sigma_deg);
   }
   void validate() const {
-    requireWithin("angle_deg", angle_deg, -5.0, 5.0);
-    requireWithin("sigma_deg", sigma_deg, 0.001, 5.0);
+    requireWithin("angle_deg", angle_deg, -kMax_deg, kMax_deg);
+    requireWithin("sigma_deg", sigma_deg, 0.001, kMax_deg);
   }
 };
 

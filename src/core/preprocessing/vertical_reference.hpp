@@ -4,7 +4,7 @@
 // it turns into a false pitch of the same sign on every metre: most of what lidar odometry drifts in height. The road
 // cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
 // are the same to a matcher. But house walls, trunks and poles stand upright.
-// Most of it is the error e that the elevations have in common: it makes level road a cone, z = e h, on which pitch
+// Most of it is the error e that the elevations have in common: it makes level road a cone, z = -e h, on which pitch
 // drifts by drift_per_elevation e. So at the start the drift and e are correlated, and what walls tell of e in the first
 // metres ends most of the drift.
 //

@@ -33,7 +33,7 @@ TEST(FirstMotion, ASearchedPositionCountsAsMeasured) {
 
 TEST(FirstMotion, StandstillIsDoubtedWhereLittleInforms) {
   const MotionInitialization::Params params;
-  Measurement measurement = measuredAt(0.05);
+  Measurement measurement = measuredAt(0.2);
   measurement.min_information_ratio = 0.1;
   inflateAlongTrack(guessAt(0.0), params, measurement);
   EXPECT_NEAR(measurement.covariance(0, 0), 0.01 + 4.5 * 4.5, 1e-9);
@@ -44,9 +44,9 @@ TEST(FirstMotion, StandstillIsDoubtedWhereLittleInforms) {
 
 TEST(FirstMotion, AMotionOrMuchInformationIsNotDoubted) {
   const MotionInitialization::Params params;
-  for (const double distance_m : {0.5, 0.05}) {
+  for (const double distance_m : {0.35, 0.05}) {
     Measurement measurement = measuredAt(distance_m);
-    measurement.min_information_ratio = distance_m > 0.1 ? 0.0 : 0.3;
+    measurement.min_information_ratio = distance_m > 0.3 ? 0.0 : 0.3;
     inflateAlongTrack(guessAt(0.0), params, measurement);
     EXPECT_EQ(measurement.covariance(0, 0), 0.01) << distance_m;
     EXPECT_EQ(measurement.degenerate_directions, 0);

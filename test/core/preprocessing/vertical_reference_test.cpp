@@ -249,6 +249,21 @@ TEST(VerticalReference, AnErrorOfAllElevationsEndsItsDriftEarly) {
   EXPECT_LT(pitchAfter30m(VerticalReferenceParams()), 0.6 * pitchAfter30m(apart));
 }
 
+TEST(VerticalReference, TheElevationOfALidarThatHangsHasTheSameSign) {
+  Street::Head head;
+  head.elevation_rad = 0.25 * kDegree;
+  VerticalReference level(withoutBend());
+  Street street(head, 7);
+  const Eigen::Matrix3d upside_down = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  for (int i = 0; i < 200; ++i) {
+    const Street::Sweep sweep = street.sweep();
+    Pose T = tilted(i, 0.0);
+    T.linear() = upside_down;
+    level.observe(sweep.points, sweep.rings, T);
+  }
+  EXPECT_NEAR(level.report().elevation_deg, 0.25, 0.08);
+}
+
 TEST(VerticalReference, AnElevationThatIsKnownStays) {
   Street::Head head;
   head.elevation_rad = 0.25 * kDegree;
