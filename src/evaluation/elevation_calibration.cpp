@@ -24,22 +24,24 @@ std::optional<ElevationEstimate> withoutPrior(const ElevationEstimate& found, do
 }
 
 ElevationEstimate meanElevation(const std::vector<ElevationEstimate>& drives) {
-  if (drives.empty()) throw InputError("no drive tells the beams' elevation");
+  if (drives.empty()) throw InputError("no run determines the elevation of the beams");
+  const auto weightOf = [](const ElevationEstimate& drive) {
+    return 1.0 / (drive.sigma_deg * drive.sigma_deg + kSceneryVariance_deg2);
+  };
   double weights = 0.0, weighted = 0.0;
   for (const ElevationEstimate& drive : drives) {
     if (!std::isfinite(drive.angle_deg) || !std::isfinite(drive.sigma_deg) || drive.sigma_deg <= 0.0) {
       throw InputError("an elevation or its sigma is not a number that can be used");
     }
-    const double weight = 1.0 / (drive.sigma_deg * drive.sigma_deg + kSceneryVariance_deg2);
-    weights += weight;
-    weighted += weight * drive.angle_deg;
+    weights += weightOf(drive);
+    weighted += weightOf(drive) * drive.angle_deg;
   }
   ElevationEstimate mean;
   mean.angle_deg = weighted / weights;
   double chi2 = 0.0;
   for (const ElevationEstimate& drive : drives) {
     const double off_deg = drive.angle_deg - mean.angle_deg;
-    chi2 += off_deg * off_deg / (drive.sigma_deg * drive.sigma_deg + kSceneryVariance_deg2);
+    chi2 += weightOf(drive) * off_deg * off_deg;
   }
   const double freedom = std::max(1.0, static_cast<double>(drives.size()) - 1.0);
   mean.sigma_deg = std::sqrt(std::max(1.0, chi2 / freedom) / weights);

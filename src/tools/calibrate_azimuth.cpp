@@ -13,6 +13,7 @@
 #include "evaluation/azimuth_calibration.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"
+#include "run_parameters.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -29,13 +30,6 @@ struct Options {
   std::vector<std::string> runs, trajectories;
   std::string output;
 };
-
-SensorParameters sensorOf(const fs::path& run) {
-  PipelineParameters params;
-  loadYaml((run / "parameters.yaml").string(), params, MissingKeys::kKeep);
-  params.validate();
-  return params.sensor;
-}
 
 std::vector<Pose> baseTrajectory(const fs::path& run, const Pose& T_base_lidar) {
   std::vector<Pose> poses = readKittiTrajectory((run / "trajectory_kitti.txt").string());
@@ -57,7 +51,7 @@ int run(const Options& options) {
   SensorParameters sensor;
   for (const fs::path folder : options.runs) {
     readRunSummary(folder);
-    const SensorParameters own = sensorOf(folder);
+    const SensorParameters own = sensorOfRun(folder);
     if (trajectories.empty()) sensor = own;
     if (own.azimuth.angle_deg != sensor.azimuth.angle_deg || own.lidar_in_base != sensor.lidar_in_base) {
       throw InputError(folder.string() + ": its " + kKey + " or sensor.lidar_in_base is not that of " +

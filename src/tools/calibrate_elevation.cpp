@@ -14,6 +14,7 @@
 #include "evaluation/elevation_calibration.hpp"
 #include "result_files.hpp"
 #include "run_folder.hpp"
+#include "run_parameters.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -32,9 +33,7 @@ struct Options {
 /// Nothing if the run did not find the elevation.
 std::optional<ElevationEstimate> estimateOf(const fs::path& run) {
   const Json summary = readRunSummary(run);
-  PipelineParameters params;
-  loadYaml((run / "parameters.yaml").string(), params, MissingKeys::kKeep);
-  params.validate();
+  const VerticalAngleCorrectionParams began_with = sensorOfRun(run).vertical_angle;
   const Json found = summary.value("vertical_reference", Json());
   if (!found.is_object() || found.value("looks", 0) == 0 || !found.contains("elevation_deg") ||
       !found.contains("elevation_sigma_deg")) {
@@ -44,8 +43,8 @@ std::optional<ElevationEstimate> estimateOf(const fs::path& run) {
   }
   const ElevationEstimate posterior{found.at("elevation_deg").get<double>(),
                                     found.at("elevation_sigma_deg").get<double>()};
-  std::optional<ElevationEstimate> own = withoutPrior(posterior, params.sensor.vertical_angle.sigma_deg);
-  if (own) own->angle_deg += params.sensor.vertical_angle.angle_deg;
+  std::optional<ElevationEstimate> own = withoutPrior(posterior, began_with.sigma_deg);
+  if (own) own->angle_deg += began_with.angle_deg;
   return own;
 }
 
@@ -54,7 +53,7 @@ double rounded(double value_deg) { return std::round(1e3 * value_deg) / 1e3 + 0.
 int run(const Options& options) {
   std::vector<ElevationEstimate> drives;
   for (const fs::path folder : options.runs) {
-    char text[120] = "warning: it tells no more than the sigma_deg that it began with; it does not count";
+    char text[120] = "warning: hardly better known than its sigma_deg says; this run is left out";
     if (const std::optional<ElevationEstimate> drive = estimateOf(folder)) {
       drives.push_back(*drive);
       std::snprintf(text, sizeof(text), "%+.3f deg, +- %.3f deg", drive->angle_deg, drive->sigma_deg);

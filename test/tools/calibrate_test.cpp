@@ -280,8 +280,8 @@ TEST_F(Calibrate, ElevationSaysWhatItCannotUse) {
   writeTiltedRun(folder_ / "open", 0.0, 0.01, 0.145);
   run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "open").string() + "'");
   EXPECT_EQ(result_.exit_code, 2);
-  EXPECT_NE(result_.err.find("open: warning: it tells no more"), std::string::npos) << result_.err;
-  EXPECT_NE(result_.err.find("no drive tells"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("open: warning: hardly better known than its sigma_deg"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("no run determines the elevation"), std::string::npos) << result_.err;
   writeSkewedRun(folder_ / "silent", 0.0);
   run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "silent").string() + "'");
   EXPECT_EQ(result_.exit_code, 2);

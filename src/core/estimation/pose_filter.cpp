@@ -103,8 +103,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   corrected_sweeps_ = guessed_sweeps_ = 0;
   next_search_ = kFirstRepetition;
   prediction_ = SweepPrediction();
-  const int odom_reset_count = std::exchange(state_, FilterState()).odom_reset_count;
-  state_.odom_reset_count = odom_reset_count;
+  state_.odom_reset_count = std::exchange(state_, FilterState()).odom_reset_count;
   state_.T_odom_cog = T_odom_cog;
   state_.covariance = ukf_.covariance();
 }
@@ -215,7 +214,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   return state_;
 }
 
-// In a tunnel a map that is made at a guessed speed later seems to confirm it. On highways a standstill may be none.
+// Whether the first motion must be searched for again: a map that was made at a guessed speed (in a tunnel) later seems to
+// confirm it; and a standstill that nothing observes may be wrong (on highways).
 bool PoseFilter::wasSpeedGuessed() {
   if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
   if (state_.motion_status == MotionStatus::kDeadReckoning) {

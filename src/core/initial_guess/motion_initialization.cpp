@@ -20,8 +20,8 @@ constexpr double kRounding = 1e-9;  // 0.7 / 0.1 is less than 7
 constexpr double kUnmet = 0.1;
 constexpr double kFineKernel = 0.3;  // the kernel of the last search, as a ratio of kernel_m
 
-// By how much the log likelihood of another speed must stand out of the median of all speeds. In a tunnel, where the
-// scenery tells nothing, it is 2 to 8, on highways 6 to 30.
+// The log likelihood of another speed must be above the median of all speeds by this much. In a smooth tunnel the best
+// speed is above it by 2 to 8, on highways by 6 to 30.
 constexpr double kStandsOut = 10.0;
 
 double logLikelihood(const std::vector<double>& votes) {

@@ -373,16 +373,27 @@ TEST(PoseFilter, TheTwistAfterABlindSecondIsNoCorrection) {
   EXPECT_EQ(filter.stateAsDriven().increment_covariance, filter.state().increment_covariance);
 }
 
+PoseFilter filterAtTheStartOf(const Drive& drive) {
+  PoseFilter filter = makeFilter();
+  filter.reset(drive.T_start);
+  step(filter, drive.stamp(0), {});
+  return filter;
+}
+
+/// Nothing observes the way along the road.
+Measurement measuredAcrossOnly(const Pose& T_odom_cog) {
+  Measurement open = measured(T_odom_cog);
+  open.covariance(0, 0) = 900.0;
+  return open;
+}
+
 // A tunnel that is seen from the first sweep on: at first "still here", with R that means nothing; then observed, against
 // the map that was made at this speed.
 TEST(PoseFilter, GuessedSpeedIsNotConfirmedByItsOwnMap) {
   const auto statusWhenObserved = [](int unobserved_sweeps) {
-    PoseFilter filter = makeFilter();
     const Drive standing{0.0};
-    filter.reset(standing.T_start);
-    step(filter, standing.stamp(0), {});
-    Measurement open = measured(Pose::Identity());
-    open.covariance(0, 0) = 900.0;
+    PoseFilter filter = filterAtTheStartOf(standing);
+    const Measurement open = measuredAcrossOnly(Pose::Identity());
     for (int i = 1; i <= unobserved_sweeps; ++i) step(filter, standing.stamp(i), {open});
     EXPECT_FALSE(filter.state().motionObserved());
     for (int i = 1; i <= 20; ++i) {
@@ -397,12 +408,9 @@ TEST(PoseFilter, GuessedSpeedIsNotConfirmedByItsOwnMap) {
 }
 
 TEST(PoseFilter, AGuessedStandstillIsSearchedAgainEverRarer) {
-  PoseFilter filter = makeFilter();
   const Drive standing{0.0};
-  filter.reset(standing.T_start);
-  step(filter, standing.stamp(0), {});
-  Measurement open = measured(Pose::Identity());
-  open.covariance(0, 0) = 900.0;
+  PoseFilter filter = filterAtTheStartOf(standing);
+  const Measurement open = measuredAcrossOnly(Pose::Identity());
   std::vector<int> searches;
   for (int i = 1; i <= 160; ++i) {
     const FilterState state = step(filter, standing.stamp(i), {open}).state;
