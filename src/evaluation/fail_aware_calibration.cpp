@@ -26,11 +26,7 @@ std::optional<double> between(double smaller, double larger) {
 std::optional<double> lateRatio(const std::vector<FailAwareEpisode>& episodes) {
   std::vector<JudgedPrediction> judged;
   for (const FailAwareEpisode& episode : episodes) {
-    for (const std::size_t i : judgedSweeps(episode)) {
-      const FailAwareSweep& sweep = episode.sweeps[i];
-      judged.push_back(
-          {sweep.since_start_s, sweep.remaining_s, episode.failed, sweep.output.time_to_failure_covariance});
-    }
+    for (const std::size_t i : judgedSweeps(episode)) judged.push_back(covariancePrediction(episode, i));
   }
   const LateStatistics statistics = lateStatistics(judged);
   if (statistics.failing_decided == 0) return std::nullopt;
@@ -60,16 +56,23 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
   return threshold;
 }
 
-std::optional<double> confidenceForLateRatio(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
-                                             double late_ratio, double smallest, double largest) {
-  const std::optional<double> at_smallest = lateRatio(episodes_with(smallest));
-  if (!at_smallest) return std::nullopt;
-  if (*at_smallest <= late_ratio) return smallest;
-  if (lateRatio(episodes_with(largest)) > late_ratio) return std::nullopt;
+std::optional<double> smallestConfidence(const std::function<bool(double)>& holds, double smallest, double largest) {
+  if (holds(smallest)) return smallest;
+  if (!holds(largest)) return std::nullopt;
   while (const std::optional<double> middle = between(smallest, largest)) {
-    (lateRatio(episodes_with(*middle)) <= late_ratio ? largest : smallest) = *middle;
+    (holds(*middle) ? largest : smallest) = *middle;
   }
   return largest;
+}
+
+std::optional<double> confidenceForLateRatio(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
+                                             double late_ratio, double smallest, double largest) {
+  return smallestConfidence(
+      [&](double confidence) {
+        const std::optional<double> ratio = lateRatio(episodes_with(confidence));
+        return ratio && *ratio <= late_ratio;
+      },
+      smallest, largest);
 }
 
 std::optional<double> confidenceForAlarmRatio(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,

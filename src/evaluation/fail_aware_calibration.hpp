@@ -26,9 +26,13 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
 
 constexpr double kLargestConfidence = 0.999999;  ///< that is tried, and that can be set in flight
 
-/// `episodes_with(confidence)`: the episodes replayed with that confidence. Found between the limits by bisection of
-/// ln(c / (1 - c)), to 0.02: near 1, to 2 % of what is missing to 1. Nothing if even the largest is late too often, or if no
-/// episode fails: then none can be late.
+/// The smallest confidence at which `holds`, which must hold at every larger one, too. Found between the limits by
+/// bisection of ln(c / (1 - c)), to 0.02: near 1, to 2 % of what is missing to 1. Nothing if it does not hold at the
+/// largest.
+std::optional<double> smallestConfidence(const std::function<bool(double)>& holds, double smallest, double largest);
+
+/// `episodes_with(confidence)`: the episodes replayed with that confidence. Nothing if even the largest is late too
+/// often, or if no episode fails: then none can be late.
 std::optional<double> confidenceForLateRatio(const std::function<std::vector<FailAwareEpisode>(double)>& episodes_with,
                                              double late_ratio, double smallest = 0.5,
                                              double largest = kLargestConfidence);

@@ -27,6 +27,11 @@ bool bothBeyond(const TimeToFailure& a, const TimeToFailure& b) {
 
 }  // namespace
 
+JudgedPrediction covariancePrediction(const FailAwareEpisode& episode, std::size_t sweep) {
+  const FailAwareSweep& s = episode.sweeps[sweep];
+  return {s.since_start_s, s.remaining_s, episode.failed, s.output.time_to_failure_covariance};
+}
+
 double LateStatistics::lateRatio() const { return ratio(static_cast<double>(late), static_cast<double>(decided)); }
 
 double LateStatistics::lateRatioOfFailing() const {

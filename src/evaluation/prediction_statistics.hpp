@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "evaluation/fail_aware_episode.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"
 
 namespace fail_aware {
@@ -23,6 +24,9 @@ struct JudgedPrediction {
   bool failed = false;  ///< false: the run ended first, at remaining_s
   TimeToFailure predicted;
 };
+
+/// The covariance's time at one sweep of an episode.
+JudgedPrediction covariancePrediction(const FailAwareEpisode& episode, std::size_t sweep);
 
 struct LateStatistics {
   std::size_t decided = 0;  ///< it is known whether the prediction was late

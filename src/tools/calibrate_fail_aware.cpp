@@ -1,13 +1,17 @@
 // Fits eta's threshold and the predictor's confidences to recorded runs with ground truth: yaml on stdout or in a file.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iomanip>
 #include <iostream>
 #include <iterator>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/parameters/yaml_parameters.hpp"
+#include "evaluation/conformal_risk.hpp"
 #include "evaluation/fail_aware_calibration.hpp"
 #include "fail_aware_run.hpp"
 #include "result_files.hpp"
@@ -18,6 +22,7 @@ namespace {
 using namespace fail_aware;
 
 constexpr const char* kName = "calibrate_fail_aware";
+constexpr const char* kConfidence = "monitor.predictor.confidence";
 constexpr double kSmallestAlarmConfidence = 0.3;
 constexpr std::size_t kMostReplays =
     25;  // as the runs are, and a dozen for each confidence: see fail_aware_calibration
@@ -30,6 +35,7 @@ struct Options {
   std::optional<double> eta_failed_by;
   double eta_passed_by = 0.05;
   double late_ratio = 0.1;
+  bool guarantee = false;
   double alarm_ratio = 0.05;
 };
 
@@ -47,7 +53,29 @@ std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, 
   return all;
 }
 
+/// Why the confidence is missing, or what it guarantees.
+std::vector<std::string> confidenceNotes(double late_ratio, bool fitted, const std::vector<LateRisk>& risks) {
+  std::vector<std::string> notes;
+  if (!fitted) {
+    notes.push_back(kConfidence + std::string(" left as it is: a guarantee needs ") +
+                    std::to_string(drivesToGuarantee(late_ratio)) +
+                    " runs that fail, for each state (a larger --late needs fewer), and times that become right with a "
+                    "larger confidence (calibrate_noise first)");
+  }
+  for (const LateRisk& risk : risks) {
+    std::ostringstream text;
+    text << std::fixed << std::setprecision(1) << "in " << toString(risk.state) << " " << 100.0 * risk.mean_loss
+         << " % of the predictions are late (" << risk.drives << " runs that fail), on a further run "
+         << 100.0 * risk.bound() << " % at most are expected to be";
+    notes.push_back(text.str());
+  }
+  return notes;
+}
+
 int run(Options options) {
+  if (options.guarantee && !(options.late_ratio > 0.0)) {
+    return reportError(kName, "no number of runs guarantees --late 0: give a larger ratio", kExitUsage);
+  }
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   ParameterList list;
@@ -71,17 +99,26 @@ int run(Options options) {
           options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
                                 : quietEtaThreshold(as_is, options.eta_passed_by),
           options.eta_failed_by ? "too few failures" : "every episode failed, or eta did not grow");
-  const std::optional<double> confidence =
-      add("monitor.predictor.confidence",
-          confidenceForLateRatio(
-              [&](double tried) {
-                return replay([&](MonitorParameters& m) {
-                  m.predictor.confidence = tried;
-                  m.predictor.alarm_confidence = std::min(m.predictor.alarm_confidence, tried);
-                });
-              },
-              options.late_ratio),
-          "no run fails (give some that do), or predictions are late whatever it is (calibrate_noise first)");
+  const auto withConfidence = [&](double tried) {
+    return replay([&](MonitorParameters& m) {
+      m.predictor.confidence = tried;
+      m.predictor.alarm_confidence = std::min(m.predictor.alarm_confidence, tried);
+    });
+  };
+  std::optional<double> confidence;
+  if (options.guarantee) {
+    confidence = confidenceWithGuarantee(as_is, withConfidence, options.late_ratio);
+    if (confidence) list.emplace_back(kConfidence, *confidence);
+    for (std::string& note :
+         confidenceNotes(options.late_ratio, confidence.has_value(),
+                         lateRiskByState(as_is, confidence ? withConfidence(*confidence) : as_is))) {
+      notes.push_back(std::move(note));
+    }
+  } else {
+    confidence =
+        add(kConfidence, confidenceForLateRatio(withConfidence, options.late_ratio),
+            "no run fails (give some that do), or predictions are late whatever it is (calibrate_noise first)");
+  }
   // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
   // than the one that the published time already bears.
   const CovariancePredictor::Params& given = runs.front().params.profile.monitor.predictor;
@@ -144,6 +181,9 @@ int main(int argc, char** argv) {
     app.add_option("--late", options.late_ratio, "ratio of late predictions that is borne")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
+    app.add_flag("--guarantee", options.guarantee,
+                 "hold --late in expectation on a further drive of the same kind, in each state (conformal risk "
+                 "control); needs at least 1 / late - 1 runs that fail");
     app.add_option("--alarm", options.alarm_ratio, "ratio of the time without a failure that the alarm may be up")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();

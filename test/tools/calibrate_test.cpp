@@ -113,6 +113,24 @@ TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {
   EXPECT_LE(fitted.monitor.predictor.alarm_confidence, fitted.monitor.predictor.confidence);
 }
 
+TEST_F(Calibrate, GuaranteeSaysHowManyRunsItNeeds) {
+  MadeUpRun failing;
+  failing.sweeps = 120;
+  failing.drift_m = 0.02;
+  failing.write(folder_ / "failing");
+  run(CALIBRATE_FAIL_AWARE, options("failing") + " --guarantee --late 0.25");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("a guarantee needs 3 runs that fail"), std::string::npos) << result_.err;
+  EXPECT_EQ(result_.out.find("  confidence"), std::string::npos) << result_.out;
+  run(CALIBRATE_FAIL_AWARE,
+      options("failing") + " --guarantee --late 1");  // one run is enough for what is no guarantee
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(fittedProfile().monitor.predictor.confidence, 0.5);
+  run(CALIBRATE_FAIL_AWARE, options("failing") + " --guarantee --late 0");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("--late 0"), std::string::npos) << result_.err;
+}
+
 TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   for (const std::string tool : {CALIBRATE_NOISE, CALIBRATE_FAIL_AWARE}) {
     run(tool, "--run a --ground-truth b");
@@ -280,7 +298,8 @@ TEST_F(Calibrate, ElevationSaysWhatItCannotUse) {
   writeTiltedRun(folder_ / "open", 0.0, 0.01, 0.145);
   run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "open").string() + "'");
   EXPECT_EQ(result_.exit_code, 2);
-  EXPECT_NE(result_.err.find("open: warning: hardly better known than its sigma_deg"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("open: warning: hardly better known than its sigma_deg"), std::string::npos)
+      << result_.err;
   EXPECT_NE(result_.err.find("no run determines the elevation"), std::string::npos) << result_.err;
   writeSkewedRun(folder_ / "silent", 0.0);
   run(CALIBRATE_ELEVATION, " --run '" + (folder_ / "silent").string() + "'");

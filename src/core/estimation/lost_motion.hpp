@@ -9,6 +9,7 @@
 // Failure: none. Cost: under 1 us a sweep.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "core/moving_median.hpp"
@@ -28,9 +29,12 @@ class LostMotion {
   void clear() { *this = LostMotion(believed_ratio_); }
 
  private:
+  /// sweeps. When a covered sector or fog clears, the map is empty where the lidar sees again, and fills within five.
+  static constexpr std::size_t kRecent = 10;
+
   double believed_ratio_;
   MovingMedian usual_ratio_{20};  ///< while the speed was observed
-  MovingMedian recent_ratio_{5};
+  MovingMedian recent_ratio_{kRecent};
   int dead_reckoned_sweeps_ = 0;  ///< consecutive, measured
   bool usual_is_assumed_ = true;  ///< until it is known; not after a loss: then the surroundings may fit badly
   int watched_sweeps_ = 0;        ///< left, in which the map may prove useless

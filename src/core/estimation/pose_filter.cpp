@@ -101,7 +101,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   consistency_.clear();
   map_update_policy_.clear();
   corrected_sweeps_ = guessed_sweeps_ = 0;
-  next_search_ = kFirstRepetition;
+  search_after_sweeps_ = kFirstRepetition;
   prediction_ = SweepPrediction();
   state_.odom_reset_count = std::exchange(state_, FilterState()).odom_reset_count;
   state_.T_odom_cog = T_odom_cog;
@@ -210,18 +210,18 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
   if (state_.dt_s > 0.0) state_.speed_error = motion_.deadReckoning().speedError();
   state_.motion_status = motionStatus();
-  if (wasSpeedGuessed()) loseMotion();
+  if (mustSearchAgain()) loseMotion();
   return state_;
 }
 
 // Whether the first motion must be searched for again: a map that was made at a guessed speed (in a tunnel) later seems to
 // confirm it; and a standstill that nothing observes may be wrong (on highways).
-bool PoseFilter::wasSpeedGuessed() {
+bool PoseFilter::mustSearchAgain() {
   if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
   if (state_.motion_status == MotionStatus::kDeadReckoning) {
     const bool found = guessed_sweeps_ == 0 && state_.speed_error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
     guessed_sweeps_ = found ? kSpeedKnown : guessed_sweeps_ + 1;
-    return guessed_sweeps_ >= next_search_ && std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
+    return guessed_sweeps_ >= search_after_sweeps_ && std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
   }
   return std::exchange(guessed_sweeps_, kSpeedKnown) >= kManyGuessed;
 }
@@ -232,8 +232,8 @@ void PoseFilter::loseMotion() {
   state_.fusion.confirmed = false;
   consistency_.clear();
   corrected_sweeps_ = 0;
-  next_search_ *= 2;    // the vehicle may really stand
-  guessed_sweeps_ = 1;  // it was believed, so its variance is too small to tell whether the search finds another
+  search_after_sweeps_ *= 2;  // the vehicle may really stand
+  guessed_sweeps_ = 1;        // it was believed, so its variance is too small to tell whether the search finds another
 }
 
 MotionStatus PoseFilter::motionStatus() const {

@@ -98,7 +98,7 @@ class PoseFilter {
 
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
-  bool wasSpeedGuessed();
+  bool mustSearchAgain();
   void loseMotion();
   ConsistencyMonitor::Inflation addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
                                              FilterState& state);
@@ -115,9 +115,9 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   double interval_sigma_s_ = 0.0;                  ///< SweepTime::interval_sigma_s of the last prediction
   bool started_ = false;
-  int corrected_sweeps_ = 0;            ///< since the start, or since the motion was lost
-  int guessed_sweeps_ = 0;              ///< likewise, at a speed that was not observed yet; kSpeedKnown: it was
-  int next_search_ = kFirstRepetition;  ///< so many make the search for the first motion start again
+  int corrected_sweeps_ = 0;                    ///< since the start, or since the motion was lost
+  int guessed_sweeps_ = 0;                      ///< likewise, at a speed that was not observed yet; kSpeedKnown: it was
+  int search_after_sweeps_ = kFirstRepetition;  ///< so many make the search for the first motion start again
 };
 
 }  // namespace fail_aware

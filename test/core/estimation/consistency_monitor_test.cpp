@@ -162,7 +162,7 @@ TEST(ConsistencyMonitor, MisfitAfterDeadReckoningLosesTheMotion) {
   sweep.dead_reckoned = false;
   sweep.inlier_ratio = 0.45;
   bool lost = false;
-  for (int i = 0; i < 5; ++i) lost = monitor.add(sweep).motion_lost || lost;
+  for (int i = 0; i < 10; ++i) lost = monitor.add(sweep).motion_lost || lost;
   EXPECT_TRUE(lost);
 }
 

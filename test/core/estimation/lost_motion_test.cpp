@@ -26,13 +26,22 @@ LostMotion afterTunnel(double believed_ratio = kBelievedRatio) {
 
 TEST(LostMotion, MisfitAfterDeadReckoningIsLost) {
   LostMotion lost_motion = afterTunnel();
-  EXPECT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
+  EXPECT_TRUE(addSweeps(lost_motion, 10, false, 0.5));
 }
 
 TEST(LostMotion, FitThatComesBackIsNotLost) {
   LostMotion lost_motion = afterTunnel();
   EXPECT_FALSE(addSweeps(lost_motion, 2, false, 0.4)) << "the map does not hold the tunnel's end yet";
   EXPECT_FALSE(addSweeps(lost_motion, 60, false, 0.8));
+}
+
+TEST(LostMotion, WhatAFaultHidIsNotLost) {
+  LostMotion lost_motion(kBelievedRatio);
+  addSweeps(lost_motion, 30, false, 0.70);
+  addSweeps(lost_motion, 30, true, 0.71);  // a covered sector on a highway; then it is clear again
+  for (const double ratio : {0.27, 0.38, 0.50, 0.55, 0.58, 0.60, 0.62, 0.62, 0.65, 0.67, 0.70}) {
+    EXPECT_FALSE(lost_motion.add(false, ratio)) << ratio;
+  }
 }
 
 TEST(LostMotion, MisfitWithoutDeadReckoningIsNotLost) {
@@ -51,7 +60,7 @@ TEST(LostMotion, ShortDeadReckoningIsNotWatched) {
 TEST(LostMotion, UsualRatioIsAssumedUntilItIsKnown) {
   LostMotion lost_motion(kBelievedRatio);
   EXPECT_FALSE(addSweeps(lost_motion, 30, true, 0.93)) << "a start in a tunnel";
-  EXPECT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
+  EXPECT_TRUE(addSweeps(lost_motion, 10, false, 0.5));
 }
 
 TEST(LostMotion, WhatIsNotBelievedIsNotLost) {
@@ -66,7 +75,7 @@ TEST(LostMotion, OffItNeverLoses) {
 
 TEST(LostMotion, AfterALossTheSurroundingsMayFitBadly) {
   LostMotion lost_motion = afterTunnel();
-  ASSERT_TRUE(addSweeps(lost_motion, 5, false, 0.5));
+  ASSERT_TRUE(addSweeps(lost_motion, 10, false, 0.5));
   addSweeps(lost_motion, 15, true, 0.5);
   EXPECT_FALSE(addSweeps(lost_motion, 60, false, 0.5));
 }
