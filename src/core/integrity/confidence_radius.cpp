@@ -9,6 +9,12 @@ namespace {
 
 constexpr int kBisections = 40;
 
+// Of a circle with scale 1, of the squared radius.
+double circleExceedance(double squared, double degrees_of_freedom) {
+  return degrees_of_freedom > 0.0 ? std::pow(1.0 + squared / degrees_of_freedom, -0.5 * degrees_of_freedom)
+                                  : std::exp(-0.5 * squared);
+}
+
 // Probability that an error with scales 1 and `ratio` is farther than `radius`. The integrand has period pi and is
 // symmetric about pi / 2.
 double exceedance(double ratio, double radius, double degrees_of_freedom) {
@@ -16,9 +22,7 @@ double exceedance(double ratio, double radius, double degrees_of_freedom) {
   double sum = 0.0;
   for (int i = 0; i < kSteps; ++i) {
     const double sine = std::sin(0.5 * M_PI * (i + 0.5) / kSteps);
-    const double squared = radius * radius / (1.0 - (1.0 - ratio * ratio) * sine * sine);
-    sum += degrees_of_freedom > 0.0 ? std::pow(1.0 + squared / degrees_of_freedom, -0.5 * degrees_of_freedom)
-                                    : std::exp(-0.5 * squared);
+    sum += circleExceedance(radius * radius / (1.0 - (1.0 - ratio * ratio) * sine * sine), degrees_of_freedom);
   }
   return sum / kSteps;
 }
@@ -60,6 +64,13 @@ double exceedance(const Eigen::Matrix2d& covariance, double radius, double degre
   const Eigen::Vector2d sigmas = axesOf(covariance);
   if (sigmas[0] <= 0.0) return 0.0;
   return exceedance(std::min(sigmas[1] / sigmas[0], 1.0), radius / sigmas[0], degrees_of_freedom);
+}
+
+double exceedanceBound(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom) {
+  constexpr double kRounding = 1.0 + 1e-12;
+  const double sigma = axesOf(covariance)[0];
+  if (sigma <= 0.0) return 0.0;
+  return kRounding * circleExceedance(radius * radius / (sigma * sigma), degrees_of_freedom);
 }
 
 }  // namespace fail_aware

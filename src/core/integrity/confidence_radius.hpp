@@ -7,7 +7,7 @@
 //   p = 1 - 1/(2 pi) integral over phi of (1 + r^2 / (n a (1 - c sin^2 phi)))^(-n/2),
 // for a Gaussian (n infinite; here 0) of exp(-r^2 / (2 a (1 - c sin^2 phi))): from a circle's sqrt(-2 ln(1 - p)) sigma
 // down to a normal's two-sided quantile for a line. `ConfidenceRadius` gives that r.
-// Units: m. Cost: a radius is read from a table, a probability is a sum of 64 terms.
+// Units: m. Cost: a radius is read from a table, a probability is a sum of 64 terms, its bound one.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,5 +29,8 @@ class ConfidenceRadius {
 
 /// Probability that a horizontal error is farther than `radius`.
 double exceedance(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom = 0.0);
+
+/// At least exceedance(), at a small part of its cost: that of the circle around the covariance.
+double exceedanceBound(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom = 0.0);
 
 }  // namespace fail_aware

@@ -69,9 +69,9 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
   while (t < params_.horizon_s && !(all[0].found && all[1].found)) {
     const double step_s = growing.begin(t, std::min(params_.step_s, params_.horizon_s - t));
     const GrowingCovariance::Matrix next = growing.after(step_s);
-    const double at_end = failed(next);
+    const double most = exceedanceBound(horizontal(next), params_.alert_limit_m, params_.degrees_of_freedom);
     for (Sought& sought : all) {
-      if (sought.found || at_end < sought.probability) continue;
+      if (sought.found || most < sought.probability || failed(next) < sought.probability) continue;
       double low = 0.0, high = step_s;
       for (int i = 0; i < kBisections; ++i) {
         const double middle = 0.5 * (low + high);

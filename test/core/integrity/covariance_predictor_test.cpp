@@ -374,6 +374,22 @@ TEST(Exceedance, StudentsTailsAreLonger) {
   EXPECT_NEAR(exceedance(Eigen::Matrix2d::Identity(), 2.0, 1e5), exceedance(Eigen::Matrix2d::Identity(), 2.0), 1e-4);
 }
 
+TEST(Exceedance, BoundIsAboveAndTightForACircle) {
+  for (const double degrees_of_freedom : {0.0, 3.0, 8.0}) {
+    for (const double smaller : {0.0, 0.01, 0.3, 1.0, 4.0}) {
+      const Eigen::Matrix2d covariance =
+          Eigen::Rotation2Dd(0.7) * Eigen::Vector2d(4.0, smaller).asDiagonal() * Eigen::Rotation2Dd(-0.7);
+      for (const double radius : {0.1, 1.0, 3.0, 10.0, 60.0}) {
+        EXPECT_GE(exceedanceBound(covariance, radius, degrees_of_freedom),
+                  exceedance(covariance, radius, degrees_of_freedom));
+      }
+    }
+    const Eigen::Matrix2d circle = 4.0 * Eigen::Matrix2d::Identity();
+    EXPECT_NEAR(exceedanceBound(circle, 3.0, degrees_of_freedom), exceedance(circle, 3.0, degrees_of_freedom), 1e-11);
+  }
+  EXPECT_EQ(exceedanceBound(Eigen::Matrix2d::Zero(), 0.1), 0.0);
+}
+
 TEST(CovariancePredictor, ParametersAreChecked) {
   CovariancePredictor::Params tails;
   for (const double wrong : {-1.0, 0.01, 1e7, std::nan("")}) {
