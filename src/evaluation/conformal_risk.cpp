@@ -20,7 +20,7 @@ std::map<std::size_t, std::vector<JudgedPrediction>> predictionsOfRuns(const std
   for (std::size_t e = 0; e < std::min(before.size(), episodes.size()); ++e) {
     if (!episodes[e].failed) continue;
     for (const std::size_t i : judgedSweeps(episodes[e])) {
-      if (before[e].sweeps[i].output.state != state) continue;
+      if (before[e].sweeps[i].output.state != state || episodes[e].isBeforeAFault(i)) continue;
       of_run[episodes[e].run].push_back(covariancePrediction(episodes[e], i));
     }
   }

@@ -6,6 +6,7 @@
 // and the confidence is the smallest at which (n L + 1) / (n + 1) is at most a given ratio, then the expected loss of a
 // further drive is at most this ratio, too. This holds if
 // - the further drive and the n drives come from the same population (lidar, roads, weather) and fail,
+// - no fault begins between a prediction and the failure: predictions before a fault that was put into a drive do not count,
 // - no drive's loss rises with the confidence. A larger confidence gives shorter times, so it does not.
 // Each state has its own losses: a guarantee over all states could be bought with the seconds in FAILING. The groups are
 // the states that the monitor gave before the confidence was changed, so they do not depend on it.

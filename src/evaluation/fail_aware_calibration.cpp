@@ -26,7 +26,9 @@ std::optional<double> between(double smaller, double larger) {
 std::optional<double> lateRatio(const std::vector<FailAwareEpisode>& episodes) {
   std::vector<JudgedPrediction> judged;
   for (const FailAwareEpisode& episode : episodes) {
-    for (const std::size_t i : judgedSweeps(episode)) judged.push_back(covariancePrediction(episode, i));
+    for (const std::size_t i : judgedSweeps(episode)) {
+      if (!episode.isBeforeAFault(i)) judged.push_back(covariancePrediction(episode, i));
+    }
   }
   const LateStatistics statistics = lateStatistics(judged);
   if (statistics.failing_decided == 0) return std::nullopt;

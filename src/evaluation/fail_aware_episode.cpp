@@ -53,6 +53,12 @@ std::size_t FailAwareEpisode::sweepsBeforeFailure() const {
   return static_cast<std::size_t>(it - sweeps.begin());
 }
 
+bool FailAwareEpisode::isBeforeAFault(std::size_t sweep) const {
+  const double now_s = sweeps[sweep].since_start_s;
+  return failed && std::any_of(fault_begins_s.begin(), fault_begins_s.end(),
+                               [&](double fault_s) { return fault_s > now_s && fault_s < time_s; });
+}
+
 std::vector<FailAwareEpisode> failAwareEpisodes(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
                                                 const MonitorParameters& monitor, const FailureEpisode::Params& params,
                                                 const SilenceParams& silence) {

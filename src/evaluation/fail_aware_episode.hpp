@@ -38,6 +38,9 @@ struct FailAwareEpisode {
 
   /// What a planner could have acted on: t1 included, the failing sweep not.
   std::size_t sweepsBeforeFailure() const;
+
+  /// Whether a fault that was put into the drive begins after this sweep and before the failure. No prediction can know it.
+  bool isBeforeAFault(std::size_t sweep) const;
 };
 
 /// t1: the first sweep whose motion is observed, at or after each begin of FailureEpisode's; the same one once only.

@@ -40,14 +40,13 @@ struct Options {
 };
 
 template <class Change>
-std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, const FailureEpisode::Params& params,
-                                         Change&& change) {
+std::vector<FailAwareEpisode> allEpisodes(const std::vector<FailAwareRun>& runs, const FailureEpisode::Params& params,
+                                          Change&& change) {
   std::vector<FailAwareEpisode> all;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     MonitorParameters monitor = runs[r].params.profile.monitor;
     change(monitor);
-    std::vector<FailAwareEpisode> episodes = failAwareEpisodes(runs[r].truth, runs[r].log, monitor, params);
-    for (FailAwareEpisode& episode : episodes) episode.run = r;
+    std::vector<FailAwareEpisode> episodes = episodesOf(runs, r, monitor, params);
     std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
   }
   return all;
@@ -84,7 +83,7 @@ int run(Options options) {
   progress.update(0);
   std::size_t replayed = 0;
   const auto replay = [&](const auto& change) {
-    std::vector<FailAwareEpisode> episodes = episodesOf(runs, options.episodes, change);
+    std::vector<FailAwareEpisode> episodes = allEpisodes(runs, options.episodes, change);
     progress.update(replayed += runs.size());
     return episodes;
   };

@@ -67,13 +67,10 @@ std::vector<JudgedRun> judgeRuns(Options& options) {
   std::vector<JudgedRun> judged;
   ProgressBar progress(runs.size());
   progress.update(0);  // a long run takes minutes
-  for (const FailAwareRun& run : runs) {
-    judged.push_back({run.name, options.episodes.alert_limit_m, options.episodes.episode_every_s,
-                      consistencySamples(run),
-                      failAwareEpisodes(run.truth, run.log, run.params.profile.monitor, options.episodes)});
-    for (FailAwareEpisode& episode : judged.back().episodes) {
-      for (const double begin_s : run.fault_begins_s) episode.fault_begins_s.push_back(begin_s - episode.begin_s);
-    }
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    judged.push_back({runs[r].name, options.episodes.alert_limit_m, options.episodes.episode_every_s,
+                      consistencySamples(runs[r]),
+                      episodesOf(runs, r, runs[r].params.profile.monitor, options.episodes)});
     progress.update(judged.size());
   }
   return judged;

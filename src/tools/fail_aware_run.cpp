@@ -100,6 +100,17 @@ std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
   return runs;
 }
 
+std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, std::size_t index,
+                                         const MonitorParameters& monitor, const FailureEpisode::Params& params) {
+  const FailAwareRun& run = runs[index];
+  std::vector<FailAwareEpisode> episodes = failAwareEpisodes(run.truth, run.log, monitor, params);
+  for (FailAwareEpisode& episode : episodes) {
+    episode.run = index;
+    for (const double begin_s : run.fault_begins_s) episode.fault_begins_s.push_back(begin_s - episode.begin_s);
+  }
+  return episodes;
+}
+
 void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m) {
   app.add_option("--alert-limit", alert_limit_m,
                  "horizontal error that counts as a failure, m (default: that of the monitor, "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/io/measurement_log.hpp"
 #include "core/pipeline_parameters.hpp"
 #include "core/types/monitor_input.hpp"
+#include "evaluation/fail_aware_episode.hpp"
 
 namespace fail_aware {
 
@@ -33,6 +35,10 @@ void addRunOptions(CLI::App& app, FailAwareRunOptions& options);
 /// `parameters` (yaml files that may name only some keys, applied in order) and `set`. Throws InputError,
 /// ParameterError.
 std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options);
+
+/// The episodes of runs[index], with its faults, replayed with `monitor`.
+std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, std::size_t index,
+                                         const MonitorParameters& monitor, const FailureEpisode::Params& params);
 
 /// --alert-limit: the error that counts as a failure; if it is not given, the limit of the replayed monitor counts.
 void addAlertLimitOption(CLI::App& app, std::optional<double>& alert_limit_m);

@@ -59,6 +59,17 @@ TEST(ConformalRisk, SoundEpisodesDoNotCount) {
   EXPECT_EQ(lateRiskByState(episodes, episodes)[0].drives, 1u);
 }
 
+TEST(ConformalRisk, PredictionsBeforeAFaultDoNotCount) {
+  std::vector<FailAwareEpisode> episodes = drivesWith({5.0, 1.0}, 0.8, "o");
+  episodes[1].time_s = 2.0;
+  episodes[1].fault_begins_s = {0.5};  // before the prediction
+  EXPECT_EQ(lateRiskByState(episodes, episodes)[0].drives, 2u);
+  episodes[1].fault_begins_s = {1.5};
+  EXPECT_EQ(lateRiskByState(episodes, episodes)[0].drives, 1u);
+  episodes[1].fault_begins_s = {2.5};  // after the failure
+  EXPECT_EQ(lateRiskByState(episodes, episodes)[0].drives, 2u);
+}
+
 TEST(ConformalRisk, GroupsAreTheStatesBeforeTheChange) {
   const std::vector<FailAwareEpisode> before = drivesWith({1.0}, 0.8, "d");
   const std::vector<LateRisk> risks = lateRiskByState(before, drivesWith({1.0}, 0.8, "F"));

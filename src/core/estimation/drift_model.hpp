@@ -14,6 +14,10 @@
 //   - what a new map costs: it holds the points of one sweep, between whose beams the pose settles 1 to 4 cm off within
 //     the first 0.1 m of the way (five simulated standing starts), and tilted by 0.1 to 0.25 deg (moving starts)
 //
+// The jitter at t1 stays: a heading that is off by 0.01 deg there moves the position by 7 cm in 400 m. Over 0.5 s the poses
+// of 79 drives (town to open field, 64 beams) jitter by 0.7 of the registration's standard deviation in heading and by 0.5
+// of it in position, rms; single drives by 0.3 to 1.2.
+//
 // calibrate_noise fits registration_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias; the others
 // are chosen by hand.
 //
@@ -27,16 +31,16 @@ namespace fail_aware {
 class DriftModel {
  public:
   struct Params {
-    double map_length_m = 50.0;       ///< way on which the map around the vehicle is replaced; 0: with each sweep
-    double registration_ratio = 0.5;  ///< of a registration's variance: what a map's worth of sweeps has in common
+    double map_length_m = 65.0;       ///< way on which the map around the vehicle is replaced; 0: with each sweep
+    double registration_ratio = 0.3;  ///< of a registration's variance: what a map's worth of sweeps has in common
     double position_per_root_metre_m = 0.0;
     double tilt_per_root_metre_deg = 0.0065;
     double heading_per_root_metre_deg = 0.0003;
     double heading_bias_deg_per_m = 0.00002;  ///< standard deviation of the constant
     double scale_bias = 0.00005;              ///< likewise: metres per metre
     double slow_mps = 10.0;                   ///< faster, the walks and the scale bias grow with the speed
-    double transient_ratio = 0.05;  ///< of a registration's variance: what the pose jitters by about the map: position
-    double transient_rotation_ratio = 0.01;  ///< likewise rotation
+    double transient_ratio = 0.25;  ///< of a registration's variance: what the pose jitters by about the map: position
+    double transient_rotation_ratio = 0.5;  ///< likewise rotation
     double new_map_m = 0.02;  ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
 
     template <class Self, class Visitor>

@@ -42,7 +42,7 @@ enum class IndicatorStatus {
 class FailAwareIndicator {
  public:
   struct Params {
-    double threshold = 0.0005;  ///< rad, on the scale above
+    double threshold = 0.001;  ///< rad, on the scale above
     int rate_window_samples = 10;
     double horizon_s = 60.0;
     /// sweep period that the threshold belongs to: T above; the article's 10 Hz
