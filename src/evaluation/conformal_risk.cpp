@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 
 #include "evaluation/prediction_statistics.hpp"
 
@@ -17,7 +18,7 @@ std::map<std::size_t, std::vector<JudgedPrediction>> predictionsOfRuns(const std
                                                                        const std::vector<FailAwareEpisode>& episodes,
                                                                        FailAwareState state) {
   std::map<std::size_t, std::vector<JudgedPrediction>> of_run;
-  for (std::size_t e = 0; e < std::min(before.size(), episodes.size()); ++e) {
+  for (std::size_t e = 0; e < episodes.size(); ++e) {
     if (!episodes[e].failed) continue;
     for (const std::size_t i : judgedSweeps(episodes[e])) {
       if (before[e].sweeps[i].output.state != state || episodes[e].isBeforeAFault(i)) continue;
@@ -29,13 +30,14 @@ std::map<std::size_t, std::vector<JudgedPrediction>> predictionsOfRuns(const std
 
 }  // namespace
 
-double LateRisk::bound() const {
+double LateRisk::criterion() const {
   const auto n = static_cast<double>(drives);
   return (n * mean_loss + 1.0) / (n + 1.0);
 }
 
 std::vector<LateRisk> lateRiskByState(const std::vector<FailAwareEpisode>& before,
                                       const std::vector<FailAwareEpisode>& episodes) {
+  if (before.size() != episodes.size()) throw std::invalid_argument("lateRiskByState: not the same episodes");
   std::vector<LateRisk> risks;
   for (const FailAwareState state : kStates) {
     LateRisk risk;
@@ -52,8 +54,8 @@ std::vector<LateRisk> lateRiskByState(const std::vector<FailAwareEpisode>& befor
 }
 
 std::size_t drivesToGuarantee(double late_ratio) {
-  constexpr double kRounding = 1e-9;
-  return static_cast<std::size_t>(std::max(0.0, std::ceil(1.0 / late_ratio - 1.0 - kRounding)));
+  constexpr double kRounding = 1e-9, kMost = 1e9;
+  return static_cast<std::size_t>(std::clamp(std::ceil(1.0 / late_ratio - 1.0 - kRounding), 0.0, kMost));
 }
 
 std::optional<double> confidenceWithGuarantee(const std::vector<FailAwareEpisode>& before,
@@ -63,7 +65,7 @@ std::optional<double> confidenceWithGuarantee(const std::vector<FailAwareEpisode
       [&](double confidence) {
         const std::vector<LateRisk> risks = lateRiskByState(before, episodes_with(confidence));
         return std::all_of(risks.begin(), risks.end(),
-                           [&](const LateRisk& risk) { return risk.bound() <= late_ratio; });
+                           [&](const LateRisk& risk) { return risk.criterion() <= late_ratio; });
       },
       smallest, largest);
 }

@@ -5,7 +5,8 @@
 // or the value that all but a share of the episodes that never failed stay below: where eta says little of the error,
 // at least it does not cry wolf.
 // The predictor's confidence: the smallest at which at most `late_ratio` of the judged predictions of the covariance's
-// time come late. Predictions before a fault that was put into the drive do not count. 1 - confidence is that share where the covariance is true.
+// time come late. 1 - confidence is that share where the covariance is true. Predictions before a fault that was put
+// into the drive do not count.
 // Its alarm confidence: the largest at which the alarm is up at most `alarm_ratio` of the time of episodes that never
 // fail.
 #pragma once

@@ -39,7 +39,8 @@ struct FailAwareEpisode {
   /// What a planner could have acted on: t1 included, the failing sweep not.
   std::size_t sweepsBeforeFailure() const;
 
-  /// Whether a fault that was put into the drive begins after this sweep and before the failure. No prediction can know it.
+  /// Whether a fault that was put into the drive begins after this sweep and before the failure. No prediction can know
+  /// it.
   bool isBeforeAFault(std::size_t sweep) const;
 };
 

@@ -8,9 +8,9 @@
 // estimate.
 // Runs where the odometry is lost say nothing about either: leave them out.
 //
-// Not fitted: what only widens the error of the moment (DriftModel's transient_ratio, transient_rotation_ratio),
-// DriftModel's tilt, and the predictor's Student's t (degrees_of_freedom), which takes the fitted covariance as its
-// scale. They are chosen by hand, from coverage and missed failures of runs: doc/validation.md says which.
+// Not fitted: the jitter (DriftModel's transient_ratio, transient_rotation_ratio: measured on 79 drives, doc/parts.md),
+// DriftModel's map length and tilt, and the predictor's Student's t (degrees_of_freedom), which takes the fitted
+// covariance as its scale. These are chosen by hand, from coverage and missed failures of runs.
 #pragma once
 
 #include <vector>

@@ -52,20 +52,26 @@ std::vector<FailAwareEpisode> allEpisodes(const std::vector<FailAwareRun>& runs,
   return all;
 }
 
-/// Why the confidence is missing, or what it guarantees.
+/// What the confidence guarantees, or why it is missing.
 std::vector<std::string> confidenceNotes(double late_ratio, bool fitted, const std::vector<LateRisk>& risks) {
   std::vector<std::string> notes;
-  if (!fitted) {
-    notes.push_back(kConfidence + std::string(" left as it is: a guarantee needs ") +
-                    std::to_string(drivesToGuarantee(late_ratio)) +
-                    " runs that fail, for each state (a larger --late needs fewer), and times that become right with a "
-                    "larger confidence (calibrate_noise first)");
+  const std::size_t needed = drivesToGuarantee(late_ratio);
+  const bool too_few =
+      std::any_of(risks.begin(), risks.end(), [&](const LateRisk& risk) { return risk.drives < needed; });
+  const std::string left = kConfidence + std::string(" left as it is: ");
+  if (fitted) {
+    notes.push_back("on a further run that fails at most the ratio --late of the predictions is expected to be late");
+  } else if (too_few) {
+    notes.push_back(left + "the guarantee needs " + std::to_string(needed) +
+                    " runs that fail in each state; give more runs, or a larger --late");
+  } else {
+    notes.push_back(left + "too many runs are late whatever it is; calibrate_noise first, or give a larger --late");
   }
   for (const LateRisk& risk : risks) {
     std::ostringstream text;
-    text << std::fixed << std::setprecision(1) << "in " << toString(risk.state) << " " << 100.0 * risk.mean_loss
-         << " % of the predictions are late (" << risk.drives << " runs that fail), on a further run "
-         << 100.0 * risk.bound() << " % at most are expected to be";
+    text << std::fixed << std::setprecision(1) << toString(risk.state) << ": " << risk.drives << " runs that fail";
+    if (risk.drives > 0)
+      text << ", of whose predictions " << 100.0 * risk.mean_loss << " % are late (mean over the runs)";
     notes.push_back(text.str());
   }
   return notes;
@@ -101,7 +107,9 @@ int run(Options options) {
   const auto withConfidence = [&](double tried) {
     return replay([&](MonitorParameters& m) {
       m.predictor.confidence = tried;
-      m.predictor.alarm_confidence = std::min(m.predictor.alarm_confidence, tried);
+      // the alarm confidence is fitted after it: the smallest gives the longest times
+      const double alarm = options.guarantee ? kSmallestAlarmConfidence : m.predictor.alarm_confidence;
+      m.predictor.alarm_confidence = std::min(alarm, tried);
     });
   };
   std::optional<double> confidence;
@@ -114,9 +122,9 @@ int run(Options options) {
       notes.push_back(std::move(note));
     }
   } else {
-    confidence =
-        add(kConfidence, confidenceForLateRatio(withConfidence, options.late_ratio),
-            "no run fails (give some that do), or predictions are late whatever it is (calibrate_noise first)");
+    confidence = add(kConfidence, confidenceForLateRatio(withConfidence, options.late_ratio),
+                     "no run fails, or only after a fault (give some that do), or predictions are late whatever it is "
+                     "(calibrate_noise first)");
   }
   // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
   // than the one that the published time already bears.
@@ -181,8 +189,9 @@ int main(int argc, char** argv) {
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();
     app.add_flag("--guarantee", options.guarantee,
-                 "hold --late in expectation on a further drive of the same kind, in each state (conformal risk "
-                 "control); needs at least 1 / late - 1 runs that fail");
+                 "choose the confidence so that --late is expected to hold on a further run of the same kind that "
+                 "fails, in each state of the present parameters (conformal risk control); needs at least 1 / late - 1 "
+                 "runs that fail in each state");
     app.add_option("--alarm", options.alarm_ratio, "ratio of the time without a failure that the alarm may be up")
         ->check(realNumber(0.0, 1.0))
         ->capture_default_str();

@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
     CLI::App app(
         "Fits filter.increment_* and of monitor.drift registration_ratio, position_ and heading_per_root_metre, "
         "heading_bias and scale_bias to recorded runs with ground truth, by (Gaussian) maximum likelihood. The "
-        "part of the error that passes (transient_*), map_length_m, the tilt and the predictor's "
+        "jitter (transient_*), map_length_m, the tilt and the predictor's "
         "degrees_of_freedom stay as they are: choose them by the "
         "coverage that evaluate_fail_aware shows. Use runs on which the odometry was not lost, and judge the result on "
         "others: evaluate_fail_aware --parameters FILE shows the drift's effect at once; the increments' is seen after "

@@ -85,6 +85,21 @@ TEST(FailAwareCalibration, TheSmallestConfidenceThatIsSeldomLate) {
   EXPECT_FALSE(confidenceForLateRatio(episodes_with, 0.1, 0.5, 0.6));
 }
 
+TEST(FailAwareCalibration, PredictionsBeforeAFaultDoNotCount) {
+  const auto episodesWith = [](double fault_s) {
+    return [fault_s](double confidence) {  // right from 0.9 on
+      FailAwareEpisode episode = madeUpEpisode(std::string(200, 'o'), 30);
+      episode.sweeps.resize(11);
+      episode.fault_begins_s = {fault_s};
+      episode.sweeps[10].output.time_to_failure_covariance =
+          TimeToFailure::fromSeconds(20.0 * (1.0 - confidence), 60.0);
+      return std::vector<FailAwareEpisode>{episode};
+    };
+  };
+  EXPECT_NEAR(confidenceForLateRatio(episodesWith(0.5), 0.0).value(), 0.9, 0.003);
+  EXPECT_FALSE(confidenceForLateRatio(episodesWith(1.5), 0.0)) << "nothing else is judged";
+}
+
 TEST(FailAwareCalibration, AConfidenceNearOneIsFoundAsWell) {
   const auto episodes_with = [](double confidence) {  // right from 0.9999 on
     FailAwareEpisode episode = madeUpEpisode(std::string(200, 'o'), 30);

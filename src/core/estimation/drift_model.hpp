@@ -14,12 +14,13 @@
 //   - what a new map costs: it holds the points of one sweep, between whose beams the pose settles 1 to 4 cm off within
 //     the first 0.1 m of the way (five simulated standing starts), and tilted by 0.1 to 0.25 deg (moving starts)
 //
-// The jitter at t1 stays: a heading that is off by 0.01 deg there moves the position by 7 cm in 400 m. Over 0.5 s the poses
-// of 79 drives (town to open field, 64 beams) jitter by 0.7 of the registration's standard deviation in heading and by 0.5
-// of it in position, rms; single drives by 0.3 to 1.2.
+// The jitter at t1 stays: a heading that is off by 0.01 deg there moves the position by 7 cm in 400 m. Over 0.5 s the
+// poses of 79 drives (town to open field, 64 beams) jitter by 0.7 of the registration's standard deviation in heading
+// and by 0.5 of it in position, rms; single drives by 0.3 to 1.2. transient_ratio and transient_rotation_ratio are
+// these, squared.
 //
-// calibrate_noise fits registration_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias; the others
-// are chosen by hand.
+// calibrate_noise fits registration_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias; map
+// length, tilt, slow_mps and new_map_m are chosen by hand.
 //
 // Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
 #pragma once

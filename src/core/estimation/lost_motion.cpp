@@ -7,8 +7,8 @@ namespace {
 constexpr int kLongDeadReckoning = 10;  // sweeps; in a shorter time the speed hardly changes
 constexpr int kWatched = 50;            // sweeps after dead reckoning: false minima may fit well at first
 constexpr double kUsualRatio = 0.85;    // in town and country, before it is known from the drive
-// Of the usual ratio. With a speed that was nearly right it is above 0.9 within five sweeps after a tunnel or fog; in
-// false minima it is 0.4 to 0.7.
+// Of the usual ratio. With a speed that was nearly right it is above 0.9 within five sweeps after a tunnel, within
+// nine after fog or a covered sector; in false minima it is 0.4 to 0.7.
 constexpr double kLost = 0.65;
 
 }  // namespace

@@ -29,7 +29,8 @@ class LostMotion {
   void clear() { *this = LostMotion(believed_ratio_); }
 
  private:
-  /// sweeps. When a covered sector or fog clears, the map is empty where the lidar sees again, and fills within five.
+  /// sweeps; five or six of them must fit badly. When a covered sector or fog clears, the map is empty where the lidar
+  /// sees again, and some five sweeps fit badly, too.
   static constexpr std::size_t kRecent = 10;
 
   double believed_ratio_;

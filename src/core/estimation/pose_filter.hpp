@@ -117,7 +117,7 @@ class PoseFilter {
   bool started_ = false;
   int corrected_sweeps_ = 0;                    ///< since the start, or since the motion was lost
   int guessed_sweeps_ = 0;                      ///< likewise, at a speed that was not observed yet; kSpeedKnown: it was
-  int search_after_sweeps_ = kFirstRepetition;  ///< so many make the search for the first motion start again
+  int search_after_sweeps_ = kFirstRepetition;  ///< after so many the search for the first motion starts again
 };
 
 }  // namespace fail_aware

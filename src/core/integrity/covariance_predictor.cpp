@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/parameters/check.hpp"
 
@@ -70,8 +71,11 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     const double step_s = growing.begin(t, std::min(params_.step_s, params_.horizon_s - t));
     const GrowingCovariance::Matrix next = growing.after(step_s);
     const double most = exceedanceBound(horizontal(next), params_.alert_limit_m, params_.degrees_of_freedom);
+    std::optional<double> at_end;  // costly, and seldom needed
     for (Sought& sought : all) {
-      if (sought.found || most < sought.probability || failed(next) < sought.probability) continue;
+      if (sought.found || most < sought.probability) continue;
+      if (!at_end) at_end = failed(next);
+      if (*at_end < sought.probability) continue;
       double low = 0.0, high = step_s;
       for (int i = 0; i < kBisections; ++i) {
         const double middle = 0.5 * (low + high);
