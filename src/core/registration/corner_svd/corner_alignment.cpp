@@ -100,6 +100,8 @@ Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const
   }
   const RigidAlignment alignment = alignRigid(source, target, weights);
   if (!alignment.ok()) return measurement;
+  const bool mirrored = alignment.T_target_source.linear()(2, 2) < 0.0;  // turned over: in the plane a mirror image
+  if (mirrored) return measurement;
   Measurement aligned = measurement;
   aligned.status = MeasurementStatus::kOk;
   aligned.T_odom_cog = orthonormalized(alignment.T_target_source * T_odom_cog_predicted);

@@ -17,7 +17,7 @@
 //
 // Input: corners in the frame of the centre of gravity, reference corners and prediction in odom; m, rad.
 // Failure: kNoReference (no reference corner), kTooFewCorners (fewer than min_corners agree), kDegenerate (all within
-// min_baseline_m, or the prediction is not finite).
+// min_baseline_m; all nearly on one line, where their mirror image may fit best; or the prediction is not finite).
 // Cost: tens of microseconds.
 #pragma once
 

@@ -103,6 +103,13 @@ TEST(CornerAlignment, AtSpeedItTakesThePrediction) {
   EXPECT_TRUE(align(seenFrom(truth, town()), town(), pose(2.3, 0.1, 0.0, 0.0, 0.0, 0.02)).ok());
 }
 
+TEST(CornerAlignment, MirrorImageIsDegenerate) {
+  const std::vector<Corner> corners{cornerAt(12, 0, 0.05), cornerAt(20, 0, -0.05)};
+  const std::vector<Corner> mirrored{cornerAt(12, 0, -0.05), cornerAt(20, 0, 0.05)};
+  EXPECT_EQ(align(corners, mirrored, Pose::Identity()).status, MeasurementStatus::kDegenerate);
+  EXPECT_TRUE(align(corners, corners, Pose::Identity()).ok());
+}
+
 TEST(CornerAlignment, CornersThatStandTogetherAreDegenerate) {
   const std::vector<Corner> together{cornerAt(12, 6), cornerAt(13, 6.5)};
   EXPECT_EQ(align(together, together, Pose::Identity()).status, MeasurementStatus::kDegenerate);
