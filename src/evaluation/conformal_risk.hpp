@@ -9,8 +9,8 @@
 //   nothing else was fitted to the n,
 // - no fault begins between a prediction and the failure: predictions before a fault that was put into a drive do not
 //   count,
-// - at the largest confidence no drive is late more often than the ratio. A drive that is late whatever the confidence
-//   is (a wrong motion that nobody doubts) breaks the guarantee,
+// - at the largest confidence no drive is late more often than the ratio. A drive on which the odometry follows a wrong
+//   motion and reports no doubt is late with every confidence, so there the guarantee does not hold,
 // - no drive's loss rises with the confidence. A larger confidence gives shorter times, so it does not.
 // Each state has its own losses: a guarantee over all states could be bought with the seconds in FAILING. The groups
 // are the states that the monitor gave before the confidence was changed, so they do not depend on it.

@@ -123,8 +123,7 @@ TEST_F(Calibrate, GuaranteeSaysHowManyRunsItNeeds) {
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_NE(result_.err.find("the guarantee needs 3 runs that fail in each state"), std::string::npos) << result_.err;
   EXPECT_EQ(result_.out.find("  confidence"), std::string::npos) << result_.out;
-  run(CALIBRATE_FAIL_AWARE,
-      options("failing") + " --guarantee --late 1");  // always kept
+  run(CALIBRATE_FAIL_AWARE, options("failing") + " --guarantee --late 1");  // always kept
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(fittedProfile().monitor.predictor.confidence, 0.5);
   run(CALIBRATE_FAIL_AWARE, options("failing") + " --guarantee --late 0");
