@@ -9,7 +9,7 @@
 #include "core/initial_guess/relocalization.hpp"
 #include "core/map/reference_map.hpp"
 #include "core/preprocessing/registration_cloud.hpp"
-#include "core/registration/beam_range_bias.hpp"
+#include "core/registration/beam_bias_estimator.hpp"
 #include "core/registration/corner_svd/corner_alignment.hpp"
 #include "core/registration/corner_svd/corner_extraction.hpp"
 #include "core/registration/corner_svd/corner_reference.hpp"
@@ -33,7 +33,7 @@ struct RegistrationParameters {
   RoadProfileOdometry::Params road_profile;
   Relocalization::Params relocalization;
   DeskewRefinement::Params deskew_refinement;
-  BeamRangeBias::Params beam_range_bias;
+  BeamBiasEstimator::Params beam_bias;
   AboveGroundMatcher::Params above_ground;
   IcpPointToPoint::Params icp_point_to_point;
   IcpPointToPlane::Params icp_point_to_plane;
@@ -53,7 +53,7 @@ struct RegistrationParameters {
     v("road_profile", self.road_profile);
     v("relocalization", self.relocalization);
     v("deskew_refinement", self.deskew_refinement);
-    v("beam_range_bias", self.beam_range_bias);
+    v("beam_bias", self.beam_bias);
     v("above_ground", self.above_ground);
     v("icp_point_to_point", self.icp_point_to_point);
     v("icp_point_to_plane", self.icp_point_to_plane);
@@ -64,7 +64,7 @@ struct RegistrationParameters {
   void validate() const;
 
   RegistrationScanBuilder::Params scan() const {
-    return {cloud, beam_range_bias, icp_point_to_plane, deskew_refinement.enabled};
+    return {cloud, beam_bias, icp_point_to_plane, deskew_refinement.enabled};
   }
   InitialGuessResolver::Params initialGuess() const {
     return {initialization,     cloud.min_range_m, relocalization,

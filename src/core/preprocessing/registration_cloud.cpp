@@ -10,7 +10,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr float kMinCorrected_m = 1.0f;  // of the range; below it an offset would be a large part of the range
+constexpr float kMinCorrected_m = 1.0f;  // nearer points are moved by a large part of their range
 
 void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& times,
             const std::vector<std::uint32_t>& indices, std::vector<Eigen::Vector3f>& out_points,
@@ -22,13 +22,17 @@ void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>
   for (const std::uint32_t i : indices) out_times.push_back(times[i]);
 }
 
-void correctRanges(const std::vector<std::uint16_t>& rings, const std::vector<std::uint32_t>& indices,
-                   const std::vector<float>& too_far_m, std::vector<Eigen::Vector3f>& points_lidar) {
-  if (too_far_m.empty()) return;
+void correctBeams(const std::vector<std::uint16_t>& rings, const std::vector<std::uint32_t>& indices,
+                  const BeamBias& bias, std::vector<Eigen::Vector3f>& points_lidar) {
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const std::uint16_t ring = rings[indices[i]];
-    const float range_m = points_lidar[i].norm();
-    if (ring < too_far_m.size() && range_m > kMinCorrected_m) points_lidar[i] *= 1.0f - too_far_m[ring] / range_m;
+    Eigen::Vector3f& p = points_lidar[i];
+    const float range_m = p.norm(), distance_m = p.head<2>().norm();
+    if (ring < bias.too_far_m.size() && range_m > kMinCorrected_m) p *= 1.0f - bias.too_far_m[ring] / range_m;
+    if (ring < bias.too_high_rad.size() && distance_m > kMinCorrected_m) {
+      const float angle = bias.too_high_rad[ring], shift = 1.0f + angle * p.z() / distance_m;
+      p = Eigen::Vector3f(p.x() * shift, p.y() * shift, p.z() - angle * distance_m);
+    }
   }
 }
 
@@ -73,7 +77,7 @@ RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params,
 }
 
 void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
-                                     const std::vector<float>& too_far_m) {
+                                     const BeamBias& bias) {
   cloud.stamp_s = sweep.stamp_s;
   of_sweep_ = filter_.select(sweep.points_lidar, params_.map_voxel_m, params_.min_range_m, params_.max_range_m);
   gather(sweep.points_lidar, sweep.times_s, of_sweep_, cloud.map_points_cog, cloud.map_times_s);
@@ -83,7 +87,7 @@ void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_
   }
   cloud.middle_s = middleOf(cloud.map_times_s);
   const bool has_rings = sweep.rings.size() == sweep.points_lidar.size();
-  if (has_rings) correctRanges(sweep.rings, of_sweep_, too_far_m, cloud.map_points_cog);
+  if (has_rings) correctBeams(sweep.rings, of_sweep_, bias, cloud.map_points_cog);
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
   const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
   for (Eigen::Vector3f& p : cloud.map_points_cog) p = (R * p + t).eval();

@@ -16,6 +16,7 @@
 #include "core/geometry/pose.hpp"
 #include "core/preprocessing/timing.hpp"
 #include "core/preprocessing/voxel_filter.hpp"
+#include "core/types/beam_bias.hpp"
 #include "core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
@@ -63,10 +64,8 @@ class RegistrationCloudBuilder {
   explicit RegistrationCloudBuilder(const Params& params,
                                     const std::optional<SweepTimingParams>& compensated_head = std::nullopt);
 
-  /// `cloud` is reused: no allocation once its arrays have grown. too_far_m: correction subtracted from each range, by
-  /// ring (beam_range_bias.hpp).
-  void build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
-             const std::vector<float>& too_far_m = {});
+  /// `cloud` is reused: no allocation once its arrays have grown. bias: is taken out of the points of sweeps with rings.
+  void build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud, const BeamBias& bias = {});
 
   const Params& params() const { return params_; }
 

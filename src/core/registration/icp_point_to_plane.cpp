@@ -19,6 +19,7 @@ void IcpPointToPlane::Params::validate() const {
   requirePositive("point_sigma_m", point_sigma_m);
   requireNotNegative("scan_line_sigma_m", scan_line_sigma_m);
   requirePositive("ground_weight", ground_weight);
+  requirePositive("ground_share", ground_share);
   requireNotNegative("range_weight_m", range_weight_m);
   requireWithin("max_iterations", max_iterations, 1, 1000);
   requirePositive("step_translation_m", step_translation_m);

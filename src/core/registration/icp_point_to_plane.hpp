@@ -8,7 +8,8 @@
 //
 // A head whose beams are off by an elevation error e sees flat ground as a cone of slope e; matched at distance d that
 // turns into a false pitch of about 2 e / d a metre driven, the same way on every metre. So ground counts less than
-// walls (`ground_weight`), and what is far counts more (`range_weight_m`): the lever is longer.
+// walls (`ground_weight`), and what is far counts more (`range_weight_m`): the lever is longer. What the beams' errors
+// differ by is corrected (beam_bias_estimator.hpp).
 //
 // Where the lidar is sparse, a voxel holds one scan line or two. Range noise makes a patch of a single line, too: that of
 // the rays, which leans against the ground by the beam's elevation and is nearly level on a wall. A vehicle that drives on
@@ -46,7 +47,10 @@ class IcpPointToPlane {
     double point_sigma_m = 0.03;
     /// common to the points of one scan line: the beam's errors, the pose's; see above
     double scan_line_sigma_m = 0.04;
-    double ground_weight = 0.1;    ///< of ground-like patches against the others, see above
+    double ground_weight = 0.3;  ///< of ground-like patches against the others, see above
+    /// Likewise in the ratios of information (min_information_ratio): ground is always in view and must not hide that
+    /// little else is. The thresholds of these ratios are found with this value.
+    double ground_share = 0.1;
     double range_weight_m = 20.0;  ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;
     /// converged below this step and step_rotation_deg: well below the accuracy

@@ -9,6 +9,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parallel.hpp"
 #include "core/parameters/check.hpp"
+#include "core/robust_kernel.hpp"
 
 namespace fail_aware {
 

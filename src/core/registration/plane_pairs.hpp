@@ -56,13 +56,14 @@ struct PlanePair {
   double residual_m = 0.0;
   double kernel_weight = 0.0, kernel_curvature = 0.0;
   double weight = 0.0;  ///< kernel weight over the variance
+  double share = 0.0;   ///< the weight as it counts in ratios of information: ground by `ground_share`
 
   void addTo(NormalEquations& equations) const {
     equations.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
     equations.b -= weight * residual_m * J;
-    equations.weight += weight;
+    equations.weight += share;
     equations.weight_unscaled += kernel_weight;
-    equations.curvature += weight * kernel_curvature;
+    equations.curvature += share * kernel_curvature;
     equations.squared_error += kernel_weight * residual_m * residual_m;
     ++equations.inliers;
   }
@@ -111,8 +112,12 @@ class PlanePairs {
       pair.kernel_weight = gemanMcClureWeight(r * r, kernel2);
       pair.kernel_curvature = gemanMcClureCurvature(r * r, r * r, kernel2);
       pair.weight = pair.kernel_weight / (point_variance + match.variance + tiltVariance(match));
-      if (filter_.isGround(match.normal)) pair.weight *= params_.ground_weight;
       if (params_.range_weight_m > 0.0) pair.weight *= static_cast<double>(q.norm()) / params_.range_weight_m;
+      pair.share = pair.weight;
+      if (filter_.isGround(match.normal)) {
+        pair.weight *= params_.ground_weight;
+        pair.share *= params_.ground_share;
+      }
       take(pair, i);
     }
   }

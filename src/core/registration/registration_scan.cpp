@@ -22,11 +22,11 @@ void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s)
 
 RegistrationScanBuilder::RegistrationScanBuilder(const Params& params, const SweepTimingParams& timing)
     : builder_(params.cloud, compensatedHead(params, timing)),
-      beam_range_bias_(params.beam_range_bias, params.icp_point_to_plane) {}
+      beam_bias_estimator_(params.beam_bias, params.icp_point_to_plane) {}
 
 void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                     const Pose& T_cog_lidar, RegistrationScan& scan) {
-  builder_.build(sweep, T_cog_lidar, scan.cloud, beam_range_bias_.offsets_m());
+  builder_.build(sweep, T_cog_lidar, scan.cloud, beam_bias_estimator_.bias());
   scan.T_cog_lidar = T_cog_lidar;
   scan.twist_cog.setZero();
   if (prediction.dt_s > 0.0) {
@@ -36,8 +36,7 @@ void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPred
 }
 
 void RegistrationScanBuilder::observeBeams(const RegistrationScan& scan, const VoxelMap& map, const Pose& T_odom_cog) {
-  beam_range_bias_.observe(scan.cloud.plane_points_cog, scan.cloud.plane_rings, scan.T_cog_lidar.translation(), map,
-                           T_odom_cog);
+  beam_bias_estimator_.observe(scan.cloud.plane_points_cog, scan.cloud.plane_rings, scan.T_cog_lidar, map, T_odom_cog);
 }
 
 }  // namespace fail_aware

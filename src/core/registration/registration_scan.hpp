@@ -1,13 +1,13 @@
 // A sweep as the two ICPs register it: its thinned clouds, and the motion that they are deskewed for.
 //
-// The builder corrects the ranges by the estimated beam range bias (beam_range_bias.hpp). The deskew motion of a
+// The builder corrects the points by the estimated errors of the beams (beam_bias_estimator.hpp). The deskew motion of a
 // compensated sweep (sensor.timing.source none) is unknown.
 // Frames: the centre of gravity's.
-// Failure: `usable` is false. Cost: that of registration_cloud.hpp and beam_range_bias.hpp.
+// Failure: `usable` is false. Cost: that of registration_cloud.hpp and beam_bias_estimator.hpp.
 #pragma once
 
 #include "core/preprocessing/registration_cloud.hpp"
-#include "core/registration/beam_range_bias.hpp"
+#include "core/registration/beam_bias_estimator.hpp"
 #include "core/types/corrected_sweep.hpp"
 #include "core/types/sweep_prediction.hpp"
 
@@ -28,8 +28,8 @@ class RegistrationScanBuilder {
  public:
   struct Params {
     RegistrationCloudBuilder::Params cloud;
-    BeamRangeBias::Params beam_range_bias;
-    IcpPointToPlane::Params icp_point_to_plane;  ///< pairs of the beam range bias
+    BeamBiasEstimator::Params beam_bias;
+    IcpPointToPlane::Params icp_point_to_plane;  ///< pairs of the beams' errors
     bool times_compensated_sweeps = true;        ///< by the azimuth: the deskew refinement asks for the times
   };
 
@@ -40,14 +40,14 @@ class RegistrationScanBuilder {
   void build(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
              RegistrationScan& scan);
 
-  /// Updates the beam range bias from a scan at its estimate, before the scan is inserted.
+  /// Updates the errors of the beams from a scan at its estimate, before the scan is inserted.
   void observeBeams(const RegistrationScan& scan, const VoxelMap& map, const Pose& T_odom_cog);
 
-  void reset() { beam_range_bias_.reset(); }
+  void reset() { beam_bias_estimator_.reset(); }
 
  private:
   RegistrationCloudBuilder builder_;
-  BeamRangeBias beam_range_bias_;
+  BeamBiasEstimator beam_bias_estimator_;
 };
 
 }  // namespace fail_aware
