@@ -24,6 +24,7 @@ void gather(const std::vector<Eigen::Vector3f>& points, const std::vector<float>
 
 void correctBeams(const std::vector<std::uint16_t>& rings, const std::vector<std::uint32_t>& indices,
                   const BeamBias& bias, std::vector<Eigen::Vector3f>& points_lidar) {
+  if (bias.too_far_m.empty() && bias.too_high_rad.empty()) return;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const std::uint16_t ring = rings[indices[i]];
     Eigen::Vector3f& p = points_lidar[i];

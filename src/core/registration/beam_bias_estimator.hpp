@@ -11,8 +11,8 @@
 // part is not sought. Of the elevations all that varies smoothly with the distance on the ground is not sought: a common
 // error, a false height of the lidar, a bend of the road; vertical_reference.hpp finds these from what stands upright.
 //
-// Beams are told by the sweep's rings; without them nothing is known, and nothing corrected. Both errors are taken from
-// the points as seen from the head's place at the stamp, some degrees from where it was when the beam was sent.
+// A sweep without rings is not corrected: its beams cannot be told apart. The corrections use the head's pose at the
+// stamp, which differs by some degrees from its pose when the beam was sent.
 // Cost: one nearest plane a point, 0.5 ms a sweep.
 #pragma once
 

@@ -199,7 +199,7 @@ TEST(BeamBiasEstimator, NumbersThatAreNoBeamsAreLeftOut) {
   RegistrationCloudBuilder(cloudParams()).build(sweep, Pose::Identity(), cloud);
   beams.observe(cloud.plane_points_cog, cloud.plane_rings, Pose::Identity(), roomMap(), lidarPose());
   EXPECT_EQ(beams.bias().too_far_m.size(), static_cast<std::size_t>(kBeams));
-  EXPECT_EQ(beams.bias().too_far_m[3], 0.0f) << "nobody saw it";
+  EXPECT_EQ(beams.bias().too_far_m[3], 0.0f) << "no point of this beam was valid";
 }
 
 TEST(BeamBiasEstimator, UnseenBeamIsAsUncertainAsNew) {
