@@ -10,7 +10,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kMaxWrongSpeed_mps = 1.0;  // 0.1 m per sweep
+// Larger differences between the road's speed and the filter's are not scatter: 0.1 m a sweep.
+constexpr double kMaxDifference_mps = 1.0;
 
 /// Bit k: eighth k of the azimuth holds points.
 std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
@@ -41,10 +42,13 @@ RoadSpeedAid::Result RoadSpeedAid::find(const CorrectedSweep& sweep, const Regis
   odometry_.add(sweep, scan.T_cog_lidar, scan.twist_cog, rpyFromRotation(prediction.T_odom_cog.linear()).z());
   const bool known_before = odometry_.hasSpeed();
   const double assumed_mps = scan.twist_cog[0];
-  result.speed =
-      track.speedWasObserved() ? odometry_.findSpeed(assumed_mps, track.speedSigma_mps()) : odometry_.findSpeed();
-  result.map_is_wrong =
-      result.speed && !known_before && std::abs(result.speed->speed_mps - assumed_mps) > kMaxWrongSpeed_mps;
+  if (!prediction.motionKnown()) has_agreed_ = false;
+  const bool is_expected = track.speedWasObserved() || has_agreed_;
+  result.speed = is_expected ? odometry_.findSpeed(assumed_mps, track.speedSigma_mps()) : odometry_.findSpeed();
+  if (!result.speed) return result;
+  const bool agrees = std::abs(result.speed->speed_mps - assumed_mps) <= kMaxDifference_mps;
+  has_agreed_ = has_agreed_ || agrees;
+  result.map_is_wrong = !is_expected && !known_before && !agrees;
   return result;
 }
 

@@ -3,8 +3,11 @@
 // paper.
 //
 // Input: every sweep, deskewed for the prediction. The first speed may show that the sweeps in the map were inserted at
-// a wrong speed. It shares the points and the predicted deskew with every other source, but not the map: heights of the
-// last sweeps are compared, by the headings of the estimates.
+// a wrong speed. Once the filter knows the speed (registration observed it, or it agreed with the road's), the road's
+// must stay near it: on a field what travels with the sensor fits at standstill, and the search drifts there. From then
+// on the map is not wrong either.
+// It shares the points and the predicted deskew with every other source, but not the map: heights of the last sweeps are
+// compared, by the headings of the estimates.
 // Cost: a few ms, only during dead reckoning.
 #pragma once
 
@@ -35,10 +38,14 @@ class RoadSpeedAid {
   void setYaw(double yaw_rad) { odometry_.setYaw(yaw_rad); }
 
   /// Forgets the sweeps: after a reset of odom, or where the stamps, which it relies on, are wrong.
-  void clear() { odometry_.clear(); }
+  void clear() {
+    odometry_.clear();
+    has_agreed_ = false;
+  }
 
  private:
   RoadProfileOdometry odometry_;
+  bool has_agreed_ = false;      ///< with the filter's speed, since it is known
   std::bitset<8> eighths_seen_;  ///< eighths of the azimuth with points in the last sweep
 };
 

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "../../support/synthetic_tunnel.hpp"
 
 namespace fail_aware {
@@ -9,26 +12,52 @@ namespace {
 
 using synthetic::Tunnel;
 
-/// 21 sweeps of an uneven road at 13 m/s, deskewed for standstill; what the last one tells.
-RoadSpeedAid::Result drivenThroughTunnel(const EstimateTrack& track) {
+/// What one sweep at base_link's position x_m tells, deskewed for `assumed_mps`.
+RoadSpeedAid::Result add(RoadSpeedAid& aid, int k, double x_m, double speed_mps, double assumed_mps,
+                         const EstimateTrack& track, SweepPrediction prediction = {}) {
   Tunnel tunnel;
   tunnel.profile_m = 0.006;
+  const double time_s = 0.1 * k;
+  const Sweep seen = tunnel.scan(x_m - speed_mps * time_s, speed_mps, time_s, static_cast<std::uint32_t>(k));
+  CorrectedSweep sweep;
+  sweep.stamp_s = seen.stamp_s;
+  sweep.points_lidar = seen.points_lidar;
+  for (const float since_start_s : seen.times_s) sweep.times_s.push_back(since_start_s - 0.05f);
+  RegistrationScan scan;
+  scan.cloud.map_points_cog = sweep.points_lidar;
+  scan.T_cog_lidar.translation() = Eigen::Vector3d(-0.6, 0.0, 1.2);
+  scan.twist_cog[0] = assumed_mps;
+  scan.usable = true;
+  return aid.find(sweep, scan, prediction, track);
+}
+
+/// 21 sweeps of an uneven road at 13 m/s, deskewed for standstill; what the last one tells.
+RoadSpeedAid::Result drivenThroughTunnel(const EstimateTrack& track) {
   RoadSpeedAid aid{RoadProfileOdometry::Params()};
   RoadSpeedAid::Result result;
   for (int k = 0; k <= 20; ++k) {
-    const Sweep seen = tunnel.scan(100.0, 13.0, 0.1 * k, static_cast<std::uint32_t>(k));
-    CorrectedSweep sweep;
-    sweep.stamp_s = seen.stamp_s;
-    sweep.points_lidar = seen.points_lidar;
-    for (const float time_s : seen.times_s) sweep.times_s.push_back(time_s - 0.05f);
-    RegistrationScan scan;
-    scan.cloud.map_points_cog = sweep.points_lidar;
-    scan.T_cog_lidar.translation() = Eigen::Vector3d(-0.6, 0.0, 1.2);
-    scan.usable = true;
-    result = aid.find(sweep, scan, SweepPrediction(), track);
+    result = add(aid, k, 100.0 + 1.3 * k, 13.0, 0.0, track);
     if (result.map_is_wrong) return result;
   }
   return result;
+}
+
+/// Drives 2 s at 13 m/s, which the filter assumes throughout, then brakes with 3 m/s^2 for 2 s. How many of the last
+/// second's sweeps tell a speed, and the least of them.
+std::pair<int, double> brakesUnnoticed(MotionStatus status) {
+  RoadSpeedAid aid{RoadProfileOdometry::Params()};
+  SweepPrediction prediction;
+  prediction.motion_status = status;
+  std::pair<int, double> found{0, 100.0};
+  double x_m = 100.0, speed_mps = 13.0;
+  for (int k = 0; k <= 40; ++k) {
+    if (k > 20) speed_mps -= 0.3;
+    x_m += 0.1 * speed_mps;
+    const RoadSpeedAid::Result result = add(aid, k, x_m, speed_mps, 13.0, EstimateTrack(), prediction);
+    if (k <= 30 || !result.speed) continue;
+    found = {found.first + 1, std::min(found.second, result.speed->speed_mps)};
+  }
+  return found;
 }
 
 TEST(RoadSpeedAid, TheFirstSpeedContradictsAMapMadeAtStandstill) {
@@ -44,6 +73,18 @@ TEST(RoadSpeedAid, WhereTheSpeedIsObservedNothingIsLookedFor) {
   observed.measurement_applied = true;
   track.add(observed);
   EXPECT_FALSE(drivenThroughTunnel(track).speed);
+}
+
+TEST(RoadSpeedAid, ASpeedThatAgreedOnceStaysNearTheFilters) {
+  const auto [found, least_mps] = brakesUnnoticed(MotionStatus::kDeadReckoning);
+  EXPECT_LT(found, 10);
+  if (found > 0) EXPECT_GT(least_mps, 11.0);
+}
+
+TEST(RoadSpeedAid, WhileTheMotionIsUnknownTheRoadDecides) {
+  const auto [found, least_mps] = brakesUnnoticed(MotionStatus::kUnknown);
+  EXPECT_EQ(found, 10);
+  EXPECT_NEAR(least_mps, 7.0, 0.6);
 }
 
 TEST(RoadSpeedAid, TheDistanceComesFromTheSpeed) {
