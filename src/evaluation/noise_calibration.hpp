@@ -8,9 +8,10 @@
 // estimate.
 // Runs where the odometry is lost say nothing about either: leave them out.
 //
-// Not fitted: the jitter (DriftModel's transient_ratio, transient_rotation_ratio: measured on 79 drives, doc/parts_time_to_failure.md),
-// DriftModel's map length and tilt, and the predictor's Student's t (degrees_of_freedom), which takes the fitted
-// covariance as its scale. These are chosen by hand, from coverage and missed failures of runs.
+// Not fitted: the jitter (DriftModel's transient_ratio, transient_rotation_ratio: measured on 79 drives,
+// doc/parts_time_to_failure.md), DriftModel's map length and tilt, and the predictor's Student's t
+// (degrees_of_freedom), which takes the fitted covariance as its scale. These are chosen by hand, from coverage and
+// missed failures of runs.
 #pragma once
 
 #include <vector>

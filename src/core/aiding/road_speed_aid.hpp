@@ -45,7 +45,7 @@ class RoadSpeedAid {
 
  private:
   RoadProfileOdometry odometry_;
-  bool has_agreed_ = false;      ///< with the filter's speed, since it is known
+  bool has_agreed_ = false;      ///< the road's speed with the filter's, since the motion is known
   std::bitset<8> eighths_seen_;  ///< eighths of the azimuth with points in the last sweep
 };
 

@@ -79,13 +79,11 @@ void BeamBiasEstimator::observe(const std::vector<Eigen::Vector3f>& points_cog, 
   });
   ranges_m_.update(walls, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(walls.size())));
   elevations_rad_.update(ground, smoothInDistance(ground));
-  bias_ = {ranges_m_.values(), elevations_rad_.values()};
 }
 
 void BeamBiasEstimator::reset() {
   ranges_m_.reset();
   elevations_rad_.reset();
-  bias_ = {};
 }
 
 }  // namespace fail_aware

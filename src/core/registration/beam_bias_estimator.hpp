@@ -50,7 +50,7 @@ class BeamBiasEstimator {
   /// `planes`: which pairs of point and plane, as there. Throws ParameterError.
   BeamBiasEstimator(const Params& params, const IcpPointToPlane::Params& planes);
 
-  const BeamBias& bias() const { return bias_; }
+  BeamBias bias() const { return {ranges_m_.values(), elevations_rad_.values()}; }
 
   /// A sweep, corrected by bias(), at its estimate, before it joins the map. rings: one a point; from 256 on they are no
   /// beams.
@@ -63,7 +63,6 @@ class BeamBiasEstimator {
   Params params_;
   IcpPointToPlane::Params planes_;
   BeamOffsets ranges_m_, elevations_rad_;
-  BeamBias bias_;
 };
 
 }  // namespace fail_aware

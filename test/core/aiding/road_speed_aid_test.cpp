@@ -14,7 +14,7 @@ using synthetic::Tunnel;
 
 /// What one sweep at base_link's position x_m tells, deskewed for `assumed_mps`.
 RoadSpeedAid::Result add(RoadSpeedAid& aid, int k, double x_m, double speed_mps, double assumed_mps,
-                         const EstimateTrack& track, SweepPrediction prediction = {}) {
+                         const EstimateTrack& track, const SweepPrediction& prediction = {}) {
   Tunnel tunnel;
   tunnel.profile_m = 0.006;
   const double time_s = 0.1 * k;
@@ -78,7 +78,7 @@ TEST(RoadSpeedAid, WhereTheSpeedIsObservedNothingIsLookedFor) {
 TEST(RoadSpeedAid, ASpeedThatAgreedOnceStaysNearTheFilters) {
   const auto [found, least_mps] = brakesUnnoticed(MotionStatus::kDeadReckoning);
   EXPECT_LT(found, 10);
-  if (found > 0) EXPECT_GT(least_mps, 11.0);
+  EXPECT_GT(least_mps, 11.0);  // 100 if none tells one
 }
 
 TEST(RoadSpeedAid, WhileTheMotionIsUnknownTheRoadDecides) {
