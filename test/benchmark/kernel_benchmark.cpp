@@ -15,7 +15,7 @@
 #include "core/registration/icp_point_to_plane.hpp"
 #include "core/registration/icp_point_to_point.hpp"
 
-namespace fail_aware {
+namespace fail_aware::kernel_benchmark {
 namespace {
 
 constexpr int kSweepsInMap = 10;
@@ -165,6 +165,6 @@ void ukfStep(benchmark::State& state) {
 BENCHMARK(ukfStep)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::kernel_benchmark
 
 BENCHMARK_MAIN();

@@ -9,7 +9,7 @@
 
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::bag_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,4 +41,4 @@ TEST(BagFile, WritesLatchedAndPlainMessages) {
 TEST(BagFile, PlaceThatCannotBeWrittenIsRefused) { EXPECT_THROW(BagFile("/no/such/folder/x.bag"), InputError); }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::bag_file_test

@@ -15,7 +15,7 @@
 #include "core/io/input_error.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::bag_sweep_source_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -324,4 +324,4 @@ TEST_F(BagSweepSourceTest, RefusesARecordingThatWasCutOff) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::bag_sweep_source_test

@@ -13,7 +13,7 @@
 #include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::driver_layouts {
 namespace {
 
 using sensor_msgs::PointField;
@@ -326,4 +326,4 @@ INSTANTIATE_TEST_SUITE_P(Drivers, DriverLayout, testing::ValuesIn(kDrivers),
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::driver_layouts

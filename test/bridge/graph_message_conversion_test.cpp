@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace fail_aware {
+namespace fail_aware::graph_message_conversion_test {
 namespace {
 
 Pose somePose(double x) { return poseFromVector((Vector6d() << x, -2.0, 0.5, 0.02, -0.03, 2.5).finished()); }
@@ -299,4 +299,4 @@ TEST(GraphMessages, TimesToFailureAreNeverMistaken) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::graph_message_conversion_test

@@ -14,7 +14,7 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::kitti_bag_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -158,4 +158,4 @@ TEST(KittiBagWriter, SaysWhatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::kitti_bag_writer_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace fail_aware {
+namespace fail_aware::marker_conversion_test {
 namespace {
 
 using visualization_msgs::Marker;
@@ -253,4 +253,4 @@ TEST(TimeToFailureMarker, WithoutAPlaceItIsDeleted) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::marker_conversion_test

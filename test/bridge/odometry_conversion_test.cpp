@@ -6,7 +6,7 @@
 
 #include "core/geometry/symmetric_eigen.hpp"
 
-namespace fail_aware {
+namespace fail_aware::odometry_conversion_test {
 namespace {
 
 TEST(OdometryMessage, IsThatOfTheBaseWithTwistInIt) {
@@ -65,4 +65,4 @@ TEST(OdometryMessage, ATwistThatIsNotFiniteIsUnknown) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::odometry_conversion_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::parameter_server_test {
 namespace {
 
 XmlRpc::XmlRpcValue vehicleAsLoaded() {
@@ -48,4 +48,4 @@ TEST(ParameterServer, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::parameter_server_test

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::point_cloud_conversion_test {
 namespace {
 
 using sensor_msgs::PointField;
@@ -321,4 +321,4 @@ TEST(WritePoints, ExactAtTheCoordinatesOfAMap) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::point_cloud_conversion_test

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace fail_aware {
+namespace fail_aware::pose_conversion_test {
 namespace {
 
 TEST(PoseMessage, ThereAndBack) {
@@ -29,4 +29,4 @@ TEST(CovarianceMessage, IsRowMajor) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::pose_conversion_test

@@ -10,7 +10,7 @@
 #include "bridge/bag_sweep_source.hpp"
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::velodyne_bag_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ TEST_F(VelodyneBagWriterTest, PlaceThatCannotBeWrittenIsRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::velodyne_bag_writer_test

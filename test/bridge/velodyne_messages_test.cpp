@@ -9,7 +9,7 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::velodyne_messages_test {
 namespace {
 
 Sweep driverSweep() {
@@ -79,4 +79,4 @@ TEST(VelodyneMessages, PlaceAndTruth) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::velodyne_messages_test

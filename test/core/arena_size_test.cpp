@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace fail_aware {
+namespace fail_aware::arena_size_test {
 namespace {
 
 TEST(ArenaSize, IsAsAskedForUpToWhatTheMachineRuns) {
@@ -14,4 +14,4 @@ TEST(ArenaSize, IsAsAskedForUpToWhatTheMachineRuns) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::arena_size_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::estimator_test {
 namespace {
 
 /// A car that is measured well at each sweep, straight on at 10 m/s.
@@ -105,4 +105,4 @@ TEST_F(EstimatorTest, ExternalPosesJoinTheFusion) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::estimator_test

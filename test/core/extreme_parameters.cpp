@@ -17,7 +17,7 @@
 #include "core/parameters/parameter_map.hpp"
 #include "parameters/error_of.hpp"
 
-namespace fail_aware {
+namespace fail_aware::extreme_parameters {
 namespace {
 
 std::vector<Sweep> shortDrive() {
@@ -124,4 +124,4 @@ TEST(ExtremeParameters, EveryDriveEndsAndIsFinite) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::extreme_parameters

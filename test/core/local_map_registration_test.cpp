@@ -12,7 +12,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/preprocessing/correction.hpp"
 
-namespace fail_aware {
+namespace fail_aware::local_map_registration_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -629,4 +629,4 @@ TEST(LocalMapRegistration, AnotherOdomRestartsTheMap) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::local_map_registration_test

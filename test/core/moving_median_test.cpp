@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::moving_median_test {
 namespace {
 
 TEST(MovingMedian, IsTheMiddleOneOfTheLastValues) {
@@ -26,4 +26,4 @@ TEST(MovingMedian, IsTheMiddleOneOfTheLastValues) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::moving_median_test

@@ -15,7 +15,7 @@
 #include "core/parameters/check.hpp"
 #include "simulation/random.hpp"
 
-namespace fail_aware {
+namespace fail_aware::odometry_pipeline_test {
 namespace {
 
 using synthetic::streetParameters;
@@ -560,4 +560,4 @@ TEST(OdometryPipeline, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::odometry_pipeline_test

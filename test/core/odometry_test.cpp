@@ -14,7 +14,7 @@
 #include "core/odometry_pipeline.hpp"
 #include "core/parameters/parameter_map.hpp"
 
-namespace fail_aware {
+namespace fail_aware::odometry_test {
 namespace {
 
 std::vector<Sweep> scanStreet(int sweeps) {
@@ -92,4 +92,4 @@ TEST(Odometry, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::odometry_test

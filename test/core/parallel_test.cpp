@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::parallel_test {
 namespace {
 
 TEST(Parallel, TwoPiecesOfWorkAreBothDone) {
@@ -50,4 +50,4 @@ TEST(Parallel, WhatIsThrownInATaskComesOut) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::parallel_test

@@ -13,7 +13,7 @@
 #include "core/parameters/parameter_map.hpp"
 #include "parameters/error_of.hpp"
 
-namespace fail_aware {
+namespace fail_aware::pipeline_parameters_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -162,4 +162,4 @@ TEST(PipelineParameters, PlacesInTheBaseFrame) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::pipeline_parameters_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::robust_kernel_test {
 namespace {
 
 TEST(RobustKernel, CurvatureIsTheDerivativeOfTheWeightedResidual) {
@@ -25,4 +25,4 @@ TEST(RobustKernel, ResidualsOnTheFlanksInflate) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::robust_kernel_test

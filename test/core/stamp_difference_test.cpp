@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::stamp_difference_test {
 namespace {
 
 TEST(StampDifference, IsTheSameWhateverTheClocksZero) {
@@ -24,4 +24,4 @@ TEST(StampDifference, HasASign) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::stamp_difference_test

@@ -8,7 +8,7 @@
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/odometry_pipeline.hpp"
 
-namespace fail_aware {
+namespace fail_aware::tunnel_drive {
 namespace {
 
 using synthetic::Tunnel;
@@ -103,4 +103,4 @@ TEST(Tunnel, BegunInsideTheReliefOfTheRoadTellsTheSpeed) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::tunnel_drive

@@ -7,7 +7,7 @@
 #include "core/io/input_error.hpp"
 #include "trajectory_poses.hpp"
 
-namespace fail_aware {
+namespace fail_aware::absolute_trajectory_error_test {
 namespace {
 
 std::vector<Pose> curve() {
@@ -82,4 +82,4 @@ TEST(AbsoluteTrajectoryError, UnequalCountsAreRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::absolute_trajectory_error_test

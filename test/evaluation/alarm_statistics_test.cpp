@@ -4,7 +4,7 @@
 
 #include "made_up_episode.hpp"
 
-namespace fail_aware {
+namespace fail_aware::alarm_statistics_test {
 namespace {
 
 TEST(AlarmStatistics, AlarmsAreFailingAndFailed) {
@@ -86,4 +86,4 @@ TEST(AlarmStatistics, WithoutEpisodesAllIsZero) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::alarm_statistics_test

@@ -9,7 +9,7 @@
 #include "core/io/input_error.hpp"
 #include "trajectory_poses.hpp"
 
-namespace fail_aware {
+namespace fail_aware::azimuth_calibration_test {
 namespace {
 
 constexpr double kAhead_m = 0.8;
@@ -161,4 +161,4 @@ TEST(AzimuthCalibration, StandingTellsNothing) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::azimuth_calibration_test

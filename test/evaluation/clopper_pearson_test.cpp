@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::clopper_pearson_test {
 namespace {
 
 void expectInterval(std::size_t part, std::size_t whole, double low, double high, double level = 0.95) {
@@ -41,4 +41,4 @@ TEST(ClopperPearson, ManyTrialsAreNearTheNormalInterval) {
 TEST(ClopperPearson, NoTrialsNoInterval) { EXPECT_FALSE(clopperPearson(0, 0)); }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::clopper_pearson_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::concordance_test {
 namespace {
 
 using Predicted = std::vector<std::optional<double>>;
@@ -89,4 +89,4 @@ TEST(Concordance, OneGroupHasNoSpread) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::concordance_test

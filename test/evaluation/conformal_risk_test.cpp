@@ -10,7 +10,7 @@
 
 #include "made_up_episode.hpp"
 
-namespace fail_aware {
+namespace fail_aware::conformal_risk_test {
 namespace {
 
 /// Judged 1 s after t1 only, in the given state, `remaining_s` before the failure; the time that a confidence gives is
@@ -120,4 +120,4 @@ TEST(ConformalRisk, HoldsOnFurtherDrivesWhereTheRatioDoesNot) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::conformal_risk_test

@@ -8,7 +8,7 @@
 
 #include "core/geometry/rotation.hpp"
 
-namespace fail_aware {
+namespace fail_aware::consistency_test {
 namespace {
 
 TEST(Consistency, NormalisedErrorByHand) {
@@ -73,4 +73,4 @@ TEST(Consistency, TheErrorOfAMotionIsAboutTheAxesOfItsBegin) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::consistency_test

@@ -6,7 +6,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::drift_by_axis_test {
 namespace {
 
 constexpr double kHeading = 0.7;  // rad: of the whole drive, in the trajectories' frame
@@ -66,4 +66,4 @@ TEST(DriftByAxis, TooShortIsNoSegment) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::drift_by_axis_test

@@ -7,7 +7,7 @@
 
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::elevation_calibration_test {
 namespace {
 
 TEST(ElevationCalibration, ASingleDriveIsTakenAsItIs) {
@@ -47,4 +47,4 @@ TEST(ElevationCalibration, WhatIsNoNumberIsRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::elevation_calibration_test

@@ -9,7 +9,7 @@
 #include "core/integrity/covariance_predictor.hpp"
 #include "made_up_episode.hpp"
 
-namespace fail_aware {
+namespace fail_aware::fail_aware_calibration_test {
 namespace {
 
 /// Eta grows by 1e-5 a sweep.
@@ -113,4 +113,4 @@ TEST(FailAwareCalibration, AConfidenceNearOneIsFoundAsWell) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::fail_aware_calibration_test

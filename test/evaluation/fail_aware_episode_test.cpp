@@ -6,7 +6,7 @@
 #include "core/integrity/monitor_replay.hpp"
 #include "made_up_episode.hpp"
 
-namespace fail_aware {
+namespace fail_aware::fail_aware_episode_test {
 namespace {
 
 /// 1 m a sweep along y of the truth's frame; the estimate drifts to its left by `drift_m` a sweep.
@@ -95,4 +95,4 @@ TEST(FailAwareEpisode, JudgedEverySecondBeforeFailure) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::fail_aware_episode_test

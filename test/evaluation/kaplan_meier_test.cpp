@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::kaplan_meier_test {
 namespace {
 
 TEST(KaplanMeier, WithoutCensoringItIsTheOrdinaryQuantile) {
@@ -29,4 +29,4 @@ TEST(KaplanMeier, CensoredWhereAnotherFailedWasAtRiskThere) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::kaplan_meier_test

@@ -11,7 +11,7 @@
 #include "core/io/input_error.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::kitti_metric_test {
 namespace {
 
 // A hair over 1 m, so that 100 steps exceed 100 m and the segment is as long as its name says.
@@ -169,4 +169,4 @@ TEST(KittiMetric, BadParametersAreRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::kitti_metric_test

@@ -8,7 +8,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::noise_calibration_test {
 namespace {
 
 TEST(NoiseCalibration, FindsTheIncrementsNoiseThatWasPutIn) {
@@ -135,4 +135,4 @@ TEST(NoiseCalibration, WithoutABiasItFindsNone) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::noise_calibration_test

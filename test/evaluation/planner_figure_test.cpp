@@ -4,7 +4,7 @@
 
 #include "made_up_episode.hpp"
 
-namespace fail_aware {
+namespace fail_aware::planner_figure_test {
 namespace {
 
 constexpr double kDeceleration = 2.0;
@@ -129,4 +129,4 @@ TEST(PlannerFigure, AnEpisodeIsLookedAtOnceASecond) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::planner_figure_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::prediction_statistics_test {
 namespace {
 
 TimeToFailure seconds(double s) { return TimeToFailure::fromSeconds(s, 60.0); }
@@ -83,4 +83,4 @@ TEST(PredictionStatistics, ReliabilityByHand) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::prediction_statistics_test

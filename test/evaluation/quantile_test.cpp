@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::quantile_test {
 namespace {
 
 TEST(Quantile, InterpolatesOrderStatistics) {
@@ -15,4 +15,4 @@ TEST(Quantile, InterpolatesOrderStatistics) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::quantile_test

@@ -5,7 +5,7 @@
 #include "core/io/input_error.hpp"
 #include "trajectory_poses.hpp"
 
-namespace fail_aware {
+namespace fail_aware::relative_step_error_test {
 namespace {
 
 TEST(RelativeStepError, OneBadStepByHand) {
@@ -24,4 +24,4 @@ TEST(RelativeStepError, NeedsAStepAndEqualCounts) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::relative_step_error_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::stanford_diagram_test {
 namespace {
 
 TEST(StanfordDiagram, RegionsAndTheirEdges) {
@@ -24,4 +24,4 @@ TEST(StanfordDiagram, Counts) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::stanford_diagram_test

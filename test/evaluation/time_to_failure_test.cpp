@@ -8,7 +8,7 @@
 #include "core/parameters/check.hpp"
 #include "trajectory_poses.hpp"
 
-namespace fail_aware {
+namespace fail_aware::time_to_failure_test {
 namespace {
 
 std::vector<double> tenHertz(std::size_t count) {
@@ -133,4 +133,4 @@ TEST(TimeToFailure, UnusableInputIsRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::time_to_failure_test

@@ -15,7 +15,7 @@
 
 #include "../support/tool_run.hpp"
 
-namespace fail_aware {
+namespace fail_aware::fleet_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -224,4 +224,4 @@ TEST_F(Fleet, AFleetIsMadeUpTheSameWayEachTime) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::fleet_test

@@ -24,7 +24,7 @@ int point_cloud_fuzz(const std::uint8_t* data, std::size_t size);
 #endif
 }
 
-namespace fail_aware {
+namespace fail_aware::replay_test {
 namespace {
 
 using Input = std::vector<std::uint8_t>;
@@ -133,4 +133,4 @@ INSTANTIATE_TEST_SUITE_P(Targets, FuzzReplay, testing::ValuesIn(kTargets),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::replay_test

@@ -23,7 +23,7 @@
 #include "../support/synthetic_street.hpp"
 #include "core/odometry_pipeline.hpp"
 
-namespace fail_aware {
+namespace fail_aware::golden_test {
 namespace {
 
 struct Tolerance {
@@ -251,4 +251,4 @@ TEST(GoldenComparison, CommittedColumnsAreThoseOfTheTriangles) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::golden_test

@@ -7,7 +7,7 @@
 #include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 
-namespace fail_aware {
+namespace fail_aware::add_a_source_test {
 namespace {
 
 TEST(AddASource, JoinsTheFusion) {
@@ -25,7 +25,7 @@ TEST(AddASource, JoinsTheFusion) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::add_a_source_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::bounded_path_test {
 namespace {
 
 bool addAt(BoundedPath& path, double x_m) {
@@ -29,4 +29,4 @@ TEST(BoundedPath, KeepsAPoseEverySoManyMetresAndForgetsTheOldest) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::bounded_path_test

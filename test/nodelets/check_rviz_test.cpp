@@ -11,7 +11,7 @@
 
 #include "../support/synthetic_street.hpp"
 
-namespace fail_aware {
+namespace fail_aware::check_rviz_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ TEST_F(CheckRviz, BadUsage) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::check_rviz_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::clock_check_test {
 namespace {
 
 const ros::Time kNow(1700000000, 0);
@@ -44,4 +44,4 @@ TEST(ClockCheck, SimulatedTimeThatStandsAtZeroIsNamed) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::clock_check_test

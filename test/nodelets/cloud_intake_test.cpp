@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::cloud_intake_test {
 namespace {
 
 class CloudIntakeTest : public testing::Test {
@@ -82,4 +82,4 @@ TEST_F(CloudIntakeTest, ANewDriveLosesWhatWaits) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::cloud_intake_test

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::correction_diagnosis_test {
 namespace {
 
 class CorrectionDiagnosisTest : public testing::Test {
@@ -50,4 +50,4 @@ TEST_F(CorrectionDiagnosisTest, FindingsLastAsLongAsTheSweep) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::correction_diagnosis_test

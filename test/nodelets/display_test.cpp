@@ -23,7 +23,7 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::display_test {
 namespace {
 
 using visualization_msgs::Marker;
@@ -172,7 +172,7 @@ TEST(Display, ADriveBringsAllThatTheConfigurationShows) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::display_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::drive_monitor_test {
 namespace {
 
 /// Whether it serves once a sweep of that interval has come; 0: the first of a drive.
@@ -55,4 +55,4 @@ TEST(DriveMonitor, LimitsOutlastTheDrive) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::drive_monitor_test

@@ -13,7 +13,7 @@
 #include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 
-namespace fail_aware {
+namespace fail_aware::faults_test {
 namespace {
 
 using Reason = messages::TimeToFailure;
@@ -400,7 +400,7 @@ TEST_F(Faults, AStageThatIsAlwaysTooLateIsWaitedForNoLonger) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::faults_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -14,7 +14,7 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::graph_test {
 namespace {
 
 constexpr int kSweeps = 12;
@@ -132,7 +132,7 @@ TEST(Graph, EveryCloudHasItsEstimateAndItIsOfflines) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::graph_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -21,7 +21,7 @@
 #include "core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::interfaces_test {
 namespace {
 
 using Reason = messages::TimeToFailure;
@@ -527,7 +527,7 @@ TEST_F(Interfaces, EveryNodeletTellsItsHealth) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::interfaces_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

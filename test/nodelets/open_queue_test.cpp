@@ -8,7 +8,7 @@
 #include <chrono>
 #include <future>
 
-namespace fail_aware {
+namespace fail_aware::open_queue_test {
 namespace {
 
 struct Call : ros::CallbackInterface {
@@ -39,4 +39,4 @@ TEST(OpenQueue, AQueueOfAnotherKindStaysAsItIs) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::open_queue_test

@@ -12,7 +12,7 @@
 
 #include "../support/graph_recorder.hpp"
 
-namespace fail_aware {
+namespace fail_aware::planner_example_test {
 namespace {
 
 using fail_aware_lidar_odometry::TimeToFailure;
@@ -136,7 +136,7 @@ TEST_P(PlannerExample, AsksOnlyFromTheLossOfTheGpsOn) {
 INSTANTIATE_TEST_SUITE_P(Examples, PlannerExample, testing::Values("planner_cpp", "planner_python"));
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::planner_example_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::pose_message_test {
 namespace {
 
 geometry_msgs::PoseWithCovarianceStamped message() {
@@ -37,4 +37,4 @@ TEST(PoseMessage, SaysWhyItIsRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::pose_message_test

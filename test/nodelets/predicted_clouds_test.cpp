@@ -5,7 +5,7 @@
 #include <boost/make_shared.hpp>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::predicted_clouds_test {
 namespace {
 
 PredictedClouds::Cloud cloudAt(std::uint32_t second, const std::string& frame = "velodyne") {
@@ -53,4 +53,4 @@ TEST(PredictedClouds, ACloudOfAnotherFrameIsNotTheSweeps) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::predicted_clouds_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::published_type_test {
 namespace {
 
 TEST(WhyNoCloud, AnotherTypeIsNamedWithWhatIsNeeded) {
@@ -23,4 +23,4 @@ TEST(WhyNoCloud, TheRightTypeIsNoFault) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::published_type_test

@@ -25,7 +25,7 @@
 #include "core/odometry_pipeline.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::replay_test {
 namespace {
 
 // No more than the graph's queues hold: none is dropped, however slow the machine.
@@ -165,7 +165,7 @@ TEST_F(Replay, MeasureLatencyWatchesTheGraph) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::replay_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::silence_watch_test {
 namespace {
 
 SilenceWatch watchFrom(double now_s) { return SilenceWatch(SilenceParams{3.0, 0.05, 0.15}, now_s); }
@@ -35,4 +35,4 @@ TEST(SilenceWatch, AClockThatBeginsAnewCountsFromThere) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::silence_watch_test

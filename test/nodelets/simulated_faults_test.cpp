@@ -22,7 +22,7 @@
 #include "simulation/fault_injector.hpp"
 #include "simulation/sweep_stamping.hpp"
 
-namespace fail_aware {
+namespace fail_aware::simulated_faults_test {
 namespace {
 
 using Reason = messages::TimeToFailure;
@@ -287,7 +287,7 @@ TEST(SimulatedFaultCases, NameEveryKind) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::simulated_faults_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::source_health_test {
 namespace {
 
 TEST(SourceHealth, SilentAfterMissesInARowUntilHeardAgain) {
@@ -52,4 +52,4 @@ TEST(SourceHealth, TooLateAfterAnswersInVainInARowUntilOneIsNot) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::source_health_test

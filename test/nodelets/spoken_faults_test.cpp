@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::spoken_faults_test {
 namespace {
 
 const ros::SteadyTime kBegin(100, 0);
@@ -54,4 +54,4 @@ TEST(SpokenFaults, CountsAreSaidWhenTheyGrow) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::spoken_faults_test

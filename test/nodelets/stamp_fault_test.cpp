@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::stamp_fault_test {
 namespace {
 
 TimingResult azimuthTiming(StampReference reference) {
@@ -50,4 +50,4 @@ TEST(StampFault, AFieldAgainstTheParameterIsNamed) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::stamp_fault_test

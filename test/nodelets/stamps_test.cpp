@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::stamps_test {
 namespace {
 
 TEST(Stamps, DifferencesOverTheWholeRange) {
@@ -30,4 +30,4 @@ TEST(Stamps, ZeroMalformedAndLastHourAreNotUsable) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::stamps_test

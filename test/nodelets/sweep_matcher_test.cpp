@@ -5,7 +5,7 @@
 #include <boost/make_shared.hpp>
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::sweep_matcher_test {
 namespace {
 
 namespace messages = ::fail_aware_lidar_odometry;
@@ -132,4 +132,4 @@ TEST(SweepMatcher, ADriveBeginsAlsoWhenItsFirstSweepIsSkipped) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_matcher_test

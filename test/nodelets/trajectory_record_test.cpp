@@ -6,7 +6,7 @@
 
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::trajectory_record_test {
 namespace {
 
 Pose ahead(double x_m) { return Pose(Eigen::Translation3d(x_m, 0.0, 0.0)); }
@@ -30,4 +30,4 @@ TEST(TrajectoryRecord, WritesWhatItKeepsAndTheOldestGiveWay) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::trajectory_record_test

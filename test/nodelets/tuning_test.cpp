@@ -15,7 +15,7 @@
 #include "../../src/nodelets/reconfiguration.hpp"
 #include "core/io/profile_files.hpp"
 
-namespace fail_aware {
+namespace fail_aware::tuning_test {
 namespace {
 
 namespace config = ::fail_aware_lidar_odometry;
@@ -165,4 +165,4 @@ TEST(Tuning, AValueOfTheYamlBeyondTheBoundsStaysUntilItIsChanged) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::tuning_test

@@ -10,7 +10,7 @@
 #include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 
-namespace fail_aware {
+namespace fail_aware::two_vehicles_test {
 namespace {
 
 constexpr int kSweeps = 6;
@@ -93,7 +93,7 @@ TEST(TwoVehicles, EachHasItsOwnOdometryInItsOwnFrames) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::two_vehicles_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

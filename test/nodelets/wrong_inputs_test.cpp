@@ -11,7 +11,7 @@
 #include "../../src/tools/process_monitor.hpp"
 #include "../support/graph_driver.hpp"
 
-namespace fail_aware {
+namespace fail_aware::wrong_inputs_test {
 namespace {
 
 class WrongInputs : public testing::Test {
@@ -133,7 +133,7 @@ TEST_F(WrongInputs, TheNodeBehindATopicIsFoundByItsPublisher) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::wrong_inputs_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

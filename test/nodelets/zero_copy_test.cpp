@@ -10,7 +10,7 @@
 #include "../support/bus_links.hpp"
 #include "../support/graph_driver.hpp"
 
-namespace fail_aware {
+namespace fail_aware::zero_copy_test {
 namespace {
 
 constexpr int kSweeps = 5;
@@ -114,7 +114,7 @@ TEST(ZeroCopy, OneCloudForAllAndNobodyWritesToIt) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::zero_copy_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

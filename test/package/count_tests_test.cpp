@@ -11,7 +11,7 @@
 
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::count_tests_test {
 namespace {
 
 class CountTests : public testing::Test {
@@ -120,4 +120,4 @@ TEST_F(CountTests, BadUsage) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::count_tests_test

@@ -9,7 +9,7 @@
 #include "fail_aware_lidar_odometry/version.hpp"
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::dependencies_test {
 namespace {
 
 struct DependencyList {
@@ -70,4 +70,4 @@ TEST(Dependencies, VersionsAgree) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::dependencies_test

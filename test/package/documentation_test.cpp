@@ -19,7 +19,7 @@
 #include "core/parameters/parameter_map.hpp"
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::documentation_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -274,4 +274,4 @@ TEST(Documentation, TroubleshootingHasEveryDiagnostic) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::documentation_test

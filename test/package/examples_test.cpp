@@ -8,7 +8,7 @@
 #include "../../src/nodelets/fail_aware_monitor_params.hpp"
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::examples_test {
 namespace {
 
 double numberIn(const std::string& file, const std::string& expression) {
@@ -26,4 +26,4 @@ TEST(Examples, PlannersHaveThePatienceOfTheContract) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::examples_test

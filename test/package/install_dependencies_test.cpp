@@ -9,7 +9,7 @@
 #include "../support/tool_run.hpp"
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::install_dependencies_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -110,4 +110,4 @@ TEST_F(InstallDependencies, AChrootNeedsASuite) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::install_dependencies_test

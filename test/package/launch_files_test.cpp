@@ -10,7 +10,7 @@
 #include "core/parameters/parameter_map.hpp"
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::launch_files_test {
 namespace {
 
 TEST(LaunchFiles, ParseWithAllTheirShapes) {
@@ -66,4 +66,4 @@ TEST(LaunchFiles, ArgumentsHaveTheNodeletsDefaults) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::launch_files_test

@@ -11,7 +11,7 @@
 
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::layering_test {
 namespace {
 
 const std::string kInclude = "include/fail_aware_lidar_odometry/";
@@ -303,4 +303,4 @@ TEST(Layering, EverySourceIsInTheBuild) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::layering_test

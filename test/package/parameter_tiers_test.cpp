@@ -12,7 +12,7 @@
 #include "core/pipeline_parameters.hpp"
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::parameter_tiers_test {
 namespace {
 
 constexpr std::size_t kMostDefault = 60, kMostExpert = 80;
@@ -79,4 +79,4 @@ TEST(ParameterTiers, ThePaperProfileSaysOnlyWhatDiffers) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::parameter_tiers_test

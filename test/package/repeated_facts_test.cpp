@@ -11,7 +11,7 @@
 #include "core/integrity/failure_state.hpp"
 #include "source_tree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::repeated_facts_test {
 namespace {
 
 /// What the pattern's group holds, of each match.
@@ -181,4 +181,4 @@ TEST(RepeatedFacts, TopicOfTheVelodynesDriver) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::repeated_facts_test

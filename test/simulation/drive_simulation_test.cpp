@@ -11,7 +11,7 @@
 #include "core/io/profile_files.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::drive_simulation_test {
 namespace {
 
 DriveSimulation::Params drive(const std::string& scene, double duration_s, int columns = 400) {
@@ -205,4 +205,4 @@ TEST(DriveSimulation, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::drive_simulation_test

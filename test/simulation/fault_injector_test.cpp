@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::fault_injector_test {
 namespace {
 
 SimulatedSweep sweepAt(int i) {
@@ -97,4 +97,4 @@ TEST(FaultInjector, ShareDecidesHowMany) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::fault_injector_test

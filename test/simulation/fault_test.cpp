@@ -6,7 +6,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::fault_test {
 namespace {
 
 TEST(Fault, EveryKindParsesWithItsDefaults) {
@@ -49,4 +49,4 @@ TEST(Fault, VehiclesAroundOnlyInTheirTime) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::fault_test

@@ -5,7 +5,7 @@
 #include "simulation/drive_simulation.hpp"
 #include "simulation/sweep_stamping.hpp"
 
-namespace fail_aware {
+namespace fail_aware::few_sweeps_drive {
 namespace {
 
 constexpr int kAllUntil = 14;  // sweeps: the motion is known, the period too
@@ -58,4 +58,4 @@ TEST_P(FewSweeps, KeepTheWay) {
 INSTANTIATE_TEST_SUITE_P(Every, FewSweeps, testing::Values(2, 4, 7), testing::PrintToStringParamName());
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::few_sweeps_drive

@@ -12,7 +12,7 @@
 #include "simulation/lidar_head.hpp"
 #include "simulation/random.hpp"
 
-namespace fail_aware {
+namespace fail_aware::lidar_model_test {
 namespace {
 
 LidarModel::Params perfect() {
@@ -148,4 +148,4 @@ TEST(LidarModel, WeakReturnsAreLost) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::lidar_model_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::mesh_test {
 namespace {
 
 TEST(Mesh, BoxHasItsSizeAndIsClosed) {
@@ -39,4 +39,4 @@ TEST(Mesh, AppendMovesAndRenumbers) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::mesh_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::random_test {
 namespace {
 
 TEST(Random, KnownValueOnEveryMachine) {
@@ -40,4 +40,4 @@ TEST(Random, KeysMatterInEveryPlace) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::random_test

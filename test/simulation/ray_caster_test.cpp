@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::ray_caster_test {
 namespace {
 
 const Eigen::Vector3f kAhead = Eigen::Vector3f::UnitX();
@@ -85,4 +85,4 @@ TEST(RayCaster, MovingThingsAreWhereTheyAreAtTheRaysInstant) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::ray_caster_test

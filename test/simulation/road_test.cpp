@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::road_test {
 namespace {
 
 Road makeRoad(const std::string& scene, std::uint64_t seed, double length_m) {
@@ -68,4 +68,4 @@ TEST(Road, WidthChangesGraduallyBetweenParts) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::road_test

@@ -6,7 +6,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::scene_kind_test {
 namespace {
 
 TEST(ScenePlan, OnePartLastsForEver) {
@@ -46,4 +46,4 @@ TEST(ScenePlan, RefusesNonsenseByName) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::scene_kind_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-namespace fail_aware {
+namespace fail_aware::scene_test {
 namespace {
 
 const char* const kScenes[] = {"town", "country", "highway", "tunnel", "open", "town:150,tunnel:100,country"};
@@ -81,4 +81,4 @@ TEST(Scene, SameSeedSameTiles) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::scene_test

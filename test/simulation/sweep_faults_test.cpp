@@ -6,7 +6,7 @@
 
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::sweep_faults_test {
 namespace {
 
 constexpr float kGhostIntensity = 0.05f;
@@ -123,4 +123,4 @@ TEST(SweepFaults, SweepsWithoutSideArraysAndEmptyOnes) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_faults_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::sweep_stamping_test {
 namespace {
 
 SimulatedSweep simulated() {
@@ -38,4 +38,4 @@ TEST(SweepStamping, WrongSignTurnsEveryTime) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_stamping_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::terrain_test {
 namespace {
 
 TEST(Terrain, GradientIsTheHeightsDerivative) {
@@ -37,4 +37,4 @@ TEST(Terrain, SlopeAndBumpsAreAsAskedFor) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::terrain_test

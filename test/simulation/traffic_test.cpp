@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::traffic_test {
 namespace {
 
 struct World {
@@ -57,4 +57,4 @@ TEST(Traffic, TheRingStaysWithTheCar) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::traffic_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::vehicle_drive_test {
 namespace {
 
 /// Drives, keeping the road ahead; calls look(vehicle, road, terrain) each step.
@@ -130,4 +130,4 @@ TEST(VehicleDrive, WheelsCarryTheCar) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::vehicle_drive_test

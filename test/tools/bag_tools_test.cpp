@@ -10,7 +10,7 @@
 #include "../support/tool_run.hpp"
 #include "core/io/trajectory_io.hpp"
 
-namespace fail_aware {
+namespace fail_aware::bag_tools_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ TEST_F(BagTools, OfflineRefusesABagInOneLine) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::bag_tools_test

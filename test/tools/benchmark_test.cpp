@@ -16,7 +16,7 @@
 #include "../support/tool_run.hpp"
 #include "core/io/trajectory_io.hpp"
 
-namespace fail_aware {
+namespace fail_aware::benchmark_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -156,4 +156,4 @@ TEST_F(Benchmark, BenchmarkOdometryRefusesBadInputInOneLine) {
 #endif
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::benchmark_test

@@ -9,7 +9,7 @@
 #include "core/geometry/degree.hpp"
 #include "made_up_runs_test.hpp"
 
-namespace fail_aware {
+namespace fail_aware::calibrate_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -311,4 +311,4 @@ TEST_F(Calibrate, ElevationSaysWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::calibrate_test

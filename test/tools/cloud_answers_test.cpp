@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::cloud_answers_test {
 namespace {
 
 TEST(CloudAnswers, MeasuresFromCloudToOdometryOfTheSameStamp) {
@@ -43,4 +43,4 @@ TEST(CloudAnswers, AnAnswerAheadOfItsCloudIsOne) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::cloud_answers_test

@@ -12,7 +12,7 @@
 #include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::drive_simulator_test {
 namespace {
 
 /// In the order of arrival.
@@ -71,7 +71,7 @@ TEST(DriveSimulator, PublishesItsDrive) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::drive_simulator_test
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

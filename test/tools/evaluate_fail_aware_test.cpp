@@ -8,7 +8,7 @@
 
 #include "made_up_runs_test.hpp"
 
-namespace fail_aware {
+namespace fail_aware::evaluate_fail_aware_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -356,4 +356,4 @@ TEST_F(EvaluateFailAware, HelpListsTheOptions) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::evaluate_fail_aware_test

@@ -13,7 +13,7 @@
 #include "../../src/tools/run_folder.hpp"
 #include "../support/tool_run.hpp"
 
-namespace fail_aware {
+namespace fail_aware::evaluate_trajectory_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ TEST_F(EvaluateTrajectory, PlotScriptDrawsTheOutput) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::evaluate_trajectory_test

@@ -7,7 +7,7 @@
 
 #include "../support/tool_run.hpp"
 
-namespace fail_aware {
+namespace fail_aware::fail_aware_benchmark_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,8 +33,8 @@ TEST_F(FailAwareBenchmark, RunsAndJudgesADriveWithFaults) {
   const ToolRun outcome = run(options);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("| concordance, combination"), std::string::npos) << outcome.out;
-  for (const char* row : {"| planner: in time, % of ", "| planner by state alone", "| best in hindsight, ", "| street: in time",
-                          "|   NEES/dof of the accumulated position | "}) {
+  for (const char* row : {"| planner: in time, % of ", "| planner by state alone", "| best in hindsight, ",
+                          "| street: in time", "|   NEES/dof of the accumulated position | "}) {
     EXPECT_NE(outcome.out.find(row), std::string::npos) << row << '\n' << outcome.out;
   }
   EXPECT_NE(outcome.out.find("| detection of frozen_cloud, sweeps, slowest of 1 |"), std::string::npos) << outcome.out;
@@ -80,4 +80,4 @@ TEST_F(FailAwareBenchmark, BadInputIsRefusedInOneLine) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::fail_aware_benchmark_test

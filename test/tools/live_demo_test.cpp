@@ -17,7 +17,7 @@
 
 #include "../support/tool_run.hpp"
 
-namespace fail_aware {
+namespace fail_aware::live_demo_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ TEST_F(LiveDemo, TheSimulatorSaysWhatItTakes) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::live_demo_test

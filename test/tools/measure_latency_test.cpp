@@ -3,7 +3,7 @@
 
 #include "../support/tool_run.hpp"
 
-namespace fail_aware {
+namespace fail_aware::measure_latency_test {
 namespace {
 
 class LiveTools : public ::testing::Test {
@@ -39,4 +39,4 @@ TEST_F(LiveTools, ReplayBenchmarkSaysWhatItNeeds) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::measure_latency_test

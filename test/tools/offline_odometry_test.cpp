@@ -26,7 +26,7 @@
 #include "core/parameters/yaml_parameters.hpp"
 #include "core/pipeline_parameters.hpp"
 
-namespace fail_aware {
+namespace fail_aware::offline_odometry_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -571,4 +571,4 @@ TEST_F(OfflineOdometry, HelpListsTheOptions) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::offline_odometry_test

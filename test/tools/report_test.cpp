@@ -14,7 +14,7 @@
 #include "../../src/tools/run_folder.hpp"
 #include "../support/tool_run.hpp"
 
-namespace fail_aware {
+namespace fail_aware::report_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -313,4 +313,4 @@ TEST_F(Report, ExplainsItself) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::report_test

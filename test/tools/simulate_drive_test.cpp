@@ -13,7 +13,7 @@
 #include "core/io/trajectory_io.hpp"
 #include "simulation/fault.hpp"
 
-namespace fail_aware {
+namespace fail_aware::simulate_drive_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -219,4 +219,4 @@ TEST_F(SimulateDrive, BadUseIsOneLineAndExitCode2) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::simulate_drive_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::tool_support_test {
 namespace {
 
 struct Outcome {
@@ -119,4 +119,4 @@ TEST(ProgressBar, SilentWhereThereIsNoTerminal) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::tool_support_test

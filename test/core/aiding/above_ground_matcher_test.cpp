@@ -14,7 +14,7 @@
 #include "core/map/above_ground_points.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::above_ground_matcher_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -205,4 +205,4 @@ TEST(AboveGroundMatcher, ParametersOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::above_ground_matcher_test

@@ -7,7 +7,7 @@
 #include "../../support/synthetic_scene.hpp"
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::open_country_aid_test {
 namespace {
 
 Measurement sureMeasurement() {
@@ -58,4 +58,4 @@ TEST(OpenCountryAid, TheMatchObservesPositionAndHeading) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::open_country_aid_test

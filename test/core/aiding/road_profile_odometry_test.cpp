@@ -8,7 +8,7 @@
 #include "../../support/synthetic_tunnel.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::road_profile_odometry_test {
 namespace {
 
 using synthetic::Tunnel;
@@ -136,4 +136,4 @@ TEST(RoadProfileOdometry, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::road_profile_odometry_test

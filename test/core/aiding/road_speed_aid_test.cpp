@@ -7,7 +7,7 @@
 
 #include "../../support/synthetic_tunnel.hpp"
 
-namespace fail_aware {
+namespace fail_aware::road_speed_aid_test {
 namespace {
 
 using synthetic::Tunnel;
@@ -108,4 +108,4 @@ TEST(RoadSpeedAid, WithoutALastEstimateNothingIsMeasured) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::road_speed_aid_test

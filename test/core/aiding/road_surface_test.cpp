@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::road_surface_test {
 namespace {
 
 /// A plane 1.7 m below the lidar that rises by `slope` ahead, a bump of 20 mm in it between x = 8 and 9 m.
@@ -49,4 +49,4 @@ TEST(RoadSurface, TooLittleRoadIsNone) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::road_surface_test

@@ -10,7 +10,7 @@
 #include "../parameters/error_of.hpp"
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::consistency_monitor_test {
 namespace {
 
 using Sweep = ConsistencyMonitor::Sweep;
@@ -197,4 +197,4 @@ TEST(ConsistencyMonitor, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::consistency_monitor_test

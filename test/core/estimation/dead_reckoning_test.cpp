@@ -11,7 +11,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::dead_reckoning_test {
 namespace {
 
 constexpr double kDt_s = 0.1;
@@ -261,4 +261,4 @@ TEST(DeadReckoning, LongIntervalAllowsAccelerations) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::dead_reckoning_test

@@ -9,7 +9,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::drift_model_test {
 namespace {
 
 Matrix6d diagonal(double position, double rotation) {
@@ -92,4 +92,4 @@ TEST(DriftModel, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::drift_model_test

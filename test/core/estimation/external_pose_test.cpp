@@ -8,7 +8,7 @@
 #include "../../support/poses.hpp"
 #include "core/estimation/measurement_fusion.hpp"
 
-namespace fail_aware {
+namespace fail_aware::external_pose_test {
 namespace {
 
 ExternalPose gps(double stamp_s, const Pose& T_odom_base, double sigma_m = 0.5, double sigma_rad = 0.01) {
@@ -174,4 +174,4 @@ TEST(ExternalPoseBuffer, IsBoundedAndBeginsAnewWhenStampsGoBack) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::external_pose_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::fitting_ratio_test {
 namespace {
 
 /// After 20 sweeps of 1000 points, 850 of which fit.
@@ -44,4 +44,4 @@ TEST(FittingRatio, NoInlierIsZero) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::fitting_ratio_test

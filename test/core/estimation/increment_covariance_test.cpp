@@ -4,7 +4,7 @@
 
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::increment_covariance_test {
 namespace {
 
 FilterState measured(double sigma_m) {
@@ -78,4 +78,4 @@ TEST(IncrementCovariance, FloorAndScaleAreKept) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::increment_covariance_test

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-namespace fail_aware {
+namespace fail_aware::lost_motion_test {
 namespace {
 
 constexpr double kBelievedRatio = 0.3;
@@ -94,4 +94,4 @@ TEST(LostMotion, ClearedItForgets) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::lost_motion_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::map_update_policy_test {
 namespace {
 
 using Decision = MapUpdatePolicy::Decision;
@@ -169,4 +169,4 @@ TEST(MapUpdatePolicy, AfterAPoseIsSetTheIcpsMustBeginAnew) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::map_update_policy_test

@@ -13,7 +13,7 @@
 #include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::measurement_fusion_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -517,4 +517,4 @@ TEST(MeasurementFusion, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::measurement_fusion_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::motion_tracker_test {
 namespace {
 
 /// Sweeps of a car that drives straight on.
@@ -77,4 +77,4 @@ TEST_F(MotionTrackerTest, TellingNoMotionLastsASweepLonger) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::motion_tracker_test

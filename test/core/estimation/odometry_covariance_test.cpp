@@ -13,7 +13,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
 
-namespace fail_aware {
+namespace fail_aware::odometry_covariance_test {
 namespace {
 
 Pose planarPose(double x, double y, double yaw) {
@@ -588,4 +588,4 @@ TEST(OdometryCovariance, NewMapCostsWithinItsFirstDecimetre) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::odometry_covariance_test

@@ -15,7 +15,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 
-namespace fail_aware {
+namespace fail_aware::pose_filter_test {
 namespace {
 
 constexpr double kDt_s = 0.1;
@@ -877,4 +877,4 @@ TEST(PoseFilterReference, IcpsWithoutReferenceRestartTheMap) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::pose_filter_test

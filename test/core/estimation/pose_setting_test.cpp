@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::pose_setting_test {
 namespace {
 
 const Pose kBaseCog = poseFromVector((Vector6d() << 0.3, 0.0, 0.5, 0.0, 0.0, 0.0).finished());
@@ -66,4 +66,4 @@ TEST(PoseSetting, WhatWaitedTooLongIsForgotten) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::pose_setting_test

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace fail_aware {
+namespace fail_aware::stamp_order_test {
 namespace {
 
 StampOrder first(double since_newest_s) { return StampSequence().next(since_newest_s); }
@@ -76,4 +76,4 @@ TEST(StampSequence, SetBackIsTheLargestRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::stamp_order_test

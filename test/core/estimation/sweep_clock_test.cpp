@@ -8,7 +8,7 @@
 
 #include "simulation/random.hpp"
 
-namespace fail_aware {
+namespace fail_aware::sweep_clock_test {
 namespace {
 
 constexpr double kPeriod_s = 0.1;
@@ -272,4 +272,4 @@ TEST_F(SweepClockTest, StampThatIsNoNumberChangesNothing) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_clock_test

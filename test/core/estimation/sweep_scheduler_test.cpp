@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::sweep_scheduler_test {
 namespace {
 
 SweepScheduler::Sweep sweep(std::uint64_t number, double arrived_s = 0.0, double set_back_s = 0.0) {
@@ -112,4 +112,4 @@ TEST(SweepScheduler, NewDriveLosesWhatWaitsAndWhatIsOpen) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_scheduler_test

@@ -6,7 +6,7 @@
 
 #include "simulation/random.hpp"
 
-namespace fail_aware {
+namespace fail_aware::turn_line_test {
 namespace {
 
 TEST(TurnLine, PeriodComesFromThreeIntervals) {
@@ -66,4 +66,4 @@ TEST(TurnLine, OtherRateIsTakenOver) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::turn_line_test

@@ -12,7 +12,7 @@
 #include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::ukf_test {
 namespace {
 
 Matrix6d randomCovariance(std::mt19937& random, double log10_low, double log10_high) {
@@ -182,4 +182,4 @@ TEST(Ukf, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::ukf_test

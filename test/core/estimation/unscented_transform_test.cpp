@@ -7,7 +7,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::unscented_transform_test {
 namespace {
 
 using Matrix3 = Eigen::Matrix3d;
@@ -82,4 +82,4 @@ TEST(UnscentedTransform, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::unscented_transform_test

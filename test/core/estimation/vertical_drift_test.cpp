@@ -8,7 +8,7 @@
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::vertical_drift_test {
 namespace {
 
 constexpr double kTilt = 0.2 * kDegree;
@@ -58,4 +58,4 @@ TEST(VerticalDrift, NothingHorizontalChanges) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::vertical_drift_test

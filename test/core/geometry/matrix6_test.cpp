@@ -7,7 +7,7 @@
 #include "../../support/poses.hpp"
 #include "../../support/random_orthogonal.hpp"
 
-namespace fail_aware {
+namespace fail_aware::matrix6_test {
 namespace {
 
 const Vector6d kScales = vector6(1e-3, 0.1, 1.0, 2.0, 50.0, 1e3);
@@ -33,4 +33,4 @@ TEST(Matrix6, TheSolutionSolves) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::matrix6_test

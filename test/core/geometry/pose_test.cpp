@@ -9,7 +9,7 @@
 #include "../../support/poses.hpp"
 #include "core/geometry/rotation.hpp"
 
-namespace fail_aware {
+namespace fail_aware::pose_test {
 namespace {
 
 Vector6d twistOf(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotation) {
@@ -196,4 +196,4 @@ TEST(Pose, AsExchangedIsThePoseOnceRounded) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::pose_test

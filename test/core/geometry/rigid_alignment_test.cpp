@@ -8,7 +8,7 @@
 
 #include "core/geometry/rotation.hpp"
 
-namespace fail_aware {
+namespace fail_aware::rigid_alignment_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
@@ -93,4 +93,4 @@ TEST(RigidAlignment, WeightsDecideBetweenContradictingPairs) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::rigid_alignment_test

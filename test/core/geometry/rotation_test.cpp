@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::rotation_test {
 namespace {
 
 using Matrix3 = Eigen::Matrix3d;
@@ -160,4 +160,4 @@ TEST(Rotation, FixedAxisRatesMatchFiniteDifferences) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::rotation_test

@@ -8,7 +8,7 @@
 #include "../../support/poses.hpp"
 #include "../../support/random_orthogonal.hpp"
 
-namespace fail_aware {
+namespace fail_aware::symmetric_eigen_test {
 namespace {
 
 TEST(SymmetricEigen, FindsTheAxesAMatrixWasMadeOf) {
@@ -45,4 +45,4 @@ TEST(SymmetricEigen, OfAPlaneAndOfSpace) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::symmetric_eigen_test

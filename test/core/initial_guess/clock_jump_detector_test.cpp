@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::clock_jump_detector_test {
 namespace {
 
 constexpr double kSpeed_mps = 10.0, kPeriod_s = 0.1;
@@ -29,7 +29,7 @@ struct World {
       ++fits;
       Measurement found;
       const bool here = std::abs(T.translation().x() - car_x_m) < 0.2;
-      found.T_odom_cog = here ? ::fail_aware::at(car_x_m) : T;
+      found.T_odom_cog = here ? clock_jump_detector_test::at(car_x_m) : T;
       found.inlier_ratio = here ? ratio_here : ratio_elsewhere;
       found.status = found.inlier_ratio > 0.0 ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
       found.min_information_ratio = here ? information_here : information_elsewhere;
@@ -272,4 +272,4 @@ TEST(ClockJumpDetector, RegistersEveryTenthSweepOnly) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::clock_jump_detector_test

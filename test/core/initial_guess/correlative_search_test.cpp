@@ -10,7 +10,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::correlative_search_test {
 namespace {
 
 using Found = std::optional<CorrelativeSearch::Found>;
@@ -84,4 +84,4 @@ TEST(CorrelativeSearch, RefusesParametersThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::correlative_search_test

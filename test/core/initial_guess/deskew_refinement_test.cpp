@@ -13,7 +13,7 @@
 #include "core/parameters/check.hpp"
 #include "core/preprocessing/correction.hpp"
 
-namespace fail_aware {
+namespace fail_aware::deskew_refinement_test {
 namespace {
 
 struct Look {
@@ -139,4 +139,4 @@ TEST(DeskewRefinement, RefusesANonsensicalSigma) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::deskew_refinement_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::estimate_track_test {
 namespace {
 
 /// 1 m in 0.1 s, to x_m.
@@ -90,4 +90,4 @@ TEST(EstimateTrack, TheSpeedIsObservedUnlessTheFilterCoasts) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::estimate_track_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::first_motion_test {
 namespace {
 
 Measurement measuredAt(double x_m) {
@@ -65,4 +65,4 @@ TEST(FirstMotion, WithoutAPoseNothingIsAdded) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::first_motion_test

@@ -5,7 +5,7 @@
 
 #include "../../support/synthetic_drive.hpp"
 
-namespace fail_aware {
+namespace fail_aware::initial_guess_test {
 namespace {
 
 using Found = InitialGuess::Found;
@@ -102,4 +102,4 @@ TEST_F(InitialGuessTest, WhereNothingIsFoundAfterAGapTrackingIsLost) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::initial_guess_test

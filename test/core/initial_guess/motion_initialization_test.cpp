@@ -9,7 +9,7 @@
 #include "../../support/synthetic_drive.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::motion_initialization_test {
 namespace {
 
 constexpr double kMinRange_m = 3.0;
@@ -178,4 +178,4 @@ TEST(MotionInitialization, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::motion_initialization_test

@@ -9,7 +9,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::relocalization_test {
 namespace {
 
 constexpr double kNoise_m = 0.01;
@@ -108,4 +108,4 @@ TEST(Relocalization, RefusesParametersThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::relocalization_test

@@ -10,7 +10,7 @@
 #include "core/integrity/growth_rate.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::covariance_predictor_test {
 namespace {
 
 using Status = TimeToFailureStatus;
@@ -404,4 +404,4 @@ TEST(CovariancePredictor, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::covariance_predictor_test

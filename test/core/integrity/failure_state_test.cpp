@@ -7,7 +7,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::failure_state_test {
 namespace {
 
 using State = FailAwareState;
@@ -123,4 +123,4 @@ TEST(FailureState, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::failure_state_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::growth_rate_test {
 namespace {
 
 constexpr double kPeriod_s = 0.1, kWeak = 0.01;
@@ -87,4 +87,4 @@ TEST(GrowthRate, OneBlindedSweepSaysNothingOfTheFuture) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::growth_rate_test

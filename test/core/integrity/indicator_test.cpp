@@ -8,7 +8,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::indicator_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -248,4 +248,4 @@ TEST(FailAwareIndicator, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::indicator_test

@@ -6,7 +6,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::monitor_replay_test {
 namespace {
 
 /// Wavering uncertainty, on a bend, with sweeps that have no measurement.
@@ -85,4 +85,4 @@ TEST(MonitorReplay, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::monitor_replay_test

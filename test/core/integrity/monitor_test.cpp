@@ -11,7 +11,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::monitor_test {
 namespace {
 
 constexpr double kDt_s = 0.1;
@@ -658,4 +658,4 @@ TEST(FailAwareMonitor, APoseThatIsSetIsANewT1OnceItServes) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::monitor_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::rise_limit_test {
 namespace {
 
 constexpr double kHorizon_s = 60.0;
@@ -48,4 +48,4 @@ TEST(RiseLimit, UnknownIsPassedOnAndForgetsTheLast) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::rise_limit_test

@@ -4,7 +4,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::silence_test {
 namespace {
 
 TEST(Silence, IsStaleAfterSomePeriodsWithinBounds) {
@@ -42,4 +42,4 @@ TEST(Silence, RefusesRulesThatNeverOrAlwaysHold) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::silence_test

@@ -8,7 +8,7 @@
 
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::external_pose_file_test {
 namespace {
 
 const std::string kHeader = "stamp,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z,sigma_roll,sigma_pitch,sigma_yaw\n";
@@ -50,4 +50,4 @@ TEST_F(ExternalPoseFile, FaultsAreNamed) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::external_pose_file_test

@@ -13,7 +13,7 @@
 #include "core/io/input_error.hpp"
 #include "core/preprocessing/timing.hpp"
 
-namespace fail_aware {
+namespace fail_aware::kitti_directory_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -259,4 +259,4 @@ TEST_F(KittiDirectoryTest, PointTimesCountFromMidSweep) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::kitti_directory_test

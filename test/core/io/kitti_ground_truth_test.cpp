@@ -8,7 +8,7 @@
 
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::kitti_ground_truth_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,4 +64,4 @@ TEST_F(KittiGroundTruthTest, RefusesAnotherCountOfRows) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::kitti_ground_truth_test

@@ -8,7 +8,7 @@
 #include "core/io/input_error.hpp"
 #include "core/io/kitti_directory.hpp"
 
-namespace fail_aware {
+namespace fail_aware::kitti_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,4 +95,4 @@ TEST_F(KittiWriterTest, RefusesAFolderWithScans) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::kitti_writer_test

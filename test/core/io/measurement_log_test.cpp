@@ -7,7 +7,7 @@
 
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::measurement_log_test {
 namespace {
 
 Pose pose(double x, double y, double yaw) {
@@ -66,4 +66,4 @@ TEST_F(MeasurementLog, WhatCannotBeReadIsRefusedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::measurement_log_test

@@ -10,7 +10,7 @@
 
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::monitor_log_test {
 namespace {
 
 /// Numbers that no short decimal gives back.
@@ -119,4 +119,4 @@ TEST_F(MonitorLog, WhatCannotBeReadIsRefusedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::monitor_log_test

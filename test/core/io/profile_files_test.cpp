@@ -13,7 +13,7 @@
 #include "core/io/input_error.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 
-namespace fail_aware {
+namespace fail_aware::profile_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -215,4 +215,4 @@ TEST_F(ProfileFilesTest, TheProgramFindsTheFolder) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::profile_files_test

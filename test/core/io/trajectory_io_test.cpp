@@ -10,7 +10,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/io/input_error.hpp"
 
-namespace fail_aware {
+namespace fail_aware::trajectory_io_test {
 namespace {
 
 constexpr char kIdentityRow[] = "1 0 0 0 0 1 0 0 0 0 1 0";
@@ -173,4 +173,4 @@ TEST_F(TrajectoryIo, CalibrationWithoutTrIsRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::trajectory_io_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::above_ground_reference_test {
 namespace {
 
 AboveGroundReference::Params keepsAnyRatio() {
@@ -63,4 +63,4 @@ TEST(AboveGroundReference, SwitchedOffKeepsNothing) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::above_ground_reference_test

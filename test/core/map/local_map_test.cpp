@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::local_map_test {
 namespace {
 
 /// One point ahead, seen at the stamp's time plus time_s, and one on the ground below it.
@@ -107,4 +107,4 @@ TEST(LocalMap, AResetForgetsTheSweepsAndNotTheNumbers) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::local_map_test

@@ -8,7 +8,7 @@
 #include "../../support/synthetic_scene.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::reference_map_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -104,4 +104,4 @@ TEST(ReferenceMap, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::reference_map_test

@@ -12,7 +12,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::voxel_map_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -500,4 +500,4 @@ TEST(VoxelMap, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::voxel_map_test

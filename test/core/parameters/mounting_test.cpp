@@ -6,7 +6,7 @@
 
 #include "error_of.hpp"
 
-namespace fail_aware {
+namespace fail_aware::mounting_test {
 namespace {
 
 std::string refusal(const std::vector<double>& mounting) {
@@ -29,4 +29,4 @@ TEST(Mounting, IsThePoseOfItsNumbers) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::mounting_test

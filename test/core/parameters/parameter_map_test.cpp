@@ -7,7 +7,7 @@
 
 #include "error_of.hpp"
 
-namespace fail_aware {
+namespace fail_aware::parameter_map_test {
 namespace {
 
 struct UkfParams {
@@ -198,4 +198,4 @@ TEST(FormatDouble, IsShortAndReadsBack) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::parameter_map_test

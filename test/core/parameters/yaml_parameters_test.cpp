@@ -8,7 +8,7 @@
 
 #include "error_of.hpp"
 
-namespace fail_aware {
+namespace fail_aware::yaml_parameters_test {
 namespace {
 
 struct NoiseParams {
@@ -180,4 +180,4 @@ TEST(FormatYaml, KeepsOrderAndNesting) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::yaml_parameters_test

@@ -7,7 +7,7 @@
 
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::azimuth_correction_test {
 namespace {
 
 TEST(AzimuthCorrection, TurnsCounterClockwiseSeenFromAbove) {
@@ -45,4 +45,4 @@ TEST(AzimuthCorrection, RefusesAbsurdAngles) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::azimuth_correction_test

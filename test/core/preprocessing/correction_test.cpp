@@ -11,7 +11,7 @@
 #include "core/parameters/check.hpp"
 #include "core/preprocessing/timing.hpp"
 
-namespace fail_aware {
+namespace fail_aware::correction_test {
 namespace {
 
 constexpr double kPeriod_s = 0.1;
@@ -281,4 +281,4 @@ TEST(SweepCorrection, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::correction_test

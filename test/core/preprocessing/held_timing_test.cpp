@@ -7,7 +7,7 @@
 
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::held_timing_test {
 namespace {
 
 struct Head {
@@ -90,4 +90,4 @@ TEST(HeldTiming, HoldsNothingWhereTheAzimuthDoesNotFollowTheTimes) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::held_timing_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace fail_aware {
+namespace fail_aware::point_times_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -162,4 +162,4 @@ TEST(RangeOfTimes, IsNoneWhenMoreThanATenthIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::point_times_test

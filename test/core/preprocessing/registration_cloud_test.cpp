@@ -9,7 +9,7 @@
 #include "../../support/synthetic_scene.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::registration_cloud_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -223,4 +223,4 @@ TEST(RegistrationCloud, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::registration_cloud_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::revolution_test {
 namespace {
 
 struct Turning {
@@ -65,4 +65,4 @@ TEST(Revolution, IsUnknownWhereTimesDoNotTurnWithThePoints) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::revolution_test

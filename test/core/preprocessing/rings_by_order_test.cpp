@@ -7,7 +7,7 @@
 
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::rings_by_order_test {
 namespace {
 
 struct Scan {
@@ -84,4 +84,4 @@ TEST(RingsByOrder, AnotherOrderHasNone) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::rings_by_order_test

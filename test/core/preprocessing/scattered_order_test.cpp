@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-namespace fail_aware {
+namespace fail_aware::scattered_order_test {
 namespace {
 
 TEST(ScatteredOrder, EveryIndexOnce) {
@@ -32,4 +32,4 @@ TEST(ScatteredOrder, PrefersNoDirection) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::scattered_order_test

@@ -9,7 +9,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::sweep_check_test {
 namespace {
 
 Sweep streetSweep(int i) {
@@ -134,4 +134,4 @@ TEST(SweepCheck, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_check_test

@@ -12,7 +12,7 @@
 #include "core/parameters/check.hpp"
 #include "core/pipeline_parameters.hpp"
 
-namespace fail_aware {
+namespace fail_aware::sweep_corrector_test {
 namespace {
 
 constexpr double kPeriod_s = 0.1;
@@ -248,4 +248,4 @@ TEST(SweepCorrector, MissingRingsComeFromTheOrder) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_corrector_test

@@ -9,7 +9,7 @@
 
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::sweep_seam_test {
 namespace {
 
 struct Head {
@@ -137,4 +137,4 @@ TEST(SweepSeamCheck, SingleSweepsCountNothing) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::sweep_seam_test

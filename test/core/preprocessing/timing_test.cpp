@@ -8,7 +8,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::timing_test {
 namespace {
 
 constexpr double kPeriod_s = 0.1036;
@@ -419,4 +419,4 @@ TEST(SweepTiming, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::timing_test

@@ -10,7 +10,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::upright_profiles_test {
 namespace {
 
 using Kind = UprightProfile::Kind;
@@ -205,4 +205,4 @@ TEST(UprightProfiles, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::upright_profiles_test

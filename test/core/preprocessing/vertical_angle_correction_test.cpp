@@ -7,7 +7,7 @@
 
 #include "core/geometry/degree.hpp"
 
-namespace fail_aware {
+namespace fail_aware::vertical_angle_correction_test {
 namespace {
 
 constexpr double kKittiAngle_deg = 0.205;
@@ -80,4 +80,4 @@ TEST(VerticalAngleCorrection, RefusesAbsurdAngles) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::vertical_angle_correction_test

@@ -12,7 +12,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::vertical_reference_test {
 namespace {
 
 /// A spinning head in a street of walls ahead, behind and beside, and poles; level, in the sensor's frame.
@@ -423,4 +423,4 @@ TEST(VerticalReference, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::vertical_reference_test

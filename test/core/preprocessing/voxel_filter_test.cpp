@@ -13,7 +13,7 @@
 
 #include "core/preprocessing/scattered_order.hpp"
 
-namespace fail_aware {
+namespace fail_aware::voxel_filter_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -156,4 +156,4 @@ TEST(VoxelFilter, ManyVoxelsFillNoTable) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::voxel_filter_test

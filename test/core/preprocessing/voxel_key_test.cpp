@@ -6,7 +6,7 @@
 #include <set>
 #include <unordered_set>
 
-namespace fail_aware {
+namespace fail_aware::voxel_key_test {
 namespace {
 
 TEST(VoxelKeyTest, FastFloorIsFloor) {
@@ -51,4 +51,4 @@ TEST(VoxelKeyTest, HashSpreadsNeighboursOverTheLowBits) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::voxel_key_test

@@ -13,7 +13,7 @@
 #include "core/parameters/check.hpp"
 #include "core/preprocessing/registration_cloud.hpp"
 
-namespace fail_aware {
+namespace fail_aware::beam_bias_estimator_test {
 namespace {
 
 constexpr int kBeams = 8;
@@ -260,4 +260,4 @@ TEST(BeamBiasEstimator, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::beam_bias_estimator_test

@@ -4,7 +4,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::beam_offsets_test {
 namespace {
 
 constexpr double kSigma = 0.03;
@@ -91,4 +91,4 @@ TEST(BeamOffsets, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::beam_offsets_test

@@ -14,7 +14,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::icp_point_to_plane_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -476,4 +476,4 @@ TEST(IcpPointToPlane, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::icp_point_to_plane_test

@@ -13,7 +13,7 @@
 #include "core/geometry/matrix6.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::icp_point_to_point_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -450,4 +450,4 @@ TEST(IcpPointToPoint, ValidatesItsParameters) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::icp_point_to_point_test

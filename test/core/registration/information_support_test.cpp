@@ -6,7 +6,7 @@
 
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::information_support_test {
 namespace {
 
 InformationSupport::Params testParams() {
@@ -72,4 +72,4 @@ TEST(InformationSupport, ParametersAreChecked) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::information_support_test

@@ -9,7 +9,7 @@
 
 #include "core/geometry/rotation.hpp"
 
-namespace fail_aware {
+namespace fail_aware::look_ahead_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -105,4 +105,4 @@ TEST(LookAhead, NothingInViewIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::look_ahead_test

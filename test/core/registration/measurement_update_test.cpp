@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fail_aware {
+namespace fail_aware::measurement_update_test {
 namespace {
 
 TEST(MeasurementUpdate, TwoEquallySureMeetHalfWay) {
@@ -38,4 +38,4 @@ TEST(MeasurementUpdate, TheCovarianceStaysSymmetric) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::measurement_update_test

@@ -11,7 +11,7 @@
 #include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::normal_equations_test {
 namespace {
 
 ObservabilityParams testParams() {
@@ -229,4 +229,4 @@ TEST(NormalEquations, CurvatureRatioIsThatOfWhatInforms) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::normal_equations_test

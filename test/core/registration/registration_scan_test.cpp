@@ -4,7 +4,7 @@
 
 #include "../../support/synthetic_drive.hpp"
 
-namespace fail_aware {
+namespace fail_aware::registration_scan_test {
 namespace {
 
 SweepPrediction predictedAhead(double distance_m, double dt_s) {
@@ -49,4 +49,4 @@ TEST(RegistrationScan, RedeskewsByWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::registration_scan_test

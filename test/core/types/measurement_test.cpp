@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::measurement_test {
 namespace {
 
 TEST(Measurement, EveryStatusHasItsOwnName) {
@@ -34,4 +34,4 @@ TEST(Measurement, IsNotUsableUntilSomethingSaysSo) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::measurement_test

@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::monitor_test {
 namespace {
 
 TEST(FailAwareState, EveryStateHasItsOwnName) {
@@ -74,4 +74,4 @@ TEST(TimeToFailure, CombinationIsTheEarlierOfTheKnown) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::monitor_test

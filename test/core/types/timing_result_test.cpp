@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-namespace fail_aware {
+namespace fail_aware::timing_result_test {
 namespace {
 
 TEST(TimingResult, EveryValueHasItsOwnName) {
@@ -41,4 +41,4 @@ TEST(TimingResult, IsAGuessWhereTheFieldIsRefusedAndNothingWasHeld) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::timing_result_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::lateral_dynamics_test {
 namespace {
 
 // The dynamic single-track model that the equations come from, driven forwards by a known wheel angle.
@@ -100,4 +100,4 @@ TEST(LateralDynamics, StandstillAndNoiseStayWithinTheSteeringLimit) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::lateral_dynamics_test

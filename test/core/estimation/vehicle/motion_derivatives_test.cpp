@@ -11,7 +11,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::motion_derivatives_test {
 namespace {
 
 // Speed s(t) = 8 + 1.5 t along the heading yaw(t) = 0.3 t + 0.1 t^2, integrated finely.
@@ -192,4 +192,4 @@ TEST(MotionHistory, InAnotherOdomTheMotionIsTheSame) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::motion_derivatives_test

@@ -8,7 +8,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::road_plane_test {
 namespace {
 
 Vector6d standing(const RoadPlane& road, double yaw) {
@@ -106,4 +106,4 @@ TEST(RoadPlane, TurnsWithOdom) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::road_plane_test

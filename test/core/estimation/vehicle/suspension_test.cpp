@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace fail_aware {
+namespace fail_aware::suspension_test {
 namespace {
 
 // Runge-Kutta of fourth order in small steps: knows nothing of the closed form.
@@ -85,4 +85,4 @@ TEST(Suspension, SettlesAtTheRestingAngleHoweverStiffOrLong) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::suspension_test

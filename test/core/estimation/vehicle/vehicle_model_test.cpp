@@ -11,7 +11,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::vehicle_model_test {
 namespace {
 
 constexpr double kPeriod = 0.1;
@@ -379,4 +379,4 @@ TEST(VehicleModelParams, AreValidated) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::vehicle_model_test

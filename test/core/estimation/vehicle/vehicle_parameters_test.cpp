@@ -7,7 +7,7 @@
 
 #include "../../parameters/error_of.hpp"
 
-namespace fail_aware {
+namespace fail_aware::vehicle_parameters_test {
 namespace {
 
 TEST(VehicleParameters, DefaultsAreValid) { EXPECT_NO_THROW(VehicleParameters().validate()); }
@@ -69,4 +69,4 @@ TEST(VehicleParameters, AMassInTonnesIsRefused) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::vehicle_parameters_test

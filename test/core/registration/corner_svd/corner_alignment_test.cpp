@@ -12,7 +12,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::corner_alignment_test {
 namespace {
 
 Corner cornerAt(double x, double y, double turn_rad = 0.0) {
@@ -248,4 +248,4 @@ TEST(CornerAlignment, BadParametersThrow) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::corner_alignment_test

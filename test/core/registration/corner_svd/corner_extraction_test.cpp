@@ -13,7 +13,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::corner_extraction_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -235,4 +235,4 @@ TEST(CornerExtraction, BadParametersThrow) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::corner_extraction_test

@@ -8,7 +8,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::corner_reference_test {
 namespace {
 
 Corner cornerAt(double x, double y) {
@@ -100,4 +100,4 @@ TEST(CornerReference, AnEstimateThatIsNoNumberIsPassedOver) {
 TEST(CornerReference, BadParametersThrow) { EXPECT_THROW(CornerReference{keeping(0)}, ParameterError); }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::corner_reference_test

@@ -4,7 +4,7 @@
 
 #include "../../../support/synthetic_street.hpp"
 
-namespace fail_aware {
+namespace fail_aware::corner_svd_test {
 namespace {
 
 /// With the corners of one sweep in the reference.
@@ -53,4 +53,4 @@ TEST(CornerSvd, AnotherOdomOnASkippedSweepClearsTheReference) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::corner_svd_test

@@ -8,7 +8,7 @@
 
 #include "core/geometry/rotation.hpp"
 
-namespace fail_aware {
+namespace fail_aware::corner_test {
 namespace {
 
 // A house's corner at (x, y): one wall along x, one along y, both seen.
@@ -102,4 +102,4 @@ TEST(Corner, ACornerThatIsNotFiniteMatchesNothing) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::corner_test

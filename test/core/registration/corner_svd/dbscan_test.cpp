@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace fail_aware {
+namespace fail_aware::dbscan_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector2f>;
@@ -139,4 +139,4 @@ TEST(Dbscan, NothingBadComesOfBadInput) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::dbscan_test

@@ -11,7 +11,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 
-namespace fail_aware {
+namespace fail_aware::ransac_plane_test {
 namespace {
 
 using Points = std::vector<Eigen::Vector3f>;
@@ -143,4 +143,4 @@ TEST(RansacPlane, BadParametersAreNamed) {
 }
 
 }  // namespace
-}  // namespace fail_aware
+}  // namespace fail_aware::ransac_plane_test
