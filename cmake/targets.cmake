@@ -1,6 +1,6 @@
 # Functions that every CMakeLists.txt of this package uses.
 
-# fail_aware_sources(VARIABLE FOLDER...): all sources below the folders, sorted. A new file is built without being listed.
+# fail_aware_sources(VARIABLE FOLDER...): all sources below the folders, sorted. A new file need not be listed.
 function(fail_aware_sources variable)
   set(patterns ${ARGN})
   list(TRANSFORM patterns APPEND "/*.cpp")

@@ -4,6 +4,7 @@ import math
 import os
 import pathlib
 import shutil
+import subprocess
 import sys
 
 PACKAGE = "fail_aware_lidar_odometry"
@@ -25,6 +26,18 @@ def find_tool(name, failure=end_of_script):
         if candidate and os.access(candidate, os.X_OK):
             return str(candidate)
     raise failure(f"{name} not found; build first (scripts/build)")
+
+
+def output_of(*command, failure=end_of_script, env=None):
+    """The standard output of a tool, which find_tool() finds unless its path is given. If the tool ends with an error:
+    raises failure(the tool's name and the last line of its errors)."""
+    tool = os.fspath(command[0])
+    path = tool if os.sep in tool else find_tool(tool, failure)
+    done = subprocess.run([path] + [str(word) for word in command[1:]], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True, env=env)
+    if done.returncode != 0:
+        raise failure(f"{os.path.basename(tool)}: {last_line(done.stderr)}")
+    return done.stdout
 
 
 def within(kind, low, high=math.inf):
