@@ -104,7 +104,8 @@ void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motio
     Vector6d axis = Vector6d::Zero();
     axis.head<3>() = eigen.eigenvectors().col(i);
     const Vector6d S_axis = S_ * axis;
-    const Vector6d gain = S_axis / (axis.dot(S_axis) + 2.0 * variance / (dt_s * dt_s));
+    const double previous = axis.head<3>().dot(measured.P_previous * axis.head<3>());
+    const Vector6d gain = S_axis / (axis.dot(S_axis) + (variance + std::max(variance, previous)) / (dt_s * dt_s));
     const double innovation = axis.head<3>().dot(measured.velocity_mps - motion.velocity_mps);
     motion.velocity_mps += innovation * gain.head<3>();
     motion.acceleration_mps2 += innovation * gain.tail<3>();

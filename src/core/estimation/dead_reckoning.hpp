@@ -5,8 +5,9 @@
 // Where little is observed, the derivatives of unsure poses wander: on highways until posts are paired with their
 // neighbours. So a separate Kalman filter estimates velocity v and acceleration a (a: first-order Markov, standard
 // deviation `acceleration_mps2`, correlation time `acceleration_time_s`). A sweep's fused measurement with covariance R
-// corrects the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. The
-// yaw rate is treated the same way; the yaw acceleration decreases with speed, since fast bends are wide
+// corrects the velocity with covariance (R + P) / dt^2, where P is the last estimate's and at least R: what a measurement
+// takes back of that estimate's error is no speed. Directions that the measurement does not observe are left out. The yaw
+// rate is treated the same way with 2 R; the yaw acceleration decreases with speed, since fast bends are wide
 // (`turning_speed_mps`).
 // A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
 // speedError() gives the accumulated covariance the size of the error along the road and how much of it persists.
@@ -67,6 +68,8 @@ class DeadReckoning {
     double yaw_rate_rad_s = 0.0;
     Eigen::Matrix3d R = Eigen::Matrix3d::Zero();  ///< of the measured position, m^2
     double yaw_variance = 0.0;                    ///< of the measured heading, rad^2
+    /// Of the last estimate's position, from which the velocity is measured, m^2: after dead reckoning larger than R.
+    Eigen::Matrix3d P_previous = Eigen::Matrix3d::Zero();
   };
 
   explicit DeadReckoning(const Params& params);

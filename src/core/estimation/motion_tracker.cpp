@@ -26,11 +26,13 @@ void MotionTracker::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sig
   road_.clear();
   last_measured_ = previous_measured_ = false;
   velocity_unobservable_ = velocity_was_unobservable_ = false;
+  position_covariance_.setZero();
 }
 
 void MotionTracker::setPose(const Vector6d& before, const Vector6d& after, const Pose& T_new_old) {
   history_.move(T_new_old);
   road_.turn(T_new_old.linear());
+  position_covariance_ = (T_new_old.linear() * position_covariance_ * T_new_old.linear().transpose()).eval();
   const Eigen::Matrix3d rates_after_before =
       fixedAxisFromRpyRates(after.tail<3>()).inverse() * T_new_old.linear() * fixedAxisFromRpyRates(before.tail<3>());
   motion_.rpy_rates_rad_s = rates_after_before * motion_.rpy_rates_rad_s;
@@ -49,6 +51,7 @@ void MotionTracker::update(const Sweep& sweep) {
   if (sweep.measured) remember(sweep);
   updateMotion(sweep);
   if (sweep.measured) road_.update(sweep.state.time_s(), sweep.x, motion_);
+  position_covariance_ = sweep.state.covariance.topLeftCorner<3, 3>();
 }
 
 // Stores the pose in the sweep's middle, moved there with the motion that the sweep was deskewed with.
@@ -88,6 +91,7 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   if (previous_measured_) {
     measured.velocity_mps = logSe3(T_previous_measured).head<3>() / state.dt_s;
     measured.yaw_rate_rad_s = wrapAngle(state.fusion.z[5] - yaw_previous_rad) / state.dt_s;
+    measured.P_previous = R_odom_body.transpose() * position_covariance_ * R_odom_body;
   } else {  // an increment from a prediction includes the prediction's error; one from a measured pose does not
     measured.velocity_mps = historyDerivatives().velocity_body_mps;
     measured.yaw_rate_rad_s = historyDerivatives().rpy_rates_rad_s.z();

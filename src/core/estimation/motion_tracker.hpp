@@ -79,6 +79,7 @@ class MotionTracker {
   MotionDerivatives motion_;
   bool velocity_unobservable_ = false, velocity_was_unobservable_ = false;  ///< in the last sweep, in the one before
   bool last_measured_ = false, previous_measured_ = false;
+  Eigen::Matrix3d position_covariance_ = Eigen::Matrix3d::Zero();  ///< of the last estimate, along odom's axes
   double newest_middle_s_ = 0.0;  ///< of the history's newest pose, relative to the estimate's stamp
 };
 

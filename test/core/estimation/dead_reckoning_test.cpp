@@ -131,6 +131,21 @@ TEST(DeadReckoning, AnAccelerationThatNothingObservesDiesOut) {
   EXPECT_NEAR(motion.acceleration_mps2.x(), 0.0, 0.01);
 }
 
+TEST(DeadReckoning, WhatTakesBackAPositionsErrorIsNoSpeed) {
+  DeadReckoning after_a_second = lastObserved();
+  const DeadReckoning::Measured useless = measured(10.0, 3.0);
+  for (int i = 0; i < 10; ++i) after_a_second.filter(motionOf(10.0), kDt_s, &useless);
+  const auto speedWith = [&](double previous_sigma_m) {
+    DeadReckoning dead_reckoning = after_a_second;
+    DeadReckoning::Measured found = measured(11.0, 0.015);  // 0.1 m ahead of what was predicted
+    found.P_previous(0, 0) = previous_sigma_m * previous_sigma_m;
+    return dead_reckoning.filter(motionOf(10.0), kDt_s, &found).velocity_mps.x();
+  };
+  EXPECT_LT(speedWith(0.1), 10.3);
+  EXPECT_GT(speedWith(0.015), 10.6);
+  EXPECT_EQ(speedWith(0.015), speedWith(0.0)) << "the last estimate is as uncertain as R at least";
+}
+
 TEST(DeadReckoning, FollowsAnUnsureSpeedThatChanges) {
   DeadReckoning dead_reckoning = lastObserved();
   std::mt19937 random(3);

@@ -14,7 +14,7 @@ class MotionTrackerTest : public testing::Test {
     tracker.reset({15.0, 1.0, 1.0}, 0.3);
   }
 
-  void sweep(double speed_mps, bool measured = true, double sigma_m = 0.01) {
+  void sweep(double speed_mps, bool measured = true, double sigma_m = 0.01, double estimate_sigma_m = 0.01) {
     const Pose previous = state.T_odom_cog;
     x[0] += 0.1 * speed_mps;
     state.stamp_s += 0.1;
@@ -25,6 +25,7 @@ class MotionTrackerTest : public testing::Test {
     state.fusion.z = x;
     state.fusion.R = sigma_m * sigma_m * Matrix6d::Identity();
     state.fusion.R.diagonal().tail<3>().setConstant(1e-8);
+    state.covariance = estimate_sigma_m * estimate_sigma_m * Matrix6d::Identity();
     SweepPrediction prediction;
     prediction.dt_s = 0.1;
     prediction.motion_status = MotionStatus::kObserved;
@@ -56,6 +57,18 @@ TEST_F(MotionTrackerTest, SpeedCoastsWithoutMeasurement) {
   EXPECT_FALSE(tracker.lastMeasured());
   sweeps(10, 12.0);
   EXPECT_FALSE(tracker.deadReckoning().active());
+}
+
+TEST_F(MotionTrackerTest, AStepFromAnUncertainEstimateTellsLittleOfTheSpeed) {
+  const auto speedAfterAStep = [&](double estimate_sigma_m) {
+    tracker.reset({15.0, 1.0, 1.0}, 0.3);
+    sweeps(10, 12.0);
+    for (int i = 0; i < 5; ++i) sweep(12.0, true, 0.06, estimate_sigma_m);
+    sweep(13.0);
+    return tracker.motion().velocity_body_mps.x();
+  };
+  EXPECT_LT(speedAfterAStep(0.1), 12.4);
+  EXPECT_GT(speedAfterAStep(0.01), 12.6);
 }
 
 TEST_F(MotionTrackerTest, SpeedIsLimited) {
