@@ -104,7 +104,9 @@ void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motio
     Vector6d axis = Vector6d::Zero();
     axis.head<3>() = eigen.eigenvectors().col(i);
     const Vector6d S_axis = S_ * axis;
-    const double previous = axis.head<3>().dot(measured.P_previous * axis.head<3>());
+    // a less accurate one is mostly the road's speed, which is measured from the last estimate on
+    const bool from_map = variance <= params_.observed_sigma_m * params_.observed_sigma_m;
+    const double previous = from_map ? axis.head<3>().dot(measured.P_previous * axis.head<3>()) : variance;
     const Vector6d gain = S_axis / (axis.dot(S_axis) + (variance + std::max(variance, previous)) / (dt_s * dt_s));
     const double innovation = axis.head<3>().dot(measured.velocity_mps - motion.velocity_mps);
     motion.velocity_mps += innovation * gain.head<3>();

@@ -135,15 +135,16 @@ TEST(DeadReckoning, WhatTakesBackAPositionsErrorIsNoSpeed) {
   DeadReckoning after_a_second = lastObserved();
   const DeadReckoning::Measured useless = measured(10.0, 3.0);
   for (int i = 0; i < 10; ++i) after_a_second.filter(motionOf(10.0), kDt_s, &useless);
-  const auto speedWith = [&](double previous_sigma_m) {
+  const auto speedWith = [&](double previous_sigma_m, double sigma_m = 0.015) {
     DeadReckoning dead_reckoning = after_a_second;
-    DeadReckoning::Measured found = measured(11.0, 0.015);  // 0.1 m ahead of what was predicted
+    DeadReckoning::Measured found = measured(11.0, sigma_m);  // 0.1 m ahead of what was predicted
     found.P_previous(0, 0) = previous_sigma_m * previous_sigma_m;
     return dead_reckoning.filter(motionOf(10.0), kDt_s, &found).velocity_mps.x();
   };
   EXPECT_LT(speedWith(0.1), 10.3);
   EXPECT_GT(speedWith(0.015), 10.6);
   EXPECT_EQ(speedWith(0.015), speedWith(0.0)) << "the last estimate is as uncertain as R at least";
+  EXPECT_EQ(speedWith(0.1, 0.06), speedWith(0.0, 0.06)) << "the road's speed is measured from the last estimate on";
 }
 
 TEST(DeadReckoning, FollowsAnUnsureSpeedThatChanges) {
