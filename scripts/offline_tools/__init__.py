@@ -30,13 +30,14 @@ def find_tool(name, failure=end_of_script):
 
 def output_of(*command, failure=end_of_script, env=None):
     """The standard output of a tool, which find_tool() finds unless its path is given. If the tool ends with an error:
-    raises failure(the tool's name and the last line of its errors)."""
+    raises failure(the last line of its errors, which begins with the tool's name)."""
     tool = os.fspath(command[0])
     path = tool if os.sep in tool else find_tool(tool, failure)
     done = subprocess.run([path] + [str(word) for word in command[1:]], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           universal_newlines=True, env=env)
     if done.returncode != 0:
-        raise failure(f"{os.path.basename(tool)}: {last_line(done.stderr)}")
+        name, why = os.path.basename(tool), last_line(done.stderr)
+        raise failure(why if why.startswith(f"{name}:") else f"{name}: {why}")
     return done.stdout
 
 
