@@ -10,7 +10,8 @@ endfunction()
 
 # fail_aware_configure(TARGET [UNITY] [OPTIMIZED] [PRECOMPILE HEADER...]): options of a library or an executable.
 #   UNITY       compiles the sources in groups of eight, so that Eigen's and ROS's templates are instantiated once a group.
-#               Names in anonymous namespaces must then differ within a group; a test has a namespace of its file's name.
+#               Names in anonymous namespaces must then differ within a group. Tests need not care: each has a
+#               namespace with its file's name.
 #   PRECOMPILE  these headers, and those that most sources include
 #   OPTIMIZED   an executable that computes much in its own sources
 # Libraries are optimized as the build type says. Executables (tools, tests) leave the work to the libraries: with -O1 they
