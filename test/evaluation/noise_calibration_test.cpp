@@ -80,12 +80,11 @@ std::vector<DriftRun> driftingRuns(const DriftModel::Params& drift, int runs) {
       FilterState& s = input.state;
       s.stamp_s = 0.4 * i;
       if (i > 0) {
-        const double step_m = 8.0, dt_s = 0.4, pace = DriftModel(drift).pace(step_m, dt_s);
-        const double root = pace * std::sqrt(step_m);
+        const double step_m = 8.0, dt_s = 0.4, root = std::sqrt(step_m);
         Vector6d step = Vector6d::Zero();
         step[0] = step_m;
         Vector6d error = Vector6d::Zero();
-        error[0] = pace * scale * step_m + drift.position_per_root_metre_m * root * normal(random);
+        error[0] = scale * step_m + drift.position_per_root_metre_m * root * normal(random);
         error[1] = drift.position_per_root_metre_m * root * normal(random);
         error[5] = heading_bias * step_m + drift.heading_per_root_metre_deg * kDegree * root * normal(random);
         s.dt_s = dt_s;

@@ -207,14 +207,14 @@ TEST_F(OfflineOdometry, ParameterFilesOverrideInOrder) {
     std::ofstream(folder_ / name) << text;
     return " --parameters '" + (folder_ / name).string() + "'";
   };
-  const std::string first = file("first.yaml", "monitor:\n  drift:\n    scale_bias: 1.0e-4\n    slow_mps: 11.0\n");
-  const std::string second = file("second.yaml", "monitor:\n  drift:\n    slow_mps: 12.0\n    transient_ratio: 0.25\n");
+  const std::string first = file("first.yaml", "monitor:\n  drift:\n    scale_bias: 2.0e-4\n    map_length_m: 11.0\n");
+  const std::string second = file("second.yaml", "monitor:\n  drift:\n    map_length_m: 12.0\n    transient_ratio: 0.25\n");
   run(base() / "drive", "--count 2" + first + second + " --set monitor.drift.transient_ratio=0.125");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   PipelineParameters used;
   loadYaml(out("parameters.yaml").string(), used);
-  EXPECT_EQ(used.profile.monitor.drift.scale_bias, 1e-4);
-  EXPECT_EQ(used.profile.monitor.drift.slow_mps, 12.0);
+  EXPECT_EQ(used.profile.monitor.drift.scale_bias, 2e-4);
+  EXPECT_EQ(used.profile.monitor.drift.map_length_m, 12.0);
   EXPECT_EQ(used.profile.monitor.drift.transient_ratio, 0.125);
 }
 

@@ -29,7 +29,7 @@ class ConsistencyMonitor {
  public:
   struct Params {
     double persistent_disagreement_m = 0.15;  ///< a lasting disagreement above this inflates the covariance
-    double persistent_innovation_m = 0.07;    ///< a lasting innovation above this inflates the covariance; 0: off
+    double persistent_innovation_m = 0.1;     ///< a lasting innovation above this inflates the covariance; 0: off
     double fitting_ratio = 0.3;               ///< R is not trusted where less of the scenery fits; 0: off
     double unfitting_sigma_m = 0.25;          ///< sigma added by a sweep with no inlier: 2.5 m/s at 10 Hz
     double max_yaw_innovation_deg = 4.5;      ///< a larger innovation in one sweep inflates the covariance; 0: off
@@ -47,13 +47,13 @@ class ConsistencyMonitor {
 
   struct Sweep {
     double dt_s = 0.0;
-    double undecided_m = 0.0;             ///< FusionResult::undecided_m
-    double innovation_m = 0.0;            ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
-    double turn_rad = 0.0;                ///< rotation part of the innovation; 0 likewise
-    std::optional<double> inlier_ratio;   ///< of point-to-plane; none: it did not measure
-    std::size_t inliers = 0;              ///< likewise; 0: not known
-    bool dead_reckoned = false;           ///< the speed before this sweep was not observed
-    double time_sigma_m = 0.0;            ///< sigma of the prediction due to the uncertain interval between sweeps
+    double undecided_m = 0.0;            ///< FusionResult::undecided_m
+    double innovation_m = 0.0;           ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
+    double turn_rad = 0.0;               ///< rotation part of the innovation; 0 likewise
+    std::optional<double> inlier_ratio;  ///< of point-to-plane; none: it did not measure
+    std::size_t inliers = 0;             ///< likewise; 0: not known
+    bool dead_reckoned = false;          ///< the speed before this sweep was not observed
+    double time_sigma_m = 0.0;           ///< sigma of the prediction due to the uncertain interval between sweeps
   };
 
   struct Inflation {

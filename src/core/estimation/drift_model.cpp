@@ -10,7 +10,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kMaxPace = 5.0;
 constexpr double kNewMapDistance_m = 0.1;
 constexpr double kNewMapTilt_rad_per_m = 0.09;  // 0.1 deg where the position is off by 2 cm
 
@@ -26,7 +25,6 @@ void DriftModel::Params::validate() const {
   requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
   requireNotNegative("heading_bias_deg_per_m", heading_bias_deg_per_m);
   requireNotNegative("scale_bias", scale_bias);
-  requirePositive("slow_mps", slow_mps);
   requireWithin("transient_ratio", transient_ratio, 0.0, 1e6);
   requireWithin("transient_rotation_ratio", transient_rotation_ratio, 0.0, 1e6);
   requireNotNegative("new_map_m", new_map_m);
@@ -58,16 +56,11 @@ Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
 
 DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }
 
-double DriftModel::pace(double distance_m, double dt_s) const {
-  return dt_s > 0.0 ? std::clamp(distance_m / (dt_s * params_.slow_mps), 1.0, kMaxPace) : 1.0;
-}
-
-Vector6d DriftModel::walkVariances(double distance_m, double pace) const {
-  const double walk_m = pace * pace * distance_m;
-  const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * walk_m;
+Vector6d DriftModel::walkVariances(double distance_m) const {
+  const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * distance_m;
   Vector6d variances;
-  variances << Eigen::Vector3d::Constant(squared(params_.position_per_root_metre_m) * walk_m), tilt, tilt,
-      squared(params_.heading_per_root_metre_deg * kDegree) * walk_m;
+  variances << Eigen::Vector3d::Constant(squared(params_.position_per_root_metre_m) * distance_m), tilt, tilt,
+      squared(params_.heading_per_root_metre_deg * kDegree) * distance_m;
   return variances;
 }
 

@@ -9,8 +9,6 @@
 //   - biases, from a sensor whose beams are off by the same every sweep: a heading error per metre and a scale error.
 //     Unknown and constant; they make the error grow with distance squared and distance. Each head has its own (0.1 to
 //     0.5 m per km of scale in ten simulated ones), so that one head's errors are alike on all its drives.
-//   - faster than `slow_mps`, walk (standard deviation) and scale error grow as the speed: fewer sweeps see each place,
-//     and fewer places are still seen
 //   - what a new map costs: it holds the points of one sweep, between whose beams the pose settles 1 to 4 cm off within
 //     the first 0.1 m of the way (five simulated standing starts), and tilted by 0.1 to 0.25 deg (moving starts)
 //
@@ -20,7 +18,7 @@
 // these, squared.
 //
 // calibrate_noise fits registration_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias; map
-// length, tilt, slow_mps and new_map_m are chosen by hand.
+// length, tilt and new_map_m are chosen by hand.
 //
 // Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
 #pragma once
@@ -38,8 +36,7 @@ class DriftModel {
     double tilt_per_root_metre_deg = 0.0065;
     double heading_per_root_metre_deg = 0.0003;
     double heading_bias_deg_per_m = 0.00002;  ///< standard deviation of the constant
-    double scale_bias = 0.00005;              ///< likewise: metres per metre
-    double slow_mps = 10.0;                   ///< faster, the walks and the scale bias grow with the speed
+    double scale_bias = 0.0001;               ///< likewise: metres per metre
     double transient_ratio = 0.25;  ///< of a registration's variance: what the pose jitters by about the map: position
     double transient_rotation_ratio = 0.5;  ///< likewise rotation
     double new_map_m = 0.02;  ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
@@ -53,7 +50,6 @@ class DriftModel {
       v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
       v("heading_bias_deg_per_m", self.heading_bias_deg_per_m);
       v("scale_bias", self.scale_bias);
-      v("slow_mps", self.slow_mps);
       v("transient_ratio", self.transient_ratio);
       v("transient_rotation_ratio", self.transient_rotation_ratio);
       v("new_map_m", self.new_map_m);
@@ -67,11 +63,8 @@ class DriftModel {
   /// Throws ParameterError.
   explicit DriftModel(const Params& params);
 
-  /// How much faster than `slow_mps`: 1 (slower, or no time given) to 5.
-  double pace(double distance_m, double dt_s) const;
-
   /// Variances that the way of one sweep adds to the pose and to the map alike.
-  Vector6d walkVariances(double distance_m, double pace) const;
+  Vector6d walkVariances(double distance_m) const;
   /// Ratio of the map around the vehicle that one sweep replaces, 0..1.
   double mapReplaced(double distance_m) const;
   double registrationRatio() const { return params_.registration_ratio; }

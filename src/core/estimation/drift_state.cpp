@@ -31,15 +31,15 @@ void DriftState::foldIntoMap(double ratio) {
   addRows(kInMap, -ratio * Matrix6d::Identity(), kInMap, C);
 }
 
-// Errors e = (m, b, s, v, d): m.t += m.r x R t + p s R t,  m.r += b |t| R e_z,  d.t += d.r x R t + dt v R e_x,
-// v = kept v + noise; p: the pace.
+// Errors e = (m, b, s, v, d): m.t += m.r x R t + s R t,  m.r += b |t| R e_z,  d.t += d.r x R t + dt v R e_x,
+// v = kept v + noise.
 void predictDrift(const DriftStep& step, const Eigen::Matrix3d& R, DriftState& state) {
   constexpr int kMap = DriftState::kMap, kInMap = DriftState::kInMap, kSpeed = DriftState::kSpeed;
   const Eigen::Vector3d moved = R * step.step_m;
   DriftState::Matrix F = DriftState::Matrix::Identity();
   for (const int part : {kMap, kInMap}) F.block<3, 3>(part, part + 3) = -skew(moved);
   F.block<3, 1>(kMap + 3, DriftState::kHeadingBias) = moved.norm() * R.col(2);
-  F.block<3, 1>(kMap, DriftState::kScaleBias) = step.pace * moved;
+  F.block<3, 1>(kMap, DriftState::kScaleBias) = moved;
   F.block<3, 1>(kInMap, kSpeed) = step.dt_s * R.col(0);
   F(kSpeed, kSpeed) = step.speed_error.kept;
   state.C = symmetric(DriftState::Matrix(F * state.C * F.transpose()));

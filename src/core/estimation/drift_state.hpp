@@ -29,7 +29,7 @@ struct DriftState {
 /// One sweep; covariances, the step and I - K about the previous body's axes.
 struct DriftStep {
   Eigen::Vector3d step_m = Eigen::Vector3d::Zero();
-  double dt_s = 0.0, pace = 1.0;
+  double dt_s = 0.0;
   SpeedError speed_error;
   Matrix6d motion = Matrix6d::Zero();        ///< what d gets
   Matrix6d left = Matrix6d::Identity();      ///< I - K: what the registration leaves of d

@@ -85,7 +85,6 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   DriftStep step;
   step.step_m = T_previous_now.translation();
   step.dt_s = increment.dt_s;
-  step.pace = drift_.pace(step.step_m.norm(), increment.dt_s);
   step.speed_error = increment.speed_error;
   step.motion = positiveSemidefinite(increment.motion);
   DriftState since_start = since_start_, since_mark = since_mark_;
@@ -151,7 +150,7 @@ OdometryCovariance::MapDistance OdometryCovariance::extendMap(const OdometryIncr
   const double farthest_before_m = way.farthest_m;
   way.farthest_m = std::max(way.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
   step.lasting = drift_.registrationRatio() * step.replaced * step.registration + covarianceOf(increment.doubt);
-  step.lasting.diagonal() += drift_.walkVariances(step.step_m.norm(), step.pace);
+  step.lasting.diagonal() += drift_.walkVariances(step.step_m.norm());
   step.to_map = step.lasting;
   step.to_map.diagonal() += drift_.newMapVariances(farthest_before_m, way.farthest_m);
   return way;

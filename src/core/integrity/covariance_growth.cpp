@@ -47,7 +47,7 @@ bool isUsable(const CovarianceGrowth& g) {
          g.transient.cwiseAbs().maxCoeff() <= kLargestEntry && std::isfinite(g.course_rad) && bounded(g.speed_mps) &&
          bounded(g.yaw_rate_rps) && bounded(g.speed_noise) && g.speed_noise >= 0.0 &&
          bounded(g.speed_forgotten_per_s) && g.speed_forgotten_per_s >= 0.0 && g.speed_share >= 0.0 &&
-         g.speed_share <= 1.0 && bounded(g.pace) && g.pace >= 1.0 && (!g.weak_stretch || isUsable(*g.weak_stretch));
+         g.speed_share <= 1.0 && (!g.weak_stretch || isUsable(*g.weak_stretch));
 }
 
 GrowingCovariance::GrowingCovariance(const CovarianceGrowth& growth, double rate_scale)
@@ -67,9 +67,9 @@ double GrowingCovariance::begin(double t_s, double step_s) {
   if (t_s >= weak_from_s_) enterWeakStretch();
   if (t_s + step_s > weak_from_s_) step_s = weak_from_s_ - t_s;
   const double course = growth_.course_rad + growth_.yaw_rate_rps * (t_s + 0.5 * step_s);
-  const double c = std::cos(course), s = std::sin(course), v = growth_.speed_mps, scaled_v = growth_.pace * v;
-  L_.row(0) << 0.0, 0.0, -v * s, 0.0, scaled_v * c, 0.0;
-  L_.row(1) << 0.0, 0.0, v * c, 0.0, scaled_v * s, 0.0;
+  const double c = std::cos(course), s = std::sin(course), v = growth_.speed_mps;
+  L_.row(0) << 0.0, 0.0, -v * s, 0.0, v * c, 0.0;
+  L_.row(1) << 0.0, 0.0, v * c, 0.0, v * s, 0.0;
   L_(2, 3) = std::abs(v);  // by distance, whichever way
   const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   Q_.topLeftCorner<3, 3>() = R * rate_ * R.transpose();

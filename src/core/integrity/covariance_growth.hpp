@@ -1,8 +1,8 @@
 // How the covariance of the error since t1 grows on the way ahead (not in the paper).
 //
 // Growth: at constant speed v and yaw rate, the error (x, y, yaw) in the frame at t1 with heading bias h, scale bias s
-// and speed error w (estimation/odometry_covariance.hpp), u the part of w's way that stays, p the pace, th the course:
-//   x' = -v sin th yaw + (p v s + u w) cos th,  y' = v cos th yaw + (p v s + u w) sin th,  yaw' = v h
+// and speed error w (estimation/odometry_covariance.hpp), u the part of w's way that stays, th the course:
+//   x' = -v sin th yaw + (v s + u w) cos th,  y' = v cos th yaw + (v s + u w) sin th,  yaw' = v h
 // driven by white noise: Q on (x, y, yaw), about the body's axes. Measurements take a part of w back, and as much is
 // made anew: w' = -f w + white noise. Integrated in steps of constant course (exact for straight driving).
 // Units: m, rad, s. Cost: two 6x6 products a step.
@@ -34,7 +34,6 @@ struct CovarianceGrowth {
   double speed_noise = 0.0;                             ///< that drives the speed error, m^2/s^3
   double speed_forgotten_per_s = 0.0;                   ///< ratio of the speed error that measurements take back
   double speed_share = 0.0;                             ///< u above, 0..1: DriftRate::speed_share
-  double pace = 1.0;                                    ///< p above: DriftModel::pace(), 1 or more
   Eigen::Matrix2d transient = Eigen::Matrix2d::Zero();  ///< (x, y) of the moment, on top: does not grow
 
   /// A stretch of the road ahead on which the error along the vehicle grows faster.

@@ -41,7 +41,6 @@ FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
     : params_(validated(params)),
       indicator_(params.indicator),
       predictor_(params.predictor),
-      drift_(params.drift),
       growth_rate_(params.rate_window_s),
       covariance_(params.drift),
       hysteresis_(params.sweeps_to_recover) {}
@@ -135,7 +134,6 @@ CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftS
   growth.course_rad = rpyFromRotation(R_mark_cog).z();
   if (motion_.dt_s > 0.0) {
     growth.speed_mps = motion_.T_previous_now.translation().x() / motion_.dt_s;
-    growth.pace = drift_.pace(motion_.T_previous_now.translation().norm(), motion_.dt_s);
     growth.yaw_rate_rps = rpyFromRotation(motion_.T_previous_now.linear()).z() / motion_.dt_s;
   }
   return growth;

@@ -93,7 +93,6 @@ class FailAwareMonitor {
   MonitorParameters params_;
   FailAwareIndicator indicator_;
   CovariancePredictor predictor_;
-  DriftModel drift_;
   GrowthRate growth_rate_;
   OdometryCovariance covariance_;
   StateHysteresis hysteresis_;

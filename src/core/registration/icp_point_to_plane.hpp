@@ -59,9 +59,9 @@ class IcpPointToPlane {
     /// at the last iteration steps this many times as large are usable, with a larger R
     double relaxed_convergence_factor = 10.0;
     int min_inliers = 100;                ///< fewer points with a plane: not usable; a sweep has thousands
-    double correlation_inflation = 20.0;  ///< R is that much larger than for independent residuals
+    double correlation_inflation = 10.0;  ///< R is that much larger than for independent residuals
     /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do
-    double usual_curvature_ratio = 0.6;
+    double usual_curvature_ratio = 0.85;
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};
 

@@ -58,7 +58,7 @@ TEST(ConsistencyMonitor, PersistentInnovationInflates) {
   EXPECT_DOUBLE_EQ(accumulated.doubt.sigma_m, 0.12);
   EXPECT_TRUE(accumulated.unbelievable);
   EXPECT_FALSE(accumulated.velocity_unobservable) << "whoever brakes hard would never be believed again";
-  expectNone(afterOdd(10, [](Sweep& sweep) { sweep.innovation_m = 0.067; }), "as sound sweeps at most");
+  expectNone(afterOdd(10, [](Sweep& sweep) { sweep.innovation_m = 0.08; }), "a jerky bend of a country road");
 }
 
 TEST(ConsistencyMonitor, LongIntervalAllowsMore) {
@@ -68,8 +68,8 @@ TEST(ConsistencyMonitor, LongIntervalAllowsMore) {
       sweep.innovation_m = innovation_m;
     });
   };
-  expectNone(slow(0.27), "below four times 0.07 m");
-  EXPECT_DOUBLE_EQ(slow(0.29).doubt.sigma_m, 0.29);
+  expectNone(slow(0.39), "below four times 0.1 m");
+  EXPECT_DOUBLE_EQ(slow(0.41).doubt.sigma_m, 0.41);
 }
 
 TEST(ConsistencyMonitor, WhereLittleFitsTheMapTheIncrementIsOpen) {

@@ -22,7 +22,7 @@ TEST(DriftModel, IndependentErrorsReplaceTheMapEachSweep) {
   const DriftModel model(DriftModel::Params::independent());
   EXPECT_EQ(model.mapReplaced(0.0), 1.0);
   EXPECT_EQ(model.registrationRatio(), 1.0);
-  EXPECT_TRUE(model.walkVariances(12.0, 1.0).isZero());
+  EXPECT_TRUE(model.walkVariances(12.0).isZero());
   EXPECT_TRUE(model.transient(diagonal(1e-4, 1e-7)).isZero());
   EXPECT_TRUE(model.biasVariances().isZero());
 }
@@ -44,7 +44,7 @@ TEST(DriftModel, WalksGrowWithTheRootOfTheWay) {
   params.transient_ratio = 0.6;
   params.transient_rotation_ratio = 0.1;
   const DriftModel model(params);
-  const Vector6d walk = model.walkVariances(4.0, 1.0);
+  const Vector6d walk = model.walkVariances(4.0);
   EXPECT_NEAR(walk[0], 4.0 * 1e-4, 1e-15);
   EXPECT_NEAR(walk[3], 4.0 * std::pow(0.03 * kDegree, 2), 1e-15);
   EXPECT_NEAR(walk[5], 4.0 * std::pow(0.02 * kDegree, 2), 1e-15);
@@ -62,18 +62,6 @@ TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {
   EXPECT_NEAR(model.biasVariances()[1], 4e-6, 1e-18);
 }
 
-TEST(DriftModel, FasterTheWalksGrowWithTheSpeed) {
-  DriftModel::Params params;
-  params.slow_mps = 10.0;
-  params.heading_per_root_metre_deg = 0.02;
-  const DriftModel model(params);
-  EXPECT_EQ(model.pace(0.5, 0.1), 1.0);
-  EXPECT_DOUBLE_EQ(model.pace(3.0, 0.1), 3.0);
-  EXPECT_EQ(model.pace(30.0, 0.1), 5.0) << "stamps that are wrong";
-  EXPECT_EQ(model.pace(3.0, 0.0), 1.0) << "no time given";
-  EXPECT_NEAR(model.walkVariances(3.0, 3.0)[5], 27.0 * std::pow(0.02 * kDegree, 2), 1e-15);
-}
-
 TEST(DriftModel, ParametersAreChecked) {
   const auto refused = [](const std::function<void(DriftModel::Params&)>& change) {
     DriftModel::Params params;
@@ -88,7 +76,6 @@ TEST(DriftModel, ParametersAreChecked) {
   refused([](DriftModel::Params& p) { p.heading_per_root_metre_deg = std::numeric_limits<double>::quiet_NaN(); });
   refused([](DriftModel::Params& p) { p.heading_bias_deg_per_m = -1.0; });
   refused([](DriftModel::Params& p) { p.scale_bias = -1.0; });
-  refused([](DriftModel::Params& p) { p.slow_mps = 0.0; });
 }
 
 }  // namespace

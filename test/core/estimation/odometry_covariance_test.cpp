@@ -229,16 +229,6 @@ TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
   EXPECT_TRUE(odometry.covariance().isApprox(C, 1e-9));
 }
 
-TEST(OdometryCovariance, TheScaleErrorGrowsWithTheSpeed) {
-  DriftModel::Params drift = DriftModel::Params::independent();
-  drift.scale_bias = 0.02;
-  drift.slow_mps = 4.0;  // the drive: 10 m/s
-  OdometryCovariance odometry(drift);
-  odometry.mark(Pose::Identity());
-  driveStraight(odometry, 100, Matrix6d::Zero(), {});
-  EXPECT_NEAR(std::sqrt(odometry.sinceMark()(0, 0)), 2.5 * 0.02 * 100.0, 1e-9);
-}
-
 TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
   DriftModel::Params drift = DriftModel::Params::independent();
   drift.map_length_m = 1e9;

@@ -124,8 +124,6 @@ TEST(CovariancePredictor, DriversInClosedForm) {
   scale.drivers(1, 1) = 1e-6;
   scale.speed_mps = 20.0;
   EXPECT_NEAR(predictorWith(kOneSigma).predict(scale).time_to_failure.seconds, 0.6 / (1e-3 * 20.0), 1e-4);
-  scale.pace = 2.0;
-  EXPECT_NEAR(predictorWith(kOneSigma).predict(scale).time_to_failure.seconds, 0.6 / (2.0 * 1e-3 * 20.0), 1e-4);
   CovarianceGrowth lost;
   lost.speed_share = 1.0;
   lost.speed_noise = 0.04;  // 0.04 t^3 / 3 = 0.36
@@ -239,15 +237,13 @@ TEST(CovariancePredictor, UnusableInputBoundsNoError) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   CovarianceGrowth good;
   good.rate.diagonal() << 1e-3, 1e-3, 1e-6;
-  std::vector<CovarianceGrowth> bad(8, good);
+  std::vector<CovarianceGrowth> bad(6, good);
   bad[0].covariance(0, 1) = nan;
   bad[1].rate(2, 2) = -1e-3;
   bad[2].speed_mps = nan;
   bad[3].course_rad = std::numeric_limits<double>::infinity();
   bad[4].yaw_rate_rps = nan;
   bad[5].covariance(0, 1) = bad[5].covariance(1, 0) = 0.1;  // zero variances with correlation
-  bad[6].pace = nan;
-  bad[7].pace = 0.9;
   for (const CovarianceGrowth& growth : bad) {
     const CovariancePrediction p = predictorWith(0.95).predict(growth);
     EXPECT_EQ(p.time_to_failure.status, Status::kReached);
@@ -284,7 +280,6 @@ TEST(CovariancePredictor, NeverNan) {
     growth.speed_mps = number();
     growth.course_rad = number();
     growth.yaw_rate_rps = number();
-    if (kind(random) < 2) growth.pace = number();
     const CovariancePrediction p = predictor.predict(growth);
     const double seconds = p.time_to_failure.seconds;
     ASSERT_TRUE(p.time_to_failure.isKnown());

@@ -102,7 +102,7 @@ TEST(IcpPointToPlane, AStepIsThatOfFiniteDifferences) {
   params.kernel_m = params.initial_kernel_m = 0.3;
   params.ground_weight = params.ground_share = 1.0;
   params.observability.min_information_ratio = 0.0;
-  params.scan_line_sigma_m = 0.0;
+  params.usual_curvature_ratio = params.scan_line_sigma_m = 0.0;
   const VoxelMap map = mapOf(room(), 1);
   const Pose T0 = poseOf(0.1, -0.05, 0.03, 0.3, -0.2, 1.0);
   const Points points = sweepOf(room(), poseOf(0.2, 0.1, 0.0, 0.0, 0.0, 0.0), 2);
@@ -320,6 +320,7 @@ TEST(IcpPointToPlane, OnlyTheGroundTellsTheHeight) {
 TEST(IcpPointToPlane, WhatRoughWallsSayByChanceDoesNotCount) {
   constexpr double kRough_m = 0.06;
   IcpPointToPlane::Params params = testParams();
+  params.correlation_inflation = 20.0;  // of the figures below
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Points reference = seenFrom(sampleScene(corridor(), 6.0, kRough_m, seed), Pose::Identity());
     const Points points =
