@@ -30,7 +30,7 @@ class CovariancePredictor {
  public:
   struct Params {
     double alert_limit_m = 0.6;
-    double confidence = 0.97;         ///< that what works now does not fail before the published time
+    double confidence = 0.98;         ///< that what works now does not fail before the published time
     double alarm_confidence = 0.9;    ///< of the time that the state acts on: a lower one gives fewer false alarms
     double degrees_of_freedom = 8.0;  ///< of the error's distribution; 0: Gaussian
     double horizon_s = 60.0;
