@@ -61,7 +61,7 @@ class IcpPointToPlane {
     int min_inliers = 100;                ///< fewer points with a plane: not usable; a sweep has thousands
     double correlation_inflation = 10.0;  ///< R is that much larger than for independent residuals
     /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do
-    double usual_curvature_ratio = 0.85;
+    double usual_curvature_ratio = 0.82;
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};
 
