@@ -60,7 +60,8 @@ class IcpPointToPlane {
     double relaxed_convergence_factor = 10.0;
     int min_inliers = 100;                ///< fewer points with a plane: not usable; a sweep has thousands
     double correlation_inflation = 10.0;  ///< R is that much larger than for independent residuals
-    /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do
+    /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do. Sound sweeps have 0.78 to
+    /// 0.95 in the median of a drive
     double usual_curvature_ratio = 0.82;
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};
