@@ -87,7 +87,7 @@ Relocalization::Relocalization(const Params& params, const IcpPointToPoint::Para
       strict_(strict(params, usual)) {}
 
 bool Relocalization::isNeeded(const Matrix6d& covariance) const {
-  return params_.enabled && covariance.diagonal().head<3>().maxCoeff() > params_.min_sigma_m * params_.min_sigma_m;
+  return params_.enabled && covariance.diagonal().head<2>().maxCoeff() > params_.min_sigma_m * params_.min_sigma_m;
 }
 
 std::optional<Pose> Relocalization::find(const RegistrationCloud& cloud, const VoxelMap& map,

@@ -23,7 +23,7 @@ class Relocalization {
  public:
   struct Params {
     bool enabled = true;
-    double min_sigma_m = 0.1;  ///< predicted position sigma up to which the usual seeds are enough
+    double min_sigma_m = 0.1;  ///< horizontal sigma of the prediction up to which the usual seeds are enough
     /// largest spread of the seeds: wider seeds would leave gaps between the ranges of their correspondences
     double max_spread_m = 2.0;
     double max_distance_m = 1.5;  ///< cut-off of correspondences, at most the reach of the voxels

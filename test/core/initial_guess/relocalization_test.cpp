@@ -93,6 +93,9 @@ TEST(Relocalization, NothingWhereLittleFits) {
 TEST(Relocalization, OnlyIfThePredictionIsUncertain) {
   const Relocalization relocalization({}, {});
   EXPECT_FALSE(relocalization.isNeeded(covarianceOf(0.05, 5.0)));
+  Matrix6d uncertain_height = covarianceOf(0.05, 5.0);
+  uncertain_height(2, 2) = 0.25;
+  EXPECT_FALSE(relocalization.isNeeded(uncertain_height)) << "the search is seen from above";
   Relocalization::Params off;
   off.enabled = false;
   EXPECT_FALSE(Relocalization(off, {}).isNeeded(covarianceOf(5.0, 5.0)));
