@@ -281,7 +281,7 @@ double sigmaYawAfter(const std::vector<double>& posts_m) {
 
 // Pillars give the planes too much for open country to begin, too little for it to end; where more stands it ends.
 TEST(LocalMapRegistration, OpenCountryEndsLaterThanItBegins) {
-  constexpr double kPost_m = 0.06, kPillar_m = 2.2, kHouse_m = 2.5;
+  constexpr double kPost_m = 0.06, kPillar_m = 2.88, kHouse_m = 3.3;
   EXPECT_LT(sigmaYawAfter({kPillar_m, kPillar_m, kPillar_m}), 0.1);
   EXPECT_GT(sigmaYawAfter({kPillar_m, kPost_m, kPillar_m}), 0.15);
   EXPECT_LT(sigmaYawAfter({kHouse_m, kPost_m, kHouse_m}), 0.1);

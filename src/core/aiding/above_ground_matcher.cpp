@@ -130,7 +130,7 @@ double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& poi
   pairs.forEach(T_odom_cog_predicted, planes_.initial_kernel_m, kAsCorrected,
                 [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
   equations.H = equations.H.selfadjointView<Eigen::Lower>();
-  return solveObserved(equations, planes_.observability).min_horizontal_ratio;
+  return horizontalRatios(equations).strongest;
 }
 
 // The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.

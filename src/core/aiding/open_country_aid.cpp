@@ -10,7 +10,7 @@ namespace {
 
 // Hysteresis: in the kOpenSweeps sweeps after a clearly open one, the limit of the planes' ratio is kStaysOpen times as
 // large. Clearly open: the planes' ratio is below its limit, the above-ground ratio below kClearlyOpen of its limit.
-constexpr double kStaysOpen = 2.0;
+constexpr double kStaysOpen = 1.5;
 constexpr int kOpenSweeps = 5;
 constexpr double kClearlyOpen = 0.5;
 

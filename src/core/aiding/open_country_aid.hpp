@@ -1,7 +1,7 @@
 // Detects open country and matches the points above the ground there (above_ground_matcher.hpp): the source
 // above_ground, a partial measurement of horizontal position and heading. Not in the paper.
 //
-// Open country begins where planes hold little information and almost nothing stands above the ground. It ends with a
+// Open country begins where planes hold little of any horizontal direction and almost nothing stands. It ends with a
 // delay: in a sweep with a little more structure the planes determine the heading precisely and often wrongly. In open
 // country both ICPs start at the matched pose, and the covariance of what surfaces observe badly is inflated.
 // The match shares the points and the deskew with every other source and the initial guess with the ICPs, but not their

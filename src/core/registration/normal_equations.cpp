@@ -92,6 +92,15 @@ Observed observedOf(const NormalEquations& equations, const ObservabilityParams&
 
 }  // namespace
 
+HorizontalRatios horizontalRatios(const NormalEquations& equations) {
+  const double weight = weightOf(equations);
+  if (!(weight > 0.0)) return {};
+  const Eigen::Matrix2d horizontal = informationOf(equations).topLeftCorner<2, 2>() / weight;
+  const double mean = 0.5 * horizontal.trace();
+  const double spread = std::hypot(0.5 * (horizontal(0, 0) - horizontal(1, 1)), horizontal(0, 1));
+  return {std::clamp(mean - spread, 0.0, 1.0), std::clamp(mean + spread, 0.0, 1.0)};
+}
+
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params) {
   Solution solution;
   const Observed observed = observedOf(equations, params);
@@ -104,13 +113,7 @@ Solution solveObserved(const NormalEquations& equations, const ObservabilityPara
     const Square A = V.transpose() * H * V;
     solution.dx = V * A.ldlt().solve(V.transpose() * b);
   }
-  const double weight = weightOf(equations);
-  if (weight > 0.0) {
-    const Eigen::Matrix2d horizontal = informationOf(equations).topLeftCorner<2, 2>() / weight;
-    const double mean = 0.5 * horizontal.trace();
-    const double spread = std::hypot(0.5 * (horizontal(0, 0) - horizontal(1, 1)), horizontal(0, 1));
-    solution.min_horizontal_ratio = std::clamp(mean - spread, 0.0, 1.0);
-  }
+  solution.min_horizontal_ratio = horizontalRatios(equations).weakest;
   return solution;
 }
 

@@ -56,6 +56,12 @@ struct Solution {
 /// Only `counted_ratio` of the information along a horizontal direction (unit vector) counts (information_support.hpp).
 void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_ratio);
 
+/// The ratio of the information that the weakest and the strongest horizontal direction have, 0..1; 0 without pairs.
+struct HorizontalRatios {
+  double weakest = 0.0, strongest = 0.0;
+};
+HorizontalRatios horizontalRatios(const NormalEquations& equations);
+
 /// The step along observed directions only.
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params);
 

@@ -181,7 +181,7 @@ TEST(AboveGroundMatcher, OfASweepInWhichMuchStandsNothingIsKept) {
   EXPECT_TRUE(matchAgainst(posts()).find(posts(), Pose::Identity()));
 }
 
-TEST(AboveGroundMatcher, PlanesOfARoomTellAndThoseOfAFieldDoNot) {
+TEST(AboveGroundMatcher, PlanesOfARoomOrAWallTellAndThoseOfAFieldDoNot) {
   const AboveGroundMatcher match{AboveGroundMatcher::Params(), IcpPointToPlane::Params()};
   const Scene field = {ground(-20.0, -20.0, 20.0, 20.0)};
   const auto ratioIn = [&](const Scene& scene) {
@@ -190,7 +190,10 @@ TEST(AboveGroundMatcher, PlanesOfARoomTellAndThoseOfAFieldDoNot) {
     map.insert(points, Pose::Identity());
     return match.ratioOfPlanes(points, map, Pose::Identity(), 0.01);
   };
-  EXPECT_GT(ratioIn(room()), 0.1);
+  EXPECT_GT(ratioIn(room()), 0.2);
+  Scene road = field;
+  road.push_back(wall(-20.0, 5.0, 20.0, 5.0, 3.0));
+  EXPECT_GT(ratioIn(road), 0.2) << "across the road";
   EXPECT_LT(ratioIn(field), 0.001);
   EXPECT_EQ(match.ratioOfPlanes(posts(), VoxelMap(), Pose::Identity(), 0.01), 0.0);
 }

@@ -183,13 +183,16 @@ TEST(NormalEquations, CovarianceIsSymmetricPositiveDefinite) {
   }
 }
 
-TEST(NormalEquations, HorizontalRatioIsTheWeakerOfTheTwo) {
+TEST(NormalEquations, HorizontalRatiosAreOfTheWeakestAndTheStrongestDirection) {
   EXPECT_NEAR(
       solveObserved(diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0), testParams()).min_horizontal_ratio,
       0.1, 1e-12);
   NormalEquations turned = diagonalEquations(vector6(0.1, 0.6, 0.3, 1.0, 1.0, 1.0), 50.0);
   turned.H = rotateCovariance(turned.H, rotationFromRpy(0.0, 0.0, 0.7)).eval();
   EXPECT_NEAR(solveObserved(turned, testParams()).min_horizontal_ratio, 0.1, 1e-12);
+  EXPECT_NEAR(horizontalRatios(turned).weakest, 0.1, 1e-12);
+  EXPECT_NEAR(horizontalRatios(turned).strongest, 0.6, 1e-12);
+  EXPECT_EQ(horizontalRatios(NormalEquations()).strongest, 0.0);
 }
 
 TEST(NormalEquations, AStepTurnsAboutTheVehicleAndMovesAlongOdom) {
