@@ -53,7 +53,7 @@ void FailAwareMonitor::start() {
 void FailAwareMonitor::stop() {
   indicator_.stop();
   hysteresis_.reset();
-  rise_limit_.reset();
+  shortest_time_.reset();
   start_pending_ = false;
   t1_stamp_s_ = -1.0;
 }
@@ -220,8 +220,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
       CovarianceGrowth since_start = growth(state, covariance_.driftSinceMark(), T_odom_mark_);
       if (error_unbounded_) since_start.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
       const CovariancePrediction prediction = predictor_.predict(since_start);
-      output.time_to_failure_covariance =
-          rise_limit_.limit(prediction.time_to_failure, state.dt_s, params_.predictor.horizon_s);
+      output.time_to_failure_covariance = shortest_time_.add(prediction.time_to_failure, state.dt_s);
       output.protection_level_m = prediction.radius_m;
       time_to_alarm = prediction.time_to_alarm;
     }

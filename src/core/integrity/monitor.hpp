@@ -16,7 +16,7 @@
 #include "core/integrity/failure_state.hpp"
 #include "core/integrity/growth_rate.hpp"
 #include "core/integrity/indicator.hpp"
-#include "core/integrity/rise_limit.hpp"
+#include "core/integrity/recent_shortest_time.hpp"
 #include "core/moving_median.hpp"
 #include "core/stamp_difference.hpp"
 #include "core/types/filter_state.hpp"
@@ -96,7 +96,7 @@ class FailAwareMonitor {
   GrowthRate growth_rate_;
   OdometryCovariance covariance_;
   StateHysteresis hysteresis_;
-  RiseLimit rise_limit_;
+  RecentShortestTime shortest_time_;
   Pose T_odom_mark_ = Pose::Identity();
   double t1_stamp_s_ = -1.0;
   int odom_reset_count_ = 0;
