@@ -8,7 +8,8 @@
 //
 // Rates: rad/s about the axes of the centre of gravity, to be added to the motion that the sweep was deskewed for;
 // points measured at the sweep's middle do not move.
-// Failure: nullopt, without times, planes or convergence. Cost: one point-to-plane registration.
+// Failure: nullopt, without times, planes or convergence, of part of a revolution, and for a rate that no vehicle has.
+// Cost: one point-to-plane registration.
 #pragma once
 
 #include <Eigen/Core>

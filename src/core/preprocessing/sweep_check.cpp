@@ -1,38 +1,26 @@
 #include "core/preprocessing/sweep_check.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstring>
 
 #include "core/parameters/check.hpp"
+#include "core/preprocessing/azimuth_coverage.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-constexpr std::size_t kSectors = 72;
-constexpr int kMinPointsInSector = 3;
 constexpr std::size_t kComparedPoints = 20000;
-
-std::size_t sectorOf(const Eigen::Vector3f& p) {
-  const float turns = (std::atan2(p.y(), p.x()) + static_cast<float>(M_PI)) / static_cast<float>(2.0 * M_PI);
-  return std::min(kSectors - 1, static_cast<std::size_t>(std::max(0.0f, turns) * kSectors));
-}
 
 void look(const std::vector<Eigen::Vector3f>& points, double visible_range_m, SweepFindings& findings) {
   const auto far = static_cast<float>(visible_range_m * visible_range_m);
   // An odd stride visits all beams of a column of 64 or 128; so does any stride without a common factor.
   const std::size_t stride = (points.size() / kComparedPoints) | 1u;
-  std::array<int, kSectors> counts{};
   std::size_t looked_at = 0, beyond = 0;
   for (std::size_t i = 0; i < points.size(); i += stride) {
-    ++counts[sectorOf(points[i])];
     if (points[i].squaredNorm() > far) ++beyond;
     ++looked_at;
   }
-  const auto seen = std::count_if(counts.begin(), counts.end(), [](int n) { return n >= kMinPointsInSector; });
-  findings.azimuth_coverage = static_cast<double>(seen) / kSectors;
+  findings.azimuth_coverage = azimuthCoverage(points, stride);
   findings.far_ratio = static_cast<double>(beyond) / static_cast<double>(looked_at);
 }
 

@@ -132,6 +132,28 @@ TEST(DeskewRefinement, WithoutTimesPlanesOrPointsThereIsNothing) {
   EXPECT_TRUE(!rate || rate->allFinite());
 }
 
+TEST(DeskewRefinement, HalfARevolutionDoesNotTellTheRate) {
+  const Look look = lookOf(turning(0.0, 0.0, 9.0), turning(0.0, 0.0, 5.0));
+  Look half;
+  for (std::size_t i = 0; i < look.points_cog.size(); ++i) {
+    if (look.points_cog[i].y() < 0.0f) continue;
+    half.points_cog.push_back(look.points_cog[i]);
+    half.times_s.push_back(look.times_s[i]);
+  }
+  EXPECT_TRUE(found(look));
+  EXPECT_FALSE(found(half));
+}
+
+TEST(DeskewRefinement, ARateBeyondFourSigmasIsRefused) {
+  const Look look = lookOf(turning(0.0, 0.0, 30.0), turning(0.0, 0.0, 0.0));
+  DeskewRefinement::Params params;
+  params.sigma_deg_s = 6.0;
+  const auto rate = found(look);
+  ASSERT_TRUE(rate);
+  EXPECT_GT(rate->z() / kDegree, 25.0);
+  EXPECT_FALSE(found(look, Pose::Identity(), params));
+}
+
 TEST(DeskewRefinement, RefusesANonsensicalSigma) {
   DeskewRefinement::Params params;
   params.sigma_deg_s = 0.0;
