@@ -196,6 +196,29 @@ TEST(VerticalReference, SceneryThatLeansAllWaysTellsNothing) {
   EXPECT_LT(std::abs(level.report().tilt_deg), 2.0 * level.report().tilt_sigma_deg);
 }
 
+/// Of a drive that begins among hedges: a few looks agree by chance on an elevation that they cannot tell.
+TEST(VerticalReference, AFirstLookThatContradictsItselfDoesNotCount) {
+  constexpr double kSigmaElevation_deg = 0.15;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-20.0, 20.0), slope(-0.25, 0.25);
+  int looks_that_told = 0;
+  for (unsigned start = 0; start < 60; ++start) {
+    VerticalReference level(VerticalReferenceParams(), kSigmaElevation_deg);
+    Street street(Street::Head(), start);
+    Street::Sweep sweep;
+    for (int wall = 0; wall < 12; ++wall) {
+      const Eigen::Vector2d from(place(random), place(random)), along(0.0, 4.0), across(4.0, 0.0);
+      street.see(sweep, from, from + (wall % 2 == 0 ? along : across), 0.8, slope(random));
+    }
+    level.observe(sweep.points, sweep.rings, Pose::Identity());
+    const VerticalReference::Report& report = level.report();
+    const double told = std::pow(kSigmaElevation_deg, 2) - std::pow(report.elevation_sigma_deg, 2);
+    EXPECT_LE(report.elevation_deg * report.elevation_deg, 9.0 * told + 1e-9) << "start " << start;
+    if (told > 1e-9) ++looks_that_told;
+  }
+  EXPECT_GT(looks_that_told, 10);
+}
+
 TEST(VerticalReference, TiltMomentHoldsWhatIsNotCorrected) {
   VerticalReference level(withoutBend());
   EXPECT_TRUE(level.tiltMoment().isZero());
