@@ -2,11 +2,11 @@
 //
 // In a field the ground is nearly all that surfaces tell of, and it misleads: its scan lines travel with the sensor, and
 // a map of sweeps that were placed at a wrong speed fits the next one at the same wrong speed. A few bushes and posts
-// know better but are outnumbered. So where planes hold little of any horizontal direction (`max_information_ratio`; at a
-// motorway the rails hold much of the way across) and next to nothing stands (`max_above_ground_ratio`), horizontal
-// position and heading are taken from the standing points alone (above_ground_points.hpp), matched with those of one sweep that is kept
-// for some metres (above_ground_reference.hpp), a vote each place: a search along the way, then Gauss-Newton over x, y and
-// heading.
+// know better but are outnumbered. In open country horizontal position and heading are
+// therefore taken from the standing points alone (above_ground_points.hpp). They are matched with those of one sweep that
+// is kept for some metres (above_ground_reference.hpp), a vote each place: a search along the way, then Gauss-Newton over
+// x, y and heading. Open country is where planes observe both horizontal directions poorly (`max_information_ratio`) and
+// few points stand (`max_above_ground_ratio`). A motorway is none: its rails observe the direction across.
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
 // distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4 m).
