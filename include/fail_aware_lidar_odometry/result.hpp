@@ -13,7 +13,7 @@ enum class SweepStatus {
   kFirst,              ///< defines odom, or, where stamps jumped, goes on from the last pose; not registered
   kCorrected,          ///< measured and fused
   kPredicted,          ///< no usable measurement: the pose is the prediction
-  kStampNotAdvancing,  ///< duplicate, out of order, far ahead: refused, the pose is the last one
+  kStampNotAdvancing,  ///< duplicate, out of order, far ahead: refused, pose, covariance and monitor are the last ones
 };
 
 const char* toString(SweepStatus status);
@@ -26,8 +26,9 @@ struct Result {
   /// Of T_odom_base, accumulated since the start of the drive. That of nav_msgs/Odometry: order x y z, rotation about the
   /// fixed axes x y z of odom; m^2, m rad, rad^2.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  MonitorOutput monitor;         ///< state, reasons, time to failure
-  std::string pose_set_refused;  ///< why a pose that was set could not be taken; empty: none waited, or it is done
+  MonitorOutput monitor;  ///< state, reasons, time to failure
+  /// Why a pose that was set could not be taken. Empty: it is done, it waits for an observed motion, or there was none.
+  std::string pose_set_refused;
 
   bool hasPose() const { return status != SweepStatus::kNotStarted && status != SweepStatus::kStampNotAdvancing; }
 };

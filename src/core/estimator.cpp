@@ -42,8 +42,8 @@ bool Estimator::predict(double stamp_s, double set_back_s, SweepPrediction& pred
   return true;
 }
 
-const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s,
-                                     double revolution_s, const std::optional<Eigen::Matrix2d>& tilt_moment) {
+const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s, double revolution_s,
+                                     const std::optional<Eigen::Matrix2d>& tilt_moment) {
   external_.clear();
   for (auto& [name, source] : sources_) external_.push_back({name, source.measure(prediction_, T_base_cog_)});
   std::vector<FusionInput> inputs = measurements;
@@ -63,7 +63,6 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
 }
 
 void Estimator::takeSetPose(bool motion_known) {
-  pose_set_ = PoseSet();
   const FilterState& state = filter_.state();
   if (!pose_setting_.pending() || (state.dt_s > 0.0 && !motion_known)) return;
   pose_set_.refused = pose_setting_.outdated(state);
@@ -96,7 +95,6 @@ void Estimator::beginDrive(const Pose& T_odom_cog) {
   clock_.reset();
   stamps_.beginDrive();
   newest_stamp_s_.reset();
-  pose_set_ = PoseSet();
   if (pose_setting_.pending()) pose_set_.refused = "a new drive began before it could be set";
   pose_setting_.clear();
   for (auto& [name, source] : sources_) source.clear();

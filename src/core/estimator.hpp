@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/estimation/external_pose.hpp"
@@ -64,7 +65,8 @@ class Estimator {
 
   /// set_pose: returns why the pose is refused; empty: the pose waits for the next update().
   std::string setPose(const ExternalPose& pose) { return pose_setting_.offer(pose, newest_stamp_s_); }
-  const PoseSet& poseSet() const { return pose_set_; }
+  /// The outcome of the pose that waited, once.
+  PoseSet takePoseSet() { return std::exchange(pose_set_, PoseSet()); }
 
   /// Resets everything; base_link is at odom's origin.
   void reset();

@@ -76,7 +76,8 @@ struct OdometryPipeline::Stages {
   std::optional<SweepPrediction> predict(double stamp_s);
   SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
   void estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report, SweepResult& result);
-  MonitorOutput judge(const SweepResult& result);
+  const MonitorOutput& judge(const SweepResult& result);
+  Matrix6d publishedCovariance() const;
   SweepResult refused();
   void beginDrive();
   void measure(const SweepPrediction& prediction, SweepResult& result);
@@ -95,6 +96,7 @@ struct OdometryPipeline::Stages {
   tbb::task_arena arena;
   std::vector<Source> sources;  ///< in the order of the fusion's inputs
   CorrectedSweep corrected;
+  MonitorOutput last_output;
   int refused_sweeps = 0;                    ///< since the last accepted sweep
   std::optional<double> start_from_stamp_s;  ///< t1 is requested and not reached yet
 };
@@ -196,8 +198,8 @@ void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const
     inputs.push_back({source.name, source.used ? &source.measurement : nullptr, source.kind});
   }
   const FilterState& state = estimator.update(inputs, report.middle_s, report.revolution_s, report.tilt_moment);
-  result.odometry_covariance = covarianceAfterOffset(estimator.odometryCovariance(), state.T_odom_cog, T_cog_base());
-  result.pose_set = estimator.poseSet();
+  result.odometry_covariance = publishedCovariance();
+  result.pose_set = estimator.takePoseSet();
   result.state = exchanged(state);
   result.T_odom_base = state.T_odom_cog * T_cog_base();
   result.status = !state.started              ? SweepStatus::kNotStarted
@@ -206,21 +208,27 @@ void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const
                                               : SweepStatus::kPredicted;
 }
 
+Matrix6d OdometryPipeline::Stages::publishedCovariance() const {
+  return covarianceAfterOffset(estimator.odometryCovariance(), estimator.state().T_odom_cog, T_cog_base());
+}
+
 SweepResult OdometryPipeline::Stages::refused() {
   ++refused_sweeps;
   SweepResult result;
   result.status = SweepStatus::kStampNotAdvancing;
   result.state = exchanged(estimator.state());
   result.T_odom_base = estimator.state().T_odom_cog * T_cog_base();
+  result.odometry_covariance = publishedCovariance();
+  result.monitor = last_output;
   return result;
 }
 
-MonitorOutput OdometryPipeline::Stages::judge(const SweepResult& result) {
+const MonitorOutput& OdometryPipeline::Stages::judge(const SweepResult& result) {
   if (start_from_stamp_s && result.state.stamp_s >= *start_from_stamp_s) {
     monitor.start();
     start_from_stamp_s.reset();
   }
-  return monitor.update(result.state, result.condition);
+  return last_output = monitor.update(result.state, result.condition);
 }
 
 SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {

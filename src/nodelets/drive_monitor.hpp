@@ -1,7 +1,8 @@
-// The fail-aware monitor (core/integrity/monitor.hpp) over several drives. A new drive restarts odom and the monitor:
-// a user of the last drive's odometry must request start_redundant again. A request that still waits for an observed
-// motion stays valid, and so does one that arrived after the last filter state. With the parameter start_redundant the
-// odometry always serves as the localisation, and no request is needed.
+// The fail-aware monitor (core/integrity/monitor.hpp) over several drives. A new drive restarts the monitor: a user of
+// the last drive's odometry must request start_redundant again. A request that still waits for an observed motion stays
+// valid where odom goes on from the last pose (after a jump of the stamps, not after a reset), and so does one that
+// arrived after the last filter state. With the parameter start_redundant the odometry always serves as the
+// localisation, and no request is needed.
 // Failure and cost: those of FailAwareMonitor.
 #pragma once
 
@@ -18,7 +19,7 @@ class DriveMonitor {
 
   /// A state without a time since the previous one (dt_s is 0) begins a drive.
   MonitorOutput update(const FilterState& state, const SweepCondition& condition) {
-    if (!(state.dt_s > 0.0)) beginDrive();
+    if (!(state.dt_s > 0.0)) beginDrive(state);
     asked_ = false;
     return monitor_.update(state, condition);
   }
@@ -46,8 +47,8 @@ class DriveMonitor {
   const FailAwareMonitor& monitor() const { return monitor_; }
 
  private:
-  void beginDrive() {
-    const bool serves = always_serves_ || asked_ || monitor_.startPending();
+  void beginDrive(const FilterState& state) {
+    const bool serves = always_serves_ || asked_ || (monitor_.startPending() && monitor_.isWhereItWas(state));
     monitor_ = FailAwareMonitor(params_);
     if (serves) monitor_.start();
   }

@@ -7,6 +7,7 @@
 #include "core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
+#include "pose_message.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {
@@ -173,13 +174,12 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
     return;
   }
   source.record.inTime();
-  const std::string frame = withoutSlash(message.header.frame_id);
-  if (source.built_in || frame == odom_frame_) {
+  if (source.built_in) {
     source.measurement = fromMessage(message);
-    if (!source.built_in) source.measurement->clock_jump_suspected = false;  // only built-in sources can detect it
   } else {
-    refuse(source, "its frame is " + frame + ", must be " + odom_frame_);
-    source.measurement = Measurement();  // still an answer: no further waiting
+    std::string reason;
+    source.measurement = measurementInOdom(message, odom_frame_, reason);
+    if (!reason.empty()) refuse(source, reason);  // still an answer: no further waiting
   }
   source.last_status = toString(source.measurement->status);
   source.last_duration_s = message.duration;
@@ -189,6 +189,7 @@ void MeasurementSources::onMeasurement(Source& source, const messages::PoseMeasu
 }
 
 void MeasurementSources::onPose(Source& source, const geometry_msgs::PoseWithCovarianceStamped& message) {
+  if (message.header.stamp.isZero()) return refuse(source, "its stamp is 0, must be the time of the pose");
   std::string reason;
   const std::optional<Pose> T_odom_frame = odomFrom(message.header.frame_id, reason);
   const std::optional<Pose> T_frame_base = fromMessage(message.pose.pose);

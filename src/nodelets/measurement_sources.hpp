@@ -110,6 +110,7 @@ class MeasurementSources {
   void onCheck(const messages::SweepCheck& message);
   void onMeasurement(Source& source, const messages::PoseMeasurement& message);
   void onPose(Source& source, const geometry_msgs::PoseWithCovarianceStamped& message);
+
   void refuse(Source& source, const std::string& reason);
   std::optional<Pose> odomFrom(const std::string& frame, std::string& reason);
 

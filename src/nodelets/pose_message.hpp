@@ -1,4 +1,5 @@
-// Converts a set_pose message into an external pose. Refused, with a reason: another frame, no unit quaternion.
+// Converts poses from outside: set_pose into an external pose, the answer of an extra source into a measurement.
+// Refused, with a reason: another frame, no unit quaternion, a covariance that is not positive definite.
 #pragma once
 
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
@@ -6,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "bridge/graph_message_conversion.hpp"
+#include "core/estimation/external_pose.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
@@ -26,6 +29,22 @@ inline std::optional<ExternalPose> poseInOdom(const geometry_msgs::PoseWithCovar
     return std::nullopt;
   }
   return ExternalPose{message.header.stamp.toSec(), *T_odom_base, fromMessage(message.pose.covariance)};
+}
+
+/// A measurement without a pose if it is refused. `reason`: set then.
+inline Measurement measurementInOdom(const messages::PoseMeasurement& message, const std::string& odom_frame,
+                                     std::string& reason) {
+  const std::string frame = withoutSlash(message.header.frame_id);
+  Measurement measurement = fromMessage(message);
+  measurement.clock_jump_suspected = false;  // only built-in sources can detect it
+  if (frame != withoutSlash(odom_frame)) {
+    reason = "its frame is " + frame + ", must be " + odom_frame;
+  } else if (measurement.ok()) {
+    reason = rotationMeasured(measurement.covariance)
+                 ? unusableReason(measurement.covariance)
+                 : "the rotation's covariance is zero: give a rotation that is not measured a large one";
+  }
+  return reason.empty() ? measurement : Measurement();
 }
 
 }  // namespace fail_aware

@@ -29,8 +29,9 @@ class SetPoseInput {
 
   /// Reports the outcome of the waiting pose; call it after the estimator's update or reset.
   void report() {
-    refuse(estimator_.poseSet().refused);
-    if (!estimator_.poseSet().done) return;
+    const PoseSet outcome = estimator_.takePoseSet();
+    refuse(outcome.refused);
+    if (!outcome.done) return;
     ++set_;
     const Eigen::Vector3d position = (estimator_.state().T_odom_cog * T_cog_base_).translation();
     ROS_INFO_NAMED(log_name_, "pose set to x %.3f y %.3f z %.3f m", position.x(), position.y(), position.z());

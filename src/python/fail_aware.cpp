@@ -168,7 +168,7 @@ void bindResult(py::handle module) {
           "m: to where this stretch begins")
       .def_property_readonly(
           "pose_set_refused", [](const Result& r) { return r.pose_set_refused; },
-          "why a pose that was set could not be taken; empty: none waited, or it is done");
+          "why a pose that was set could not be taken; empty: it is done, it waits for a motion, or there was none");
 }
 
 }  // namespace

@@ -80,13 +80,14 @@ TEST_F(EstimatorTest, PoseIsSetWithTheNextSweep) {
   EXPECT_NE(estimator.setPose({kClock_s + 20.0, far, 0.01 * Matrix6d::Identity()}), "") << "too far in time";
   EXPECT_EQ(estimator.setPose({kClock_s + 2.9, far, 0.01 * Matrix6d::Identity()}), "");
   sweep(3.0, kClock_s + 3.0);
-  EXPECT_TRUE(estimator.poseSet().done);
+  EXPECT_TRUE(estimator.takePoseSet().done);
   const Pose T_odom_base = estimator.state().T_odom_cog * params.vehicle.T_base_cog().inverse();
   EXPECT_NEAR((T_odom_base.translation() - far.translation()).norm(), 1.0, 0.1) << "a sweep further on";
   EXPECT_NEAR(estimator.odometryCovariance()(5, 5), 0.01, 1e-3);
   EXPECT_EQ(estimator.setPose({kClock_s + 3.0, far, 0.01 * Matrix6d::Identity()}), "");
-  estimator.accept(kClock_s - 50.0);
-  EXPECT_NE(estimator.poseSet().refused, "") << "a new drive";
+  sweep(3.0, kClock_s - 50.0);
+  EXPECT_NE(estimator.takePoseSet().refused, "") << "a new drive";
+  EXPECT_EQ(estimator.takePoseSet().refused, "") << "told once";
 }
 
 TEST_F(EstimatorTest, ExternalPosesJoinTheFusion) {

@@ -55,6 +55,21 @@ TEST(Odometry, GivesThePipelinesResults) {
   }
 }
 
+TEST(Odometry, ARefusedStampRepeatsTheLastResult) {
+  Odometry odometry(parameters(), 1);
+  odometry.startRedundant();
+  Result last;
+  const std::vector<Sweep> sweeps = scanStreet(5);
+  for (const Sweep& sweep : sweeps) last = odometry.step(sweep);
+  ASSERT_NE(last.monitor.state, FailAwareState::kUnknown);
+  const Result refused = odometry.step(sweeps.back());
+  EXPECT_EQ(refused.status, SweepStatus::kStampNotAdvancing);
+  EXPECT_EQ(refused.T_odom_base.matrix(), last.T_odom_base.matrix());
+  EXPECT_EQ(refused.covariance, last.covariance);
+  EXPECT_EQ(refused.monitor.state, last.monitor.state);
+  EXPECT_EQ(refused.monitor.stamp_s, last.monitor.stamp_s);
+}
+
 TEST(Odometry, LeavesOutPointsThatAreNoReturns) {
   const std::vector<Sweep> clean = scanStreet(2);
   Odometry one(parameters(), 1), other(parameters(), 1);

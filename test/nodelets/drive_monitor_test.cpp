@@ -35,6 +35,23 @@ TEST(DriveMonitor, ARequestSinceTheLastStateIsForTheNewDrive) {
   EXPECT_TRUE(servesAfter(monitor, 0.0));
 }
 
+TEST(DriveMonitor, AWaitingRequestEndsWhereOdomIsMoved) {
+  for (const bool goes_on : {true, false}) {
+    DriveMonitor monitor(MonitorParameters(), false);
+    servesAfter(monitor, 0.0);
+    monitor.serve();
+    FilterState state;
+    state.dt_s = 0.1;
+    state.motion_status = MotionStatus::kUnknown;
+    state.T_odom_cog.translation().x() = state.T_previous_now.translation().x() = 1.0;
+    monitor.update(state, SweepCondition());
+    state.dt_s = 0.0;
+    if (!goes_on) state.T_odom_cog = Pose::Identity();
+    monitor.update(state, SweepCondition());
+    EXPECT_EQ(monitor.monitor().startPending(), goes_on) << "a reset moves odom, a jump of the stamps does not";
+  }
+}
+
 TEST(DriveMonitor, ItStopsServingUnlessItAlwaysServes) {
   DriveMonitor always(MonitorParameters(), true), asked(MonitorParameters(), false);
   EXPECT_FALSE(always.stopServing());

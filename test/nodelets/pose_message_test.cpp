@@ -24,6 +24,26 @@ TEST(PoseMessage, IsAPoseInOdom) {
   EXPECT_EQ(pose->covariance(5, 5), 0.01);
 }
 
+TEST(PoseMessage, MeasurementNeedsACovariance) {
+  messages::PoseMeasurement answer;
+  answer.header.frame_id = "odom";
+  answer.status = messages::PoseMeasurement::OK;
+  answer.pose.orientation.w = 1.0;
+  const auto reasonFor = [&] {
+    std::string reason;
+    const bool ok = measurementInOdom(answer, "/odom", reason).ok();
+    EXPECT_EQ(ok, reason.empty());
+    return reason;
+  };
+  EXPECT_NE(reasonFor().find("covariance"), std::string::npos) << "all zero would mean exact";
+  answer.covariance[0] = answer.covariance[7] = answer.covariance[14] = 1.0;
+  EXPECT_NE(reasonFor().find("rotation"), std::string::npos);
+  answer.covariance[21] = answer.covariance[28] = answer.covariance[35] = 1e4;
+  EXPECT_EQ(reasonFor(), "");
+  answer.header.frame_id = "map";
+  EXPECT_NE(reasonFor().find("map"), std::string::npos);
+}
+
 TEST(PoseMessage, SaysWhyItIsRefused) {
   std::string reason;
   geometry_msgs::PoseWithCovarianceStamped bad = message();

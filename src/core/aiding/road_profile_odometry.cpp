@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kGateSigmas = 3.0;
 constexpr double kSmallestEnergy = 1e-12;
+constexpr double kLongestGap_s = 1.0;  // after it the speed is another, and the visible road has changed
 
 // Subtracts the mean over a square of 2 half + 1 cells from every cell's height.
 void subtractLocalMean(const std::vector<float>& sums, const std::vector<float>& weights, int nx, int ny, int half,
@@ -100,6 +101,7 @@ void RoadProfileOdometry::setYaw(double yaw_rad) {
 void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog,
                               double yaw_rad) {
   const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog, params_.surface());
+  if (!sweeps_.empty() && sweep.stamp_s - sweeps_.back().stamp_s > kLongestGap_s) clear();
   if (!samples) return clear();
   Record record;
   record.stamp_s = sweep.stamp_s;

@@ -47,7 +47,8 @@ void ConsistencyMonitor::forgetSweeps() {
 
 ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   undecided_m_.add(sweep.undecided_m);
-  innovation_m_.add(std::max(0.0, sweep.innovation_m - kTimeSigmas * sweep.time_sigma_m));
+  const double innovation_m = std::max(0.0, sweep.innovation_m - kTimeSigmas * sweep.time_sigma_m);
+  innovation_m_.add(innovation_m);
   ++sweeps_without_planes_;
   bool fits_not = false;
   if (sweep.inlier_ratio) {
@@ -64,10 +65,11 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
       undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.persistent_disagreement_m) : 0.0;
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
+  const double jump_m = sweep.overruled ? innovation_m : 0.0;
   Inflation inflation;
-  inflation.doubt.sigma_m = std::hypot(apart_m, persistent_m);
+  inflation.doubt.sigma_m = std::hypot(apart_m, persistent_m, jump_m);
   inflation.doubt.sigma_yaw_rad = turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0;
-  inflation.unbelievable = persistent_m > 0.0 || turned;
+  inflation.unbelievable = persistent_m > 0.0 || jump_m > 0.0 || turned;
   const bool fitted_not = recent_fit_.isFull() && recent_fit_.median() < params_.fitting_ratio;
   inflation.velocity_unobservable =
       fitted_ && (fitted_not || fits_not);  // without delay: a speed taken from one such sweep persists

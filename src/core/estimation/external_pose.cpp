@@ -19,7 +19,10 @@ bool rotationMeasured(const Matrix6d& covariance) { return !covariance.bottomRig
 std::string unusableReason(const ExternalPose& pose) {
   if (!std::isfinite(pose.stamp_s) || !isFinite(pose.T_odom_base)) return "the pose is not finite";
   if (pose.T_odom_base.translation().cwiseAbs().maxCoeff() > kFarthestPose_m) return "the position is beyond 1e9 m";
-  const Matrix6d& C = pose.covariance;
+  return unusableReason(pose.covariance);
+}
+
+std::string unusableReason(const Matrix6d& C) {
   if (!C.allFinite()) return "the covariance is not finite";
   const double scale = C.cwiseAbs().maxCoeff();
   if (scale > kLargestVariance) return "the covariance is above 1e12: that is no measurement";

@@ -26,6 +26,8 @@ bool rotationMeasured(const Matrix6d& covariance);
 
 /// Why it cannot be used; empty if it can.
 std::string unusableReason(const ExternalPose& pose);
+/// The same of its covariance alone.
+std::string unusableReason(const Matrix6d& covariance);
 
 /// The centre of gravity at stamp_s, the vehicle moving on with this twist (m/s, rad/s; of the centre of gravity, in
 /// its own axes); the motion between counts as known to speed_sigma of its length. A rotation that was not measured is

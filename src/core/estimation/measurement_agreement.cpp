@@ -29,7 +29,7 @@ struct Distance {
 };
 
 /// How much a measurement's disagreement counts: in full, but only by its weight if the measurements of greater weight
-/// that disagree with it outnumber those that agree with it.
+/// outnumber it and those of no greater weight that agree with it.
 double credence(std::size_t input, const std::vector<Distance>& distances, const std::vector<double>& weights,
                 double agreement_distance_m) {
   int votes_for = 1, votes_against = 0;

@@ -10,7 +10,7 @@
 // So where registration is good, the pose goes with the map. Along a tunnel d grows, and so m; a place without
 // information shorter than the map costs nothing, since the map from before it is seen again.
 // After a pose that is a prediction (sensor gone for a moment) nothing is taken back until two measurements agree, or one
-// alone holds for two seconds; if the prediction becomes too uncertain for a search, or too old, the map is out of sight:
+// alone holds for 20 sweeps; if the prediction becomes too uncertain for a search, or too old, the map is out of sight:
 // d stays for good.
 //
 // Beside them it carries, with their correlations: heading bias per metre, scale bias (both constant), and the error

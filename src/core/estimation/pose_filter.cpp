@@ -284,6 +284,7 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   sweep.innovation_m = motion_.deadReckoning().active() ? 0.0 : innovation.head<2>().norm();
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
+  sweep.overruled = state.fusion.prediction_overruled;
   if (const Measurement* measurement = planes(inputs)) {
     sweep.inlier_ratio = measurement->inlier_ratio;
     sweep.inliers = measurement->inliers;

@@ -19,6 +19,13 @@ const MonitorParameters& validated(const MonitorParameters& params) {
   return params;
 }
 
+// Up to the rounding of messages and log files; a lost state of a moving vehicle is farther away.
+bool isSamePlace(const Pose& a, const Pose& b) {
+  constexpr double kSame_m = 1e-3, kSame_rad = 1e-5;
+  return (a.translation() - b.translation()).norm() < kSame_m &&
+         Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle() < kSame_rad;
+}
+
 }  // namespace
 
 void MonitorParameters::validate() const {
@@ -67,7 +74,7 @@ void FailAwareMonitor::reset() {
   last_measured_ = false;
   intervals_s_.clear();
   error_unbounded_ = false;
-  has_previous_ = false;
+  T_odom_cog_.reset();
   start_pending_ = serving;
 }
 
@@ -147,8 +154,8 @@ std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutpu
 
 // From a predicted to a measured pose the increment takes back the prediction's error: that is no motion.
 void FailAwareMonitor::keepMotion(const FilterState& state) {
-  const bool from_prediction = !last_measured_ && motion_.dt_s > 0.0;
-  if (!(state.measurement_applied && from_prediction)) motion_ = {state.T_previous_now, state.dt_s};
+  const bool from_prediction = state.measurement_applied && !last_measured_ && motion_.dt_s > 0.0;
+  if (!from_prediction && !state.clock_jump) motion_ = {state.T_previous_now, state.dt_s};
   last_measured_ = state.measurement_applied || !(state.dt_s > 0.0);
 }
 
@@ -172,16 +179,24 @@ void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& outpu
                                   output.reasons, motion_.speed_mps());
 }
 
+bool FailAwareMonitor::isWhereItWas(const FilterState& state) const {
+  return !T_odom_cog_ || isSamePlace(state.T_odom_cog, *T_odom_cog_);
+}
+
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   keepMotion(state);
-  if (state.odom_reset_count != odom_reset_count_) {
+  const bool pose_set = state.odom_reset_count != odom_reset_count_;
+  if (pose_set) {
     covariance_.enterOdom();
     if (indicator_.started()) start();
   }
   odom_reset_count_ = state.odom_reset_count;
-  if (has_previous_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
-  if (has_previous_ && state.dt_s > 0.0) {
+  bool states_lost = false;
+  if (T_odom_cog_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
+  if (T_odom_cog_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
+    states_lost = !pose_set && !isSamePlace(T_odom_previous, *T_odom_cog_);
+    error_unbounded_ = error_unbounded_ || states_lost;
     const double speed_variance_before = covariance_.speedVariance();
     const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
     error_unbounded_ = error_unbounded_ || !added;
@@ -192,7 +207,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     }
   }
   growth_rate_.lookAhead(condition.ahead);
-  has_previous_ = true;
+  T_odom_cog_ = state.T_odom_cog;
   if (start_pending_ && state.motionObserved()) begin(state);
   if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
     indicator_.update(state.time_s(), state.sigma_yaw_rad, motion_.speed_mps());
@@ -207,7 +222,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.min_information_ahead = ahead.ratio;
   output.information_ahead_distance_m = ahead.distance_m;
   if (growth_rate_.isWeakAhead(params_.min_information_ratio)) output.reasons |= kReasonWeakRoadAhead;
-  if (isAfterGap(state.dt_s)) output.reasons |= kReasonDroppedSweeps;
+  if (isAfterGap(state.dt_s) || states_lost) output.reasons |= kReasonDroppedSweeps;
   output.eta = indicator_.eta();
   output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);
   TimeToFailure time_to_alarm;

@@ -4,8 +4,9 @@
 // t1, when the odometry begins to serve as the localisation, is the first sweep after start() whose motion is observed:
 // before, the error has no bound that later sweeps would not lower. Until then times are unknown; `standby` says what
 // they would be if t1 were now.
-// Failure: an increment that cannot be added (pose, covariance or interval not finite) leaves the error without a bound:
-// FAILED (COVARIANCE_LIMIT) until the next t1. Cost: < 0.1 ms.
+// Failure: an increment that cannot be added (pose, covariance or interval not finite), or states that were lost (this one
+// does not begin where the last one ended), leave the error without a bound: FAILED (COVARIANCE_LIMIT) until the next t1,
+// or UNKNOWN as long as the rate of growth is not known. Cost: < 0.1 ms.
 #pragma once
 
 #include <cstdint>
@@ -74,6 +75,9 @@ class FailAwareMonitor {
 
   MonitorOutput update(const FilterState& state, const SweepCondition& condition);
 
+  /// Whether the state's pose is that of the last update(): odom was not moved between them. True before the first.
+  bool isWhereItWas(const FilterState& state) const;
+
   /// The covariance of T_odom_cog since the first sweep (FusionUkf publishes its own, from the start pose's on), geometry/pose.hpp's convention.
   const Matrix6d& odometryCovariance() const { return covariance_.covariance(); }
 
@@ -108,8 +112,8 @@ class FailAwareMonitor {
   };
   Motion motion_;
   bool last_measured_ = false;
-  bool has_previous_ = false;
-  bool error_unbounded_ = false;  ///< since t1 there was an increment that could not be added
+  std::optional<Pose> T_odom_cog_;  ///< of the last update()
+  bool error_unbounded_ = false;    ///< since t1 there was an increment that could not be added
   bool start_pending_ = false;
 };
 

@@ -107,6 +107,19 @@ TEST(RoadProfileOdometry, WaitsForEnoughSweepsAndForgetsOldOnes) {
   EXPECT_EQ(relief.sweeps(), static_cast<std::size_t>(params.window_sweeps));
 }
 
+TEST(RoadProfileOdometry, AfterAGapItStartsAnew) {
+  Tunnel tunnel;
+  tunnel.profile_m = 0.006;
+  RoadProfileOdometry relief{RoadProfileOdometry::Params()};
+  ASSERT_TRUE(drive(relief, tunnel, 13.0, 20).has_value());
+  for (const double gap_s : {0.9, 1.2}) {
+    relief.clear();
+    drive(relief, tunnel, 13.0, 20);
+    relief.add(uncorrected(tunnel.scan(100.0, 13.0, 1.9 + gap_s, 20)), T_cog_lidar(), Vector6d::Zero(), 0.0);
+    EXPECT_EQ(relief.findSpeed().has_value(), gap_s < 1.0) << gap_s;
+  }
+}
+
 TEST(RoadProfileOdometry, WithoutARoadItStartsAnew) {
   Tunnel tunnel;
   tunnel.profile_m = 0.006;

@@ -124,6 +124,19 @@ TEST(ConsistencyMonitor, ATurnThatNoVehicleMakesMayBeWrongByARatio) {
   EXPECT_TRUE(turned(6.0).unbelievable);
 }
 
+TEST(ConsistencyMonitor, AJumpThatOverrulesThePredictionMayBeWrong) {
+  const auto jumped = [](bool overruled) {
+    return afterOdd(1, [=](Sweep& sweep) {
+      sweep.innovation_m = 0.4;
+      sweep.time_sigma_m = 0.05;
+      sweep.overruled = overruled;
+    });
+  };
+  expectNone(jumped(false), "inside the gate the prediction is as uncertain");
+  EXPECT_NEAR(jumped(true).doubt.sigma_m, 0.3, 1e-12);
+  EXPECT_TRUE(jumped(true).unbelievable);
+}
+
 Sweep oddInAll() { return {0.1, 0.25, 0.12, 10.0 * kDegree, 0.0}; }
 
 TEST(ConsistencyMonitor, ErrorsAddAsIndependent) {

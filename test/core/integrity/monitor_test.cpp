@@ -123,6 +123,33 @@ TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
   EXPECT_EQ(drive(monitor, road, 1).sigma_x_m, 0.0);
 }
 
+TEST(FailAwareMonitor, LostStatesLeaveTheErrorWithoutABound) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  monitor.start();
+  drive(monitor, road, 40);
+  road.next();
+  const MonitorOutput output = drive(monitor, road, 1);
+  EXPECT_EQ(output.state, FailAwareState::kFailed);
+  EXPECT_EQ(output.reasons & kReasonDroppedSweeps, std::uint32_t{kReasonDroppedSweeps});
+  EXPECT_EQ(drive(monitor, road, 40).state, FailAwareState::kFailed) << "no later sweep tells what was lost";
+  monitor.start();
+  EXPECT_NE(drive(monitor, road, 20).state, FailAwareState::kFailed);
+}
+
+TEST(FailAwareMonitor, AClockJumpIsNoSpeed) {
+  FailAwareMonitor monitor{independentSweeps()}, without{independentSweeps()};
+  Road road;
+  drive(monitor, road, 40);
+  without = monitor;
+  road.speed_mps = 80.0;  // 8 m over what the stamps call 0.1 s
+  FilterState jump = road.next();
+  jump.clock_jump = true;
+  const MonitorOutput output = monitor.update(jump, {});
+  jump.clock_jump = false;
+  EXPECT_GT(output.standby_time_to_failure.seconds, without.update(jump, {}).standby_time_to_failure.seconds);
+}
+
 TEST(FailAwareMonitor, T1WaitsUntilTheMotionIsObserved) {
   FailAwareMonitor monitor(independentSweeps());
   Road road;
@@ -205,6 +232,7 @@ TEST(FailAwareMonitor, WhatTakesBackAPredictionIsNoSpeed) {
   monitor.update(blind, {});
   FilterState corrected = road.next();
   corrected.T_previous_now.translation().x() += 8.0;  // 80 m/s more
+  corrected.T_odom_cog.translation().x() += 8.0;
   EXPECT_NEAR(monitor.update(corrected, {}).time_to_failure.seconds, before_s, 0.3 * before_s);
 }
 
