@@ -173,12 +173,10 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
                                       [&](const Candidate& c) { return result.weights[c.input] > 0.0; });
   result.all_gated_out = !candidates.empty() && !any_inside;
 
-  if (result.all_gated_out && !params_.literal) {
-    const std::vector<std::size_t> group =
-        largestAgreement(candidates, params_.agreement_distance_m, params_.agreement_yaw_deg * kDegree);
-    if (group.size() >= 2) {
-      result.prediction_overruled = true;
-      for (const std::size_t member : group) result.weights[candidates[member].input] = 1.0;
+  if (!params_.literal) {
+    overrule(candidates, &result);
+    for (const Candidate& c : candidates) {
+      if (addsNothing(c, candidates, result.weights)) result.weights[c.input] = 0.0;
     }
   }
   if (any_inside && params_.literal) fuseLiteral(candidates, predicted_state, &result);
@@ -201,10 +199,21 @@ void MeasurementFusion::weigh(const std::vector<Candidate>& candidates, const Ve
     const double w = 1.0 - mahalanobis2d(d.head<2>(), gate) / params_.gate_sigma;
     if (w > 0.0 && (params_.literal || w >= params_.min_weight)) result->weights[c.input] = w;
   }
-  if (params_.literal) return;
-  for (const Candidate& c : candidates) {
-    if (addsNothing(c, candidates, result->weights)) result->weights[c.input] = 0.0;
-  }
+}
+
+// Where most of the largest group that agrees are outside the gate, and all that are inside belong to it.
+void MeasurementFusion::overrule(const std::vector<Candidate>& candidates, FusionResult* result) const {
+  const auto isInside = [&](const Candidate& c) { return result->weights[c.input] > 0.0; };
+  const auto inside = std::count_if(candidates.begin(), candidates.end(), isInside);
+  if (inside == static_cast<std::ptrdiff_t>(candidates.size())) return;
+  const std::vector<std::size_t> group =
+      largestAgreement(candidates, params_.agreement_distance_m, params_.agreement_yaw_deg * kDegree);
+  const auto members_inside =
+      std::count_if(group.begin(), group.end(), [&](std::size_t member) { return isInside(candidates[member]); });
+  const auto members_outside = static_cast<std::ptrdiff_t>(group.size()) - members_inside;
+  if (members_inside < inside || members_outside < 2 || members_outside <= members_inside) return;
+  result->prediction_overruled = true;
+  for (const std::size_t member : group) result->weights[candidates[member].input] = 1.0;
 }
 
 void MeasurementFusion::addPartial(const std::vector<Candidate>& partial, const Vector6d& predicted_state,

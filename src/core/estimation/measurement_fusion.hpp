@@ -10,8 +10,9 @@
 //   R = (sum v_i R_i^-1)^-1,  z = R sum v_i R_i^-1 z_i     (covariance intersection)
 // Since sum v_i = 1, measurements that share a sweep's errors do not shrink R, and a direction that a measurement does
 // not observe (huge variance) is left to the others. One whose standard deviations are all a hundred times those of another gets
-// no weight: its share would only make R larger. If every measurement is outside its gate but two or more agree
-// with each other, the prediction is what is wrong: the largest group that agrees is fused with equal weights, flagged.
+// no weight: its share would only make R larger. Where two or more measurements outside their gates agree with each
+// other, and with the fewer that are inside, the prediction is what is wrong: the largest group that agrees is fused with
+// equal weights, flagged.
 //
 // Disagreement. One that is gated out is outvoted, and its disagreement decides nothing, if more of those that are used
 // speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
@@ -71,6 +72,7 @@ class MeasurementFusion {
  private:
   void weigh(const std::vector<FusionCandidate>& candidates, const Vector6d& predicted_state, const Matrix6d& P,
              FusionResult* result) const;
+  void overrule(const std::vector<FusionCandidate>& candidates, FusionResult* result) const;
   void addPartial(const std::vector<FusionCandidate>& partial, const Vector6d& predicted_state, const Matrix6d& P,
                   FusionResult* result) const;
 

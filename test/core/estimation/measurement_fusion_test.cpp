@@ -322,6 +322,23 @@ TEST(MeasurementFusion, AgreeingMeasurementsOverruleThePrediction) {
   EXPECT_GT(r.nis[0], 100.0);
 }
 
+TEST(MeasurementFusion, MostOfAGroupOutsideTheGateOverrules) {
+  const Matrix6d P = diagonal(1e-4, 1e-4, 1e-6);
+  const Matrix6d R = diagonal(1e-4, 1e-4, 1e-6), vague = diagonal(1e-3, 1e-3, 1e-5);
+  const Measurement inside = measurementAt(vector6(0.08, 0, 0, 0, 0, 0), vague);
+  const Measurement one = measurementAt(vector6(0.10, 0, 0, 0, 0, 0), R), other = one;
+  const Measurement elsewhere = measurementAt(vector6(-0.15, 0, 0, 0, 0, 0), 4.0 * vague);
+  const auto fused = [&](const std::vector<Measurement>& m) {
+    return defaultFusion().fuse(Vector6d::Zero(), P, inputsOf(m));
+  };
+  const FusionResult r = fused({one, other, inside});
+  EXPECT_TRUE(r.prediction_overruled);
+  EXPECT_FALSE(r.all_gated_out);
+  EXPECT_EQ(r.weights, (std::vector<double>{1.0, 1.0, 1.0}));
+  EXPECT_FALSE(fused({one, inside}).prediction_overruled) << "one against one: the prediction decides";
+  EXPECT_FALSE(fused({one, other, elsewhere}).prediction_overruled) << "one inside the gate stands by the prediction";
+}
+
 TEST(MeasurementFusion, GatedOutWithoutAgreementIsNoMeasurement) {
   const Matrix6d P = diagonal(0.0025, 0.01, 1e-4);
   const Matrix6d R = diagonal(1e-6, 1e-4, 1e-8);
