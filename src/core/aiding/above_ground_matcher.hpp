@@ -62,7 +62,7 @@ class AboveGroundMatcher {
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
     }
-    void validate() const;
+    void validate() const {}  ///< only `enabled` can be set
 
     AboveGroundPointsParams points() const { return {cell_m, column_m, min_height_m}; }
     AboveGroundReference::Params reference() const {
@@ -70,8 +70,8 @@ class AboveGroundMatcher {
     }
   };
 
-  /// `planes`: which pairs count, and how much. Throws ParameterError.
-  AboveGroundMatcher(const Params& params, const IcpPointToPlane::Params& planes);
+  /// `planes`: which pairs count, and how much.
+  AboveGroundMatcher(const Params& params, const IcpPointToPlane::Params& planes) : params_(params), planes_(planes) {}
 
   /// The ratio of their information that the planes hold of the strongest horizontal direction; 0 without planes.
   double ratioOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,

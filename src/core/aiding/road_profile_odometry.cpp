@@ -53,29 +53,9 @@ double parabolaPeak(double left, double middle, double right) {
 }  // namespace
 
 void RoadProfileOdometry::Params::validate() const {
-  requireWithin("window_sweeps", window_sweeps, 3, 200);
-  requireWithin("min_sweeps", min_sweeps, 3, window_sweeps);
-  requirePositive("min_range_m", min_range_m);
-  requireParameter(max_range_m > min_range_m && max_range_m <= 100.0, "max_range_m", max_range_m,
-                   "> min_range_m and <= 100");
-  requireWithin("half_width_m", half_width_m, 0.5, 50.0);
-  requireWithin("direction_elevation_deg", direction_elevation_deg, 0.01, 5.0);
-  requireWithin("direction_azimuth_deg", direction_azimuth_deg, 0.05, 5.0);
-  requirePositive("max_height_m", max_height_m);
-  requireWithin("cell_m", cell_m, 0.05, 5.0);
-  requireParameter(smoothing_m >= cell_m, "smoothing_m", smoothing_m, ">= cell_m");
-  requireAtMost("smoothing_m", smoothing_m, 100.0);
-  requirePositive("profile_sigma_m", profile_sigma_m);
   requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
   requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
-  requirePositive("max_acceleration_mps2", max_acceleration_mps2);
-  requireWithin("min_correlation", min_correlation, 0.0, 1.0);
-  requireWithin("max_second_peak", max_second_peak, 0.0, 1.0);
-  requirePositive("speed_sigma_mps", speed_sigma_mps);
-  requireNotNegative("mirrored_sigma_mps", mirrored_sigma_mps);
 }
-
-RoadProfileOdometry::RoadProfileOdometry(const Params& params) : params_(params) { params_.validate(); }
 
 void RoadProfileOdometry::clear() {
   sweeps_.clear();

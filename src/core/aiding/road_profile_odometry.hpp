@@ -86,7 +86,7 @@ class RoadProfileOdometry {
     double correlation = 0.0;
   };
 
-  explicit RoadProfileOdometry(const Params& params);
+  explicit RoadProfileOdometry(const Params& params) : params_(params) {}
 
   /// `twist_cog` is the motion (m/s, rad/s) that the sweep was deskewed for, `yaw_rad` the vehicle's heading.
   void add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, double yaw_rad);

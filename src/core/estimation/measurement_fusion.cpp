@@ -140,8 +140,6 @@ void MeasurementFusion::Params::validate() const {
   requireWithin("agreement_yaw_deg", agreement_yaw_deg, 0.0, 180.0);
 }
 
-MeasurementFusion::MeasurementFusion(const Params& params) : params_(params) { params_.validate(); }
-
 FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
                                      const std::vector<FusionInput>& inputs) const {
   FusionResult result;

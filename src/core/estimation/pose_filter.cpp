@@ -63,18 +63,11 @@ Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, con
 }  // namespace
 
 void PoseFilter::Params::validate() const {
-  requireNotNegative("initial_speed_sigma_mps", initial_speed_sigma_mps);
-  requirePositive("initial_sigma_m", initial_sigma_m);
-  requirePositive("initial_sigma_deg", initial_sigma_deg);
-  requirePositive("max_speed_mps", max_speed_mps);
-  requirePositive("max_yaw_rate_rps", max_yaw_rate_rps);
   requirePositive("increment_scale", increment_scale);
   requirePositive("dead_reckoning_increment_factor", dead_reckoning_increment_factor);
   requireNotNegative("increment_floor_m", increment_floor_m);
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
-  consistency.validate();
-  dead_reckoning.validate();
 }
 
 PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
@@ -87,7 +80,6 @@ PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const Vehic
       motion_({params.max_speed_mps, params.max_yaw_rate_rps}, params.dead_reckoning, history,
               RoadPlaneEstimator(model.vehicle(), road)),
       consistency_(params.consistency) {
-  params_.validate();
   reset(Pose::Identity());
 }
 

@@ -81,7 +81,7 @@ class PoseFilter {
   /// P (about the vehicle) stay; odom_reset_count increases. A pose that is not finite: returns false, nothing changes.
   bool setPose(const Pose& T_odom_cog);
 
-  /// The fusion's parameters, used from the next sweep on. Throws ParameterError.
+  /// The fusion's parameters, used from the next sweep on.
   void setFusion(const MeasurementFusion::Params& params) { fusion_ = MeasurementFusion(params); }
 
   const FilterState& state() const { return state_; }

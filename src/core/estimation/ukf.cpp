@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -31,13 +30,7 @@ Matrix6d floored(const Matrix6d& C, double min_variance) {
 
 }  // namespace
 
-void Ukf::Params::validate() const {
-  sigma_points.validate();
-  requirePositive("min_sigma", min_sigma);
-}
-
 Ukf::Ukf(const Params& params) : params_(params), weights_(unscentedWeights(params.sigma_points, 6)) {
-  params_.validate();
   covariance_ = params_.min_sigma * params_.min_sigma * Matrix6d::Identity();
 }
 

@@ -22,7 +22,6 @@ class Ukf {
     UnscentedParams sigma_points;
     /// m and rad; least standard deviation of P in every direction: far below any pose error, above rounding
     double min_sigma = 1e-6;
-    void validate() const;
   };
 
   using Model = std::function<Vector6d(const Vector6d&)>;

@@ -1,15 +1,8 @@
 #include "core/estimation/unscented_transform.hpp"
 
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
-
-void UnscentedParams::validate() const {
-  requireWithin("alpha", alpha, 1e-4, 1.0);
-  requireNotNegative("beta", beta);
-  requireWithin("kappa", kappa, -5.0, 100.0);
-}
 
 UnscentedWeights unscentedWeights(const UnscentedParams& params, int dimension) {
   const double scale = params.alpha * params.alpha * (dimension + params.kappa);  // N + lambda

@@ -23,7 +23,6 @@ struct UnscentedParams {
   double alpha = 0.1;
   double beta = 2.0;   ///< 2 suits Gaussian distributions
   double kappa = 0.0;  ///< N + kappa > 0: 0 is the usual choice
-  void validate() const;
 };
 
 struct UnscentedWeights {

@@ -49,7 +49,6 @@ class CovariancePredictor {
     void validate() const;
   };
 
-  /// Throws ParameterError.
   explicit CovariancePredictor(const Params& params);
 
   CovariancePrediction predict(const CovarianceGrowth& growth) const;

@@ -66,8 +66,7 @@ class FailAwareIndicator {
     void validate() const;
   };
 
-  /// Throws ParameterError.
-  explicit FailAwareIndicator(const Params& params);
+  explicit FailAwareIndicator(const Params& params) : params_(params) {}
 
   /// Sets t1 and clears everything. A stamp that is not finite leaves the indicator not started.
   void start(double stamp_s);

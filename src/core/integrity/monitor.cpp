@@ -11,21 +11,7 @@
 
 namespace fail_aware {
 
-namespace {
-
-// Before the members are made of them, whose messages name other fields.
-const MonitorParameters& validated(const MonitorParameters& params) {
-  params.validate();
-  return params;
-}
-
-}  // namespace
-
 void MonitorParameters::validate() const {
-  indicator.validate();
-  predictor.validate();
-  drift.validate();
-  thresholds.validate();
   requireParameter(predictor.horizon_s == indicator.horizon_s, "predictor.horizon_s", predictor.horizon_s,
                    "indicator.horizon_s: one horizon is published for both");
   requireParameter(thresholds.degraded_s < predictor.horizon_s, "thresholds.degraded_s", thresholds.degraded_s,
@@ -38,7 +24,7 @@ void MonitorParameters::validate() const {
 }
 
 FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
-    : params_(validated(params)),
+    : params_(params),
       indicator_(params.indicator),
       predictor_(params.predictor),
       growth_rate_(params.rate_window_s),
@@ -72,7 +58,6 @@ void FailAwareMonitor::reset() {
 }
 
 void FailAwareMonitor::setLimits(const MonitorParameters& params) {
-  params.validate();
   predictor_ = CovariancePredictor(params.predictor);
   params_.predictor = params.predictor;
   params_.thresholds = params.thresholds;

@@ -47,10 +47,7 @@ SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_ang
       timing_(timing),
       seam_(timingOfRawPoints(timing, azimuth)),
       correction_(correction),
-      vertical_reference_(vertical_reference, vertical_angle.sigma_deg) {
-  vertical_angle_.validate();
-  azimuth_.validate();
-}
+      vertical_reference_(vertical_reference, vertical_angle.sigma_deg) {}
 
 /// The last sweep, at its estimate: where the road's slope changes, the tilt that is predicted differs from it.
 void SweepCorrector::lookAtLast(const CorrectedSweep& last, const SweepPrediction& prediction,

@@ -48,34 +48,15 @@ void mergeBasins(const IcpPointToPoint::Params& params, std::vector<IcpPointToPo
 void IcpPointToPoint::Params::validate() const {
   requireWithin("seeds", seeds, 1, 8);
   requirePositive("spread", spread);
-  requireNotNegative("min_spread_m", min_spread_m);
-  requireNotNegative("min_spread_deg", min_spread_deg);
-  requireParameter(max_spread_m >= min_spread_m, "max_spread_m", max_spread_m, ">= min_spread_m");
-  requireAtMost("max_spread_m", max_spread_m, kLargestSpread_m);
-  requireParameter(max_spread_deg >= min_spread_deg, "max_spread_deg", max_spread_deg, ">= min_spread_deg");
-  requireAtMost("max_spread_deg", max_spread_deg, 180.0);
-  requireWithin("thinned_points", thinned_points, 10, 1e9);
   requirePositive("max_distance_m", max_distance_m);
   requirePositive("kernel_m", kernel_m);
-  requirePositive("initial_kernel_m", initial_kernel_m);
-  requireNotNegative("merge_translation_m", merge_translation_m);
-  requireNotNegative("merge_rotation_deg", merge_rotation_deg);
-  requireWithin("max_joint_iterations", max_joint_iterations, 1, 1000);
   requireWithin("max_refined_seeds", max_refined_seeds, 1, 8);
   requireWithin("max_iterations", max_iterations, 1, kMostIterations);
-  requirePositive("step_translation_m", step_translation_m);
-  requirePositive("step_rotation_deg", step_rotation_deg);
-  requireWithin("relaxed_convergence_factor", relaxed_convergence_factor, 1.0, 1e6);
   requireWithin("min_inlier_ratio", min_inlier_ratio, 0.0, 1.0);
-  requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
   requireWithin("usual_curvature_ratio", usual_curvature_ratio, 0.0, 1.0);
   requireWithin("tilt_sigma_factor", tilt_sigma_factor, 1.0, 100.0);
-  support.validate();
-  observability.validate();
 }
-
-IcpPointToPoint::IcpPointToPoint(const Params& params) : params_(params) { params_.validate(); }
 
 std::vector<Pose> IcpPointToPoint::seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
   if (params_.seeds == 1) return {T_odom_cog_predicted};

@@ -45,13 +45,7 @@ bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params)
 
 }  // namespace
 
-void ObservabilityParams::validate() const {
-  requirePositive("lever_m", lever_m);
-  requireWithin("min_information_ratio", min_information_ratio, 0.0, 0.3);
-  requireWithin("min_sliding_ratio", min_sliding_ratio, 0.0, 1.0);
-  requirePositive("weak_sigma_m", weak_sigma_m);
-  requirePositive("weak_sigma_deg", weak_sigma_deg);
-}
+void ObservabilityParams::validate() const { requireWithin("min_information_ratio", min_information_ratio, 0.0, 0.3); }
 
 void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_ratio) {
   if (!equations.has_information) {

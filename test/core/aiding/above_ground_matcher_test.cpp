@@ -12,7 +12,6 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/map/above_ground_points.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::above_ground_matcher_test {
 namespace {
@@ -196,15 +195,6 @@ TEST(AboveGroundMatcher, PlanesOfARoomOrAWallTellAndThoseOfAFieldDoNot) {
   EXPECT_GT(ratioIn(road), 0.2) << "across the road";
   EXPECT_LT(ratioIn(field), 0.001);
   EXPECT_EQ(match.ratioOfPlanes(posts(), VoxelMap(), Pose::Identity(), 0.01), 0.0);
-}
-
-TEST(AboveGroundMatcher, ParametersOutOfRangeAreRefused) {
-  AboveGroundMatcher::Params params;
-  params.window_m = 0.1;  // less than a step
-  EXPECT_THROW(AboveGroundMatcher(params, IcpPointToPlane::Params()), ParameterError);
-  params = AboveGroundMatcher::Params();
-  params.max_above_ground_ratio = 1.5;
-  EXPECT_THROW(AboveGroundMatcher(params, IcpPointToPlane::Params()), ParameterError);
 }
 
 }  // namespace

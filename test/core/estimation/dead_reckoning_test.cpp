@@ -247,14 +247,8 @@ TEST(DeadReckoning, TheFasterTheSlowerItBelievesInATurn) {
 
 TEST(DeadReckoning, ParametersAreChecked) {
   DeadReckoning::Params params;
-  params.observed_sigma_m = 0.0;
-  EXPECT_THROW(DeadReckoning{params}, ParameterError);
-  params = DeadReckoning::Params();
-  params.acceleration_time_s = -1.0;
-  EXPECT_THROW(DeadReckoning{params}, ParameterError);
-  params = DeadReckoning::Params();
-  params.turning_speed_mps = 0.0;
-  EXPECT_THROW(DeadReckoning{params}, ParameterError);
+  params.acceleration_mps2 = -1.0;
+  EXPECT_THROW(params.validate(), ParameterError);
 }
 
 TEST(DeadReckoning, LongIntervalAllowsAccelerations) {

@@ -10,7 +10,6 @@
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::ukf_test {
 namespace {
@@ -170,15 +169,6 @@ TEST(Ukf, RefusesWhatItCannotUseAndStaysAsItWas) {
   EXPECT_EQ(ukf.state(), state);
   EXPECT_EQ(ukf.covariance(), covariance);
   EXPECT_EQ(ukf.nis(), 0.0);
-}
-
-TEST(Ukf, ValidatesItsParameters) {
-  Ukf::Params params;
-  params.min_sigma = 0.0;
-  EXPECT_THROW(Ukf{params}, ParameterError);
-  params = Ukf::Params();
-  params.sigma_points.alpha = 2.0;
-  EXPECT_THROW(Ukf{params}, ParameterError);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::unscented_transform_test {
 namespace {
@@ -72,13 +71,6 @@ TEST(UnscentedTransform, AnglesAreAveragedOnTheCircle) {
   unscentedMoments<PoseStateSpace, 6>(points, weights, mapped_mean, mapped_C);
   EXPECT_NEAR(mapped_mean[5], -M_PI + 0.02, 1e-12);
   EXPECT_LT((mapped_C - C).norm(), 1e-12);
-}
-
-TEST(UnscentedTransform, ValidatesItsParameters) {
-  EXPECT_THROW((UnscentedParams{0.0, 2.0, 0.0}.validate()), ParameterError);
-  EXPECT_THROW((UnscentedParams{0.1, -1.0, 0.0}.validate()), ParameterError);
-  EXPECT_THROW((UnscentedParams{0.1, 2.0, -6.0}.validate()), ParameterError);
-  EXPECT_NO_THROW(UnscentedParams().validate());
 }
 
 }  // namespace

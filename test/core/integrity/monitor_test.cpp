@@ -9,7 +9,7 @@
 
 #include "../parameters/error_of.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
+#include "core/parameters/validate_nested.hpp"
 
 namespace fail_aware::monitor_test {
 namespace {
@@ -597,7 +597,7 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(MonitorParameters&)>& change) {
     MonitorParameters params = independentSweeps();
     change(params);
-    return errorOf([&] { FailAwareMonitor monitor(params); });
+    return errorOf([&] { validateAs("", params); });
   };
   EXPECT_EQ(refused([](MonitorParameters&) {}), "no error");
   EXPECT_NE(refused([](MonitorParameters& p) { p.sweeps_to_recover = 0; }).find("sweeps_to_recover"),

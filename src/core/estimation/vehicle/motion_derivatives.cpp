@@ -23,14 +23,9 @@ void MotionHistory::Params::validate() const {
   requireParameter(window_sweeps >= 1 && window_sweeps <= 100, "window_sweeps", window_sweeps, "in [1, 100]");
   requireParameter(acceleration_window_sweeps >= 2 && acceleration_window_sweeps <= 100, "acceleration_window_sweeps",
                    acceleration_window_sweeps, "in [2, 100]");
-  requirePositive("min_interval_s", min_interval_s);
-  requirePositive("max_age_s", max_age_s);
-  requireNotNegative("max_acceleration_mps2", max_acceleration_mps2);
-  requireNotNegative("max_angular_acceleration_rad_s2", max_angular_acceleration_rad_s2);
 }
 
 MotionHistory::MotionHistory(const Params& params) : params_(params) {
-  params_.validate();
   ring_.resize(static_cast<std::size_t>(std::max(params_.window_sweeps, params_.acceleration_window_sweeps)) + 1);
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -28,12 +27,8 @@ Eigen::Vector2d restingRollPitch(const SuspensionAxis& roll_axis, const Suspensi
   return {restingAngle(roll_axis, lateral_mps2), restingAngle(pitch_axis, -longitudinal_mps2)};
 }
 
-void RoadPlaneEstimator::Params::validate() const { requirePositive("time_constant_s", time_constant_s); }
-
 RoadPlaneEstimator::RoadPlaneEstimator(const VehicleParameters& vehicle, const Params& params)
-    : params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {
-  params_.validate();
-}
+    : params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {}
 
 bool RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion) {
   if (!std::isfinite(stamp_s) || !state.allFinite()) return false;

@@ -36,7 +36,6 @@ class RoadPlaneEstimator {
   struct Params {
     /// memory of the road slope's estimate: about one oscillation of the suspension
     double time_constant_s = 0.5;
-    void validate() const;
   };
 
   RoadPlaneEstimator(const VehicleParameters& vehicle, const Params& params);

@@ -29,13 +29,6 @@ double meanSpeed(double speed, double acceleration, double dt_s) {
 }  // namespace
 
 void VehicleModel::Params::validate() const {
-  requirePositive("min_speed_mps", min_speed_mps);
-  requirePositive("standstill_speed_mps", standstill_speed_mps);
-  requireParameter(standstill_speed_mps <= min_speed_mps, "standstill_speed_mps", standstill_speed_mps,
-                   "<= min_speed_mps");
-  requireWithin("max_steering_angle_rad", max_steering_angle_rad, 0.01, 1.5);
-  requireWithin("suspension_gain", suspension_gain, 0.0, 1.0);
-  requireNotNegative("lateral_trust_mps", lateral_trust_mps);
   requirePositive("sigma_x_m", sigma_x_m);
   requirePositive("sigma_y_m", sigma_y_m);
   requirePositive("sigma_z_m", sigma_z_m);
@@ -45,10 +38,7 @@ void VehicleModel::Params::validate() const {
 }
 
 VehicleModel::VehicleModel(const VehicleParameters& vehicle, const Params& params)
-    : vehicle_(vehicle), params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {
-  vehicle_.validate();
-  params_.validate();
-}
+    : vehicle_(vehicle), params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {}
 
 Matrix6d VehicleModel::processNoise(double dt_s, double yaw_rad) const {
   Vector6d sigma;

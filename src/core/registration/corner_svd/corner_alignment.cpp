@@ -49,18 +49,10 @@ double residual(const PlanarMotion& motion, const Corner& corner, const Corner& 
 
 void CornerAlignment::Params::validate() const {
   requirePositive("association_distance_m", association_distance_m);
-  requireWithin("max_normal_difference_deg", max_normal_difference_deg, 0.1, 45.0);
   requireWithin("min_corners", min_corners, 2, 1000);
   requirePositive("max_residual_m", max_residual_m);
   requirePositive("min_baseline_m", min_baseline_m);
-  requirePositive("min_sigma_m", min_sigma_m);
-  requirePositive("min_direction_sigma_deg", min_direction_sigma_deg);
-  requireWithin("points_per_independent_sample", points_per_independent_sample, 1, 1000000);
-  requireWithin("unobserved_inflation", unobserved_inflation, 1.0, 1e9);
-  requireWithin("good_corners", good_corners, 1, 1000);
 }
-
-CornerAlignment::CornerAlignment(const Params& params) : params_(params) { params_.validate(); }
 
 Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
                                    const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {

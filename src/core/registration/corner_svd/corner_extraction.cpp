@@ -81,32 +81,19 @@ std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distan
 }  // namespace
 
 void CornerExtractor::Params::validate() const {
-  requireWithin("cell_m", cell_m, 0.01, 10.0);
-  requireNotNegative("min_range_m", min_range_m);
   requireParameter(std::isfinite(max_range_m) && max_range_m > min_range_m, "max_range_m", max_range_m,
                    "finite and > min_range_m");
   requireAtMost("max_range_m", max_range_m, 1000.0);
   requireParameter(max_range_m / cell_m <= 5000.0, "cell_m", cell_m, ">= max_range_m / 5000");
   requireParameter(min_beams_per_cell >= 1 && min_beams_per_cell <= 64, "min_beams_per_cell", min_beams_per_cell,
                    "in [1, 64]");
-  requireWithin("height_step_m", height_step_m, 0.001, 100.0);
-  requireWithin("dbscan_eps_m", dbscan_eps_m, 0.001, 100.0);
-  requireWithin("dbscan_min_points", dbscan_min_points, 1, 1000000);
-  requireWithin("min_cluster_points", min_cluster_points, 1, 1000000);
   requireWithin("max_planes_per_cluster", max_planes_per_cluster, 2, 100);
   requirePositive("max_corner_gap_m", max_corner_gap_m);
   requireWithin("min_points_near_corner", min_points_near_corner, 0, 1000000);
   requireNotNegative("min_plane_height_m", min_plane_height_m);
-  requireWithin("min_angle_deg", min_angle_deg, 1.0, 90.0);
-  requireWithin("max_angle_deg", max_angle_deg, 90.0, 179.0);
-  requireNotNegative("min_corner_distance_m", min_corner_distance_m);
-  requireWithin("synthetic_height_m", synthetic_height_m, -100.0, 100.0);
-  requireParameter(seed >= 0, "seed", seed, ">= 0");
-  ransac.validate();
 }
 
 CornerExtractor::CornerExtractor(const Params& params) : params_(params) {
-  params_.validate();
   grid_width_ = 2 * (static_cast<int>(params_.max_range_m / params_.cell_m) + 2);  // one spare cell for rounding
   grid_.assign(static_cast<std::size_t>(grid_width_) * static_cast<std::size_t>(grid_width_), 0);
 }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
@@ -170,9 +169,6 @@ TEST(MotionHistory, ValidatesItsParameters) {
   EXPECT_THROW(params.validate(), ParameterError);
   params = MotionHistory::Params();
   params.acceleration_window_sweeps = 1;
-  EXPECT_THROW(MotionHistory{params}, ParameterError);
-  params = MotionHistory::Params();
-  params.max_age_s = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(params.validate(), ParameterError);
 }
 
