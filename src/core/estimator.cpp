@@ -9,8 +9,8 @@ namespace fail_aware {
 
 Estimator::Estimator(const PipelineParameters& params)
     : T_base_cog_(params.vehicle.T_base_cog()),
-      filter_(params.profile.filter, params.profile.ukf, VehicleModel(params.vehicle.dynamics, params.profile.model),
-              params.profile.history, params.profile.road, params.profile.fusion),
+      filter_(params.profile.filter, VehicleModel(params.vehicle.dynamics, params.profile.model),
+              params.profile.history, params.profile.fusion),
       odometry_covariance_(params.profile.monitor.drift),
       clock_(params.sensor.timing.sweep_period_s) {
   Vector6d sigmas;
@@ -42,8 +42,8 @@ bool Estimator::predict(double stamp_s, double set_back_s, SweepPrediction& pred
   return true;
 }
 
-const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s,
-                                     double revolution_s, const std::optional<Eigen::Matrix2d>& tilt_moment) {
+const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s, double revolution_s,
+                                     const std::optional<Eigen::Matrix2d>& tilt_moment) {
   external_.clear();
   for (auto& [name, source] : sources_) external_.push_back({name, source.measure(prediction_, T_base_cog_)});
   std::vector<FusionInput> inputs = measurements;

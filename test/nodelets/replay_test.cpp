@@ -49,7 +49,7 @@ std::string writeBag() {
 }
 
 std::vector<Pose> offlinePoses(const std::string& bag, PipelineParameters params) {
-  BagSweepSource source(bag);
+  BagSweepSource source({bag});
   const Vector6d place = vectorFromPose(*source.lidarInBase("base_link").T_base_lidar);
   params.sensor.lidar_in_base.assign(place.data(), place.data() + 6);
   OdometryPipeline pipeline(params, 1);

@@ -70,15 +70,13 @@ void PoseFilter::Params::validate() const {
   requireNotNegative("increment_floor_deg", increment_floor_deg);
 }
 
-PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
-                       const MotionHistory::Params& history, const RoadPlaneEstimator::Params& road,
+PoseFilter::PoseFilter(const Params& params, const VehicleModel& model, const MotionHistory::Params& history,
                        const MeasurementFusion::Params& fusion)
     : params_(params),
       model_(model),
-      ukf_(ukf),
       fusion_(fusion),
       motion_({params.max_speed_mps, params.max_yaw_rate_rps}, params.dead_reckoning, history,
-              RoadPlaneEstimator(model.vehicle(), road)),
+              RoadPlaneEstimator(model.vehicle())),
       consistency_(params.consistency) {
   reset(Pose::Identity());
 }

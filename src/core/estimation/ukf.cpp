@@ -30,33 +30,29 @@ Matrix6d floored(const Matrix6d& C, double min_variance) {
 
 }  // namespace
 
-Ukf::Ukf(const Params& params) : params_(params), weights_(unscentedWeights(params.sigma_points, 6)) {
-  covariance_ = params_.min_sigma * params_.min_sigma * Matrix6d::Identity();
-}
-
 bool Ukf::reset(const Vector6d& state, const Matrix6d& covariance) {
   if (!state.allFinite() || !isCovariance(covariance)) return false;
-  state_ = PoseStateSpace::sum(state, Vector6d::Zero());
-  covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);
+  state_ = stateSum(state, Vector6d::Zero());
+  covariance_ = floored(covariance, kMinSigma * kMinSigma);
   nis_ = 0.0;
   return true;
 }
 
 bool Ukf::predict(const Model& model, const Matrix6d& Q) {
   if (!isCovariance(Q)) return false;
-  SigmaPoints<6> points = sigmaPoints<PoseStateSpace, 6>(state_, covariance_, weights_);
+  SigmaPoints points = sigmaPoints(state_, covariance_, weights_);
   for (Vector6d& point : points) {
     point = model(point);
     if (!point.allFinite()) return false;
   }
   Vector6d mean;
   Matrix6d covariance;
-  unscentedMoments<PoseStateSpace, 6>(points, weights_, mean, covariance);
+  unscentedMoments(points, weights_, mean, covariance);
   // strongly curved models can make the weighted sum indefinite; it is repaired before Q is added
   covariance = floored(covariance, 0.0) + symmetrized(Q);
   if (!mean.allFinite() || !covariance.allFinite()) return false;
   state_ = mean;
-  covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);
+  covariance_ = floored(covariance, kMinSigma * kMinSigma);
   return true;
 }
 
@@ -75,18 +71,18 @@ bool Ukf::correct(const Vector6d& z, const Matrix6d& R) {
   const Vector6d d = eigen.eigenvalues().cwiseMax(0.0);
   const Matrix6d A = root.matrixL() * eigen.eigenvectors();
 
-  const Vector6d innovation = PoseStateSpace::difference(z, state_);
+  const Vector6d innovation = stateDifference(z, state_);
   const Vector6d whitened_innovation = root.matrixL().solve(innovation);
   const Vector6d a = eigen.eigenvectors().transpose() * whitened_innovation;
   const Vector6d gain = (1.0 + d.array()).inverse();
-  const Vector6d state = PoseStateSpace::sum(state_, A * gain.cwiseProduct(a));
+  const Vector6d state = stateSum(state_, A * gain.cwiseProduct(a));
   const Matrix6d covariance = A * d.cwiseProduct(gain).asDiagonal() * A.transpose();
   const double nis = gain.dot(a.cwiseAbs2());
   if (!state.allFinite() || !covariance.allFinite() || !std::isfinite(nis)) return false;
 
   nis_ = nis;
   state_ = state;
-  covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);
+  covariance_ = floored(covariance, kMinSigma * kMinSigma);
   return true;
 }
 

@@ -14,11 +14,6 @@ Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> symmetricEigen(const Eigen::Matri
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> symmetricEigen(const Eigen::Matrix3d& C);
 Eigen::SelfAdjointEigenSolver<Matrix6d> symmetricEigen(const Matrix6d& C);
 
-template <int N>
-Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> symmetricEigen(const Eigen::Matrix<double, N, N>& C) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>>(C);
-}
-
 /// The eigenvalues only, in half the time.
 Vector6d symmetricEigenvalues(const Matrix6d& C);
 

@@ -57,7 +57,6 @@ class StateHysteresis {
   explicit StateHysteresis(int sweeps_to_recover) : sweeps_to_recover_(sweeps_to_recover) {}
 
   FailAwareState update(FailAwareState now);
-  FailAwareState state() const { return state_; }
   void reset();
 
  private:

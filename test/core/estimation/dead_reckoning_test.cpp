@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "../../support/independent_drift.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
@@ -184,7 +185,7 @@ TEST(DeadReckoning, TheAccumulatedVarianceIsThatOfAContinuedError) {
   DeadReckoning dead_reckoning(params);
   const double sigma_mps = 0.3;
   dead_reckoning.reset({sigma_mps, 0.0, 0.0}, 0.0);
-  OdometryCovariance accumulated;
+  OdometryCovariance accumulated(independentDrift());
   OdometryIncrement increment;
   increment.dt_s = kDt_s;
   Pose T = Pose::Identity();

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "../../support/independent_drift.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/integrity/growth_rate.hpp"
 #include "core/parameters/check.hpp"
@@ -79,12 +80,12 @@ TEST(CovariancePredictor, AgreesWithCovarianceOnACurve) {
   Vector6d twist = Vector6d::Zero();
   twist[0] = speed;
   twist[5] = yaw_rate;
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   Pose T = Pose::Identity();
   double crossed_s = -1.0;
   for (int i = 1; i <= 3000 && crossed_s < 0.0; ++i) {
     const Pose next = T * expSe3(dt * twist);
-    odometry.propagate(T, next, increment);
+    odometry.propagate(T, next, incrementWith(increment));
     T = next;
     const Eigen::Matrix3d S = horizontalBlock(odometry.covariance());
     if (ConfidenceRadius(kOneSigma)(S.topLeftCorner<2, 2>()) >= 0.6) crossed_s = i * dt;

@@ -76,7 +76,6 @@ TEST(StateFor, Reasons) {
 
 TEST(StateHysteresis, WorseAtOnceBetterOnlyAfterARow) {
   StateHysteresis hysteresis(3);
-  EXPECT_EQ(hysteresis.state(), State::kUnknown);
   EXPECT_EQ(hysteresis.update(State::kOk), State::kOk);
   EXPECT_EQ(hysteresis.update(State::kFailing), State::kFailing);
   EXPECT_EQ(hysteresis.update(State::kOk), State::kFailing);
@@ -110,7 +109,7 @@ TEST(StateHysteresis, Unknown) {
   EXPECT_EQ(hysteresis.update(State::kUnknown), State::kUnknown) << "not available is worse than degraded";
   hysteresis.update(State::kFailing);
   hysteresis.reset();
-  EXPECT_EQ(hysteresis.state(), State::kUnknown);
+  EXPECT_EQ(hysteresis.update(State::kDegraded), State::kDegraded) << "unknown again, which is left at once";
 }
 
 TEST(FailureState, ParametersAreChecked) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "../../support/independent_drift.hpp"
 #include "../parameters/error_of.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/validate_nested.hpp"
@@ -58,7 +59,7 @@ class Road {
 /// and the article's threshold.
 MonitorParameters independentSweeps() {
   MonitorParameters params;
-  params.drift = DriftModel::Params::independent();
+  params.drift = independentDrift();
   params.predictor.confidence = params.predictor.alarm_confidence = 0.95;
   params.predictor.degrees_of_freedom = 0.0;
   params.indicator.threshold = 0.001;

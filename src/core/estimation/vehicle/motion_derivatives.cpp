@@ -33,11 +33,11 @@ const MotionHistory::Sample& MotionHistory::fromNewest(std::size_t age) const {
   return ring_[(next_ + ring_.size() - 1 - age) % ring_.size()];
 }
 
-bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
-  if (!std::isfinite(stamp_s) || !isFinite(T_odom_cog)) return false;
+void MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
+  if (!std::isfinite(stamp_s) || !isFinite(T_odom_cog)) return;
   if (size_ > 0) {
     const double since_newest = secondsBetween(fromNewest(0).stamp_s, stamp_s);
-    if (since_newest <= 0.0) return false;
+    if (since_newest <= 0.0) return;
     if (since_newest < params_.min_interval_s) {
       next_ = (next_ + ring_.size() - 1) % ring_.size();
       --size_;
@@ -64,7 +64,6 @@ bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
   ring_[next_] = sample;
   next_ = (next_ + 1) % ring_.size();
   size_ = std::min(size_ + 1, ring_.size());
-  return true;
 }
 
 void MotionHistory::move(const Pose& T_new_old) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rigid_alignment.hpp"
@@ -90,14 +91,14 @@ Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const
       weights.push_back(1.0 / pair.variance_m2);
     }
   }
-  const RigidAlignment alignment = alignRigid(source, target, weights);
-  if (!alignment.ok()) return measurement;
-  const bool mirrored = alignment.T_target_source.linear()(2, 2) < 0.0;  // turned over: in the plane a mirror image
+  const std::optional<Pose> T_reference_corner = alignRigid(source, target, weights);
+  if (!T_reference_corner) return measurement;
+  const bool mirrored = T_reference_corner->linear()(2, 2) < 0.0;  // turned over: in the plane a mirror image
   if (mirrored) return measurement;
   Measurement aligned = measurement;
   aligned.status = MeasurementStatus::kOk;
-  aligned.T_odom_cog = orthonormalized(alignment.T_target_source * T_odom_cog_predicted);
-  setCovariance(pairs, alignment.T_target_source, predicted_covariance, aligned);
+  aligned.T_odom_cog = orthonormalized(*T_reference_corner * T_odom_cog_predicted);
+  setCovariance(pairs, *T_reference_corner, predicted_covariance, aligned);
   return isFinite(aligned.T_odom_cog) && aligned.covariance.allFinite() ? aligned : measurement;
 }
 

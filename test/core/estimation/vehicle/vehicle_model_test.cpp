@@ -63,7 +63,7 @@ Comparison compared(const std::vector<Vector6d>& states, const VehicleModel::Par
   const VehicleParameters vehicle;
   const VehicleModel model(vehicle, params);
   MotionHistory history{MotionHistory::Params()};
-  RoadPlaneEstimator road{vehicle, RoadPlaneEstimator::Params()};
+  RoadPlaneEstimator road{vehicle};
   Comparison out;
   int count = 0;
   const auto add = [&](Errors& errors, const Vector6d& predicted, const Vector6d& truth) {
