@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "core/arena_size.hpp"
 #include "core/estimator.hpp"
 #include "core/local_map_registration.hpp"
 #include "core/parallel.hpp"

@@ -100,7 +100,7 @@ void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motio
     motion.velocity_mps += innovation * gain.head<3>();
     motion.acceleration_mps2 += innovation * gain.tail<3>();
     S_ -= (gain * S_axis.transpose()).eval();
-    S_ = (0.5 * (S_ + S_.transpose())).eval();
+    S_ = symmetric(S_);
     kept_ *= std::clamp(1.0 - gain[0] * axis[0], 0.0, 1.0);
   }
 }

@@ -12,6 +12,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
@@ -56,8 +57,7 @@ FilterState stateFrom(const SweepPrediction& prediction) {
 Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
   const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
   const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
-  const Matrix6d turned = J_inverse * pose_covariance * J_inverse.transpose();
-  return 0.5 * (turned + turned.transpose());
+  return symmetric(J_inverse * pose_covariance * J_inverse.transpose());
 }
 
 }  // namespace

@@ -8,24 +8,22 @@ namespace fail_aware {
 
 namespace {
 
-Matrix6d symmetrized(const Matrix6d& C) { return 0.5 * (C + C.transpose()); }
-
 // Finite and positive semi-definite up to rounding.
 bool isCovariance(const Matrix6d& C) {
   if (!C.allFinite()) return false;
-  const Vector6d eigenvalues = symmetricEigenvalues(symmetrized(C));
+  const Vector6d eigenvalues = symmetricEigenvalues(symmetric(C));
   const double largest = std::max(eigenvalues.maxCoeff(), 0.0);
   return eigenvalues.minCoeff() >= -1e-9 * largest;
 }
 
 // Symmetric, with eigenvalues raised to the floor (also relative to the largest one, so that a Cholesky root exists).
 Matrix6d floored(const Matrix6d& C, double min_variance) {
-  Matrix6d symmetric = symmetrized(C);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric);
+  const Matrix6d S = symmetric(C);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(S);
   const double floor = std::max(min_variance, 1e-13 * eigen.eigenvalues().maxCoeff());
-  if (eigen.eigenvalues().minCoeff() >= floor) return symmetric;
-  return symmetrized(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
-                     eigen.eigenvectors().transpose());
+  if (eigen.eigenvalues().minCoeff() >= floor) return S;
+  return symmetric(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
+                   eigen.eigenvectors().transpose());
 }
 
 }  // namespace
@@ -49,7 +47,7 @@ bool Ukf::predict(const Model& model, const Matrix6d& Q) {
   Matrix6d covariance;
   unscentedMoments(points, weights_, mean, covariance);
   // strongly curved models can make the weighted sum indefinite; it is repaired before Q is added
-  covariance = floored(covariance, 0.0) + symmetrized(Q);
+  covariance = floored(covariance, 0.0) + symmetric(Q);
   if (!mean.allFinite() || !covariance.allFinite()) return false;
   state_ = mean;
   covariance_ = floored(covariance, kMinSigma * kMinSigma);
@@ -63,11 +61,11 @@ bool Ukf::correct(const Vector6d& z, const Matrix6d& R) {
   // S^-1 = A^-T diag(1 / (1 + d)) A^-1, K = A diag(1 / (1 + d)) A^-1, P after = A diag(d / (1 + d)) A^T.
   const Eigen::LLT<Matrix6d> root(covariance_);
   if (root.info() != Eigen::Success) return false;
-  const Matrix6d half_whitened = root.matrixL().solve(symmetrized(R));
+  const Matrix6d half_whitened = root.matrixL().solve(symmetric(R));
   const Matrix6d half_whitened_transposed = half_whitened.transpose();
   const Matrix6d whitened_R = root.matrixL().solve(half_whitened_transposed);
   if (!whitened_R.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetrized(whitened_R));
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric(whitened_R));
   const Vector6d d = eigen.eigenvalues().cwiseMax(0.0);
   const Matrix6d A = root.matrixL() * eigen.eigenvectors();
 

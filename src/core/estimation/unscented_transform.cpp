@@ -26,8 +26,7 @@ Vector6d stateSum(const Vector6d& a, const Vector6d& step) {
 }
 
 Matrix6d symmetricSquareRoot(const Matrix6d& C) {
-  const Matrix6d symmetric = 0.5 * (C + C.transpose());
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric(C));
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
          eigen.eigenvectors().transpose();
 }

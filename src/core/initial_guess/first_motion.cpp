@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric_eigen.hpp"
 #include "core/registration/normal_equations.hpp"
 
 namespace fail_aware {
@@ -17,8 +18,7 @@ void addPosition(const Eigen::Vector3d& axis, double offset_m, double sigma_m, M
   const Vector6d C_along = measurement.covariance * along;
   const Vector6d gain = C_along / (along.dot(C_along) + sigma_m * sigma_m);
   measurement.T_odom_cog = applyStep(measurement.T_odom_cog, gain * offset_m);
-  measurement.covariance -= (gain * C_along.transpose()).eval();
-  measurement.covariance = (0.5 * (measurement.covariance + measurement.covariance.transpose())).eval();
+  measurement.covariance = symmetric(measurement.covariance - gain * C_along.transpose());
 }
 
 }  // namespace

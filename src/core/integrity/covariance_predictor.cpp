@@ -34,7 +34,7 @@ CovariancePredictor::CovariancePredictor(const Params& params)
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
   if (!isUsable(growth)) return {TimeToFailure::reached(), TimeToFailure::reached(), kLargestRadius_m, 1.0};
-  GrowingCovariance growing(growth, params_.rate_scale);
+  GrowingCovariance growing(growth);
   const auto horizontal = [&](const GrowingCovariance::Matrix& covariance) {
     return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.transient);
   };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/geometry/degree.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 #include "core/robust_kernel.hpp"
 #include "point_block.hpp"
 
@@ -222,7 +223,7 @@ void VerticalReference::update() {
     x_ = prior;
     return;
   }
-  P_ = 0.5 * (gain + gain.transpose());
+  P_ = symmetric(gain);
 }
 
 void VerticalReference::setBend() {

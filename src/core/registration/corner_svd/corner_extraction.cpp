@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -16,13 +17,8 @@ namespace fail_aware {
 namespace {
 
 constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
-constexpr float kMaxHeight = 1000.0F;  // m; greater heights are not valid measurements
-
-int countBits(std::uint64_t bits) {
-  int count = 0;
-  for (; bits != 0; bits &= bits - 1) ++count;
-  return count;
-}
+constexpr float kMaxHeight = 1000.0F;       // m; greater heights are not valid measurements
+constexpr double kSyntheticHeight_m = 0.0;  // of M, above the frame's origin: a convention, see corner.hpp
 
 float verticalExtent(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& up) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
@@ -143,7 +139,8 @@ void CornerExtractor::keepVerticalPoints(const Points& points) {
   // From here a grid cell holds 0 or the index of the kept cell + 1.
   std::uint32_t kept_cells = 0;
   for (const std::uint32_t cell : touched_) {
-    grid_[cell] = countBits(grid_[cell]) >= params_.min_beams_per_cell ? ++kept_cells : 0;
+    grid_[cell] =
+        static_cast<int>(std::bitset<64>(grid_[cell]).count()) >= params_.min_beams_per_cell ? ++kept_cells : 0;
   }
   kept_begin_.assign(kept_cells + 2, 0);  // for now, the point count of kept cell k is at k + 2
   for (std::uint32_t& cell : cell_of_point_) {
@@ -236,7 +233,7 @@ bool CornerExtractor::makeCorner(const Plane& a, const Plane& b, const Eigen::Ma
   if (direction.dot(up) < std::cos(params_.ransac.max_tilt_deg * kDegree)) return false;
   Eigen::Matrix3d planes;
   planes << a.normal.transpose(), b.normal.transpose(), up.transpose();
-  corner.M = planes.inverse() * Eigen::Vector3d(-a.d_m, -b.d_m, params_.synthetic_height_m);
+  corner.M = planes.inverse() * Eigen::Vector3d(-a.d_m, -b.d_m, kSyntheticHeight_m);
   if (!corner.M.allFinite() || corner.M.norm() > params_.max_range_m) return false;
   for (const Plane* plane : {&a, &b}) {
     if (params_.min_points_near_corner == 0) break;
