@@ -287,6 +287,4 @@ std::string OdometryPipeline::offer(const std::string& source, const ExternalPos
   return stages_->estimator.offer(source, pose);
 }
 
-std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->registration.map().points(); }
-
 }  // namespace fail_aware

@@ -18,6 +18,7 @@
 
 #include "../support/graph_recorder.hpp"
 #include "../support/synthetic_street.hpp"
+#include "../support/tum_trajectory.hpp"
 #include "bridge/bag_sweep_source.hpp"
 #include "bridge/kitti_bag_writer.hpp"
 #include "bridge/parameter_server.hpp"

@@ -82,7 +82,7 @@ const std::vector<CoreFolder> kCoreFolders = {
      {"geometry", "types", "parameters", "preprocessing", "registration", "local_map_registration", "estimation",
       "integrity", "pipeline_parameters", "estimator"}},
     {"io", {"geometry", "types", "parameters", "pipeline_parameters"}},
-    {"odometry", {"io", "parameters", "odometry_pipeline"}},
+    {"odometry", {"io", "types", "odometry_pipeline"}},
 };
 
 /// The helper or the entry of kCoreFolders that a path below include/.../core or src/core belongs to.

@@ -106,8 +106,9 @@ double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& poi
 
 // The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.
 AboveGroundPoints AboveGroundMatcher::select(const std::vector<Eigen::Vector3f>& points_cog) const {
-  const double range_m = params_.max_range_m - params_.max_distance_m - params_.window_m - params_.contrast_m;
-  return findAboveGroundPoints(pointsWithin(points_cog, range_m), params_.points(), kMatched);
+  const double range_m =
+      params_.reference.max_range_m - params_.reference.max_distance_m - params_.window_m - params_.contrast_m;
+  return findAboveGroundPoints(pointsWithin(points_cog, range_m), params_.reference.points, kMatched);
 }
 
 std::optional<AboveGroundPose> AboveGroundMatcher::find(const AboveGroundPoints& above_ground_cog,

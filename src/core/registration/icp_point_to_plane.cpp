@@ -83,14 +83,10 @@ Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_co
   result.T_odom_cog = T;
   result.inliers = equations.inliers;
   result.inlier_ratio = static_cast<double>(equations.inliers) / static_cast<double>(points_cog.size());
-  result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
+  result.rms_residual_m = rmsResidual(equations);
   const double inflation = kernelInflation(curvatureRatio(equations), params_.usual_curvature_ratio);
   result.covariance = covarianceObserved(equations, params_.correlation_inflation * inflation, params_.observability);
-  // Where little is observed the step may stay large. Scattered residuals do not make it converge.
-  const bool usable = converged || stepWithin(step, params_, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(std::sqrt(inflation) * step, result.covariance);
-  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
-  if (!converged) result.covariance += step * step.transpose();
+  judgeEnd(params_, converged, step, inflation, result);
   return result;
 }
 

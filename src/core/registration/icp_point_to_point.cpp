@@ -82,11 +82,6 @@ std::vector<Pose> IcpPointToPoint::seeds(const Pose& T_odom_cog_predicted, const
   return seeds;
 }
 
-bool IcpPointToPoint::stepWithin(const Vector6d& dx, double factor) const {
-  return dx.head<3>().norm() < factor * params_.step_translation_m &&
-         dx.tail<3>().norm() < factor * params_.step_rotation_deg * kDegree;
-}
-
 Solution IcpPointToPoint::solve(NormalEquations& equations, const Weak& weak) const {
   if (weak) discount(equations, weak->direction, weak->counted_ratio);
   return solveObserved(equations, params_.observability);
@@ -102,7 +97,7 @@ void IcpPointToPoint::descendTogether(const PointPairs& pairs, const Weak& weak,
       NormalEquations equations = pairs.linearize(stride, descent.T, kernel_m, descent.neighborhoods);
       const Solution step = solve(equations, weak);
       descent.T = applyStep(descent.T, step.dx);
-      descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, 5.0);  // refinement follows
+      descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, params_, 5.0);  // refinement follows
     });
     const bool all_settled =
         std::all_of(descents.begin(), descents.end(), [](const Descent& descent) { return descent.settled; });
@@ -138,7 +133,7 @@ IcpPointToPoint::Refined IcpPointToPoint::refine(const PointPairs& pairs, const 
     refined.step = solve(refined.equations, weak);
     if (refined.step.degenerate_directions == 6) break;
     descent.T = applyStep(descent.T, refined.step.dx);
-    refined.converged = stepWithin(refined.step.dx, 1.0);
+    refined.converged = stepWithin(refined.step.dx, params_, 1.0);
   }
   const auto all = static_cast<double>(pairs.size());
   refined.T_odom_cog = descent.T;
@@ -156,7 +151,7 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.inlier_ratio = best.inlier_ratio;
   result.degenerate_directions = best.step.degenerate_directions;
   result.min_information_ratio = best.step.min_horizontal_ratio;
-  result.rms_residual_m = std::sqrt(best.equations.squared_error / std::max(best.equations.weight_unscaled, 1e-9));
+  result.rms_residual_m = rmsResidual(best.equations);
   result.seed_spread_m = std::sqrt(spread2_m2);
   const double inflation = kernelInflation(curvatureRatio(best.equations), params_.usual_curvature_ratio);
   const double variance =
@@ -167,12 +162,7 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
     result.covariance.row(tilt) *= params_.tilt_sigma_factor;
     result.covariance.col(tilt) *= params_.tilt_sigma_factor;
   }
-  const Vector6d& step = best.step.dx;
-  // Where little is observed the step may stay large. Scattered residuals do not make it converge.
-  const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(std::sqrt(inflation) * step, result.covariance);
-  if (!best.converged) result.covariance += step * step.transpose();
-  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
+  judgeEnd(params_, best.converged, best.step.dx, inflation, result);
   return result;
 }
 

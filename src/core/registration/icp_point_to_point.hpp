@@ -135,7 +135,6 @@ class IcpPointToPoint {
                  Descent& descent) const;
   Measurement measurement(const Refined& best, double spread2_m2) const;
   Solution solve(NormalEquations& equations, const Weak& weak) const;
-  bool stepWithin(const Vector6d& dx, double factor) const;
 
   Params params_;
 };

@@ -133,6 +133,10 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   return covariance;
 }
 
+double rmsResidual(const NormalEquations& equations) {
+  return std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
+}
+
 double curvatureRatio(const NormalEquations& equations) {
   return equations.curvature / std::max(weightOf(equations), 1e-9);
 }

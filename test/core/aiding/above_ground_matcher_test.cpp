@@ -56,7 +56,7 @@ Pose planarPose(double x, double y, double yaw_rad) {
 /// All stands in these scenes, which is not the class's usual fare.
 AboveGroundMatcher::Params anyRatio() {
   AboveGroundMatcher::Params params;
-  params.max_above_ground_ratio = 1.0;
+  params.reference.max_above_ground_ratio = 1.0;
   return params;
 }
 
@@ -71,7 +71,7 @@ struct KeptMatch {
 };
 
 KeptMatch matchAgainst(const Points& kept, const AboveGroundMatcher::Params& params = anyRatio()) {
-  KeptMatch match{AboveGroundMatcher(params, IcpPointToPlane::Params()), AboveGroundReference(params.reference())};
+  KeptMatch match{AboveGroundMatcher(params, IcpPointToPlane::Params()), AboveGroundReference(params.reference)};
   match.reference.keep(kept, Pose::Identity(), 0.0);
   return match;
 }
@@ -171,7 +171,7 @@ TEST(AboveGroundMatcher, OnePlaceIsTooFew) {
 
 TEST(AboveGroundMatcher, NothingKeptNothingFound) {
   const KeptMatch match{AboveGroundMatcher(anyRatio(), IcpPointToPlane::Params()),
-                        AboveGroundReference(anyRatio().reference())};
+                        AboveGroundReference(anyRatio().reference)};
   EXPECT_FALSE(match.find(posts(), Pose::Identity()));
 }
 
