@@ -32,12 +32,8 @@ class BagSweepSource : public SweepSource {
 
   /// `topic` empty: the only topic of type sensor_msgs/PointCloud2. At least one path.
   explicit BagSweepSource(const std::vector<std::string>& paths, const std::string& topic = "");
-  explicit BagSweepSource(const std::string& path, const std::string& topic = "")
-      : BagSweepSource(std::vector<std::string>{path}, topic) {}
 
   const std::string& topic() const { return topic_; }
-  /// The frame of the first cloud, without a leading slash.
-  const std::string& lidarFrame() const { return lidar_frame_; }
   /// The identity if the frames are the same. If /tf_static does not connect them, this reads /tf in all bags, which
   /// means reading every part of each file.
   Mounting lidarInBase(const std::string& base_frame) const;
@@ -62,7 +58,7 @@ class BagSweepSource : public SweepSource {
 
   double stamp_minus_recorded_s_ = 0.0;  ///< of the last readable cloud: gives one that cannot be read its stamp
   std::string topic_;
-  std::string lidar_frame_;
+  std::string lidar_frame_;                   ///< of the first cloud, without a leading slash
   std::vector<std::unique_ptr<Part>> parts_;  ///< in order of their first cloud
   std::size_t size_ = 0;
   const Part* last_ = nullptr;  ///< the part of the last sweep read

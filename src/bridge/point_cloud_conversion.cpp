@@ -14,6 +14,7 @@
 #include "cloud_field.hpp"
 #include "cloud_layout.hpp"
 #include "core/preprocessing/point_times.hpp"
+#include "core/types/sweep_points.hpp"
 
 namespace fail_aware {
 
@@ -179,19 +180,10 @@ void readTimes(const std::vector<CloudField>& fields, const std::vector<std::vec
   if (!fields.empty()) read(refused.value_or(0));
 }
 
-void clear(Sweep& sweep) {
-  sweep.points_lidar.clear();
-  sweep.intensities.clear();
-  sweep.times_s.clear();
-  sweep.rings.clear();
-  sweep.time_field = TimeFieldSource();
-  sweep.points_dropped = 0;
-}
-
 }  // namespace
 
 CloudReadResult readCloud(const sensor_msgs::PointCloud2& cloud, Sweep& sweep) {
-  clear(sweep);
+  clearPoints(sweep);
   sweep.stamp_s = cloud.header.stamp.toSec();
   const Layout layout(cloud);
   if (!layout.result().ok()) return layout.result();

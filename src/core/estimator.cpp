@@ -9,8 +9,8 @@ namespace fail_aware {
 
 Estimator::Estimator(const PipelineParameters& params)
     : T_base_cog_(params.vehicle.T_base_cog()),
-      filter_(params.profile.filter, params.profile.ukf, VehicleModel(params.vehicle.dynamics, params.profile.model),
-              params.profile.history, params.profile.road, params.profile.fusion),
+      filter_(params.profile.filter, VehicleModel(params.vehicle.dynamics, params.profile.model),
+              params.profile.history, params.profile.fusion),
       odometry_covariance_(params.profile.monitor.drift),
       clock_(params.sensor.timing.sweep_period_s) {
   Vector6d sigmas;

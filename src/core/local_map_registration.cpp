@@ -22,7 +22,7 @@ Measurement withoutPose(MeasurementStatus status) {
 LocalMapRegistration::LocalMapRegistration(const RegistrationParameters& params, const SweepTimingParams& timing)
     : params_(params),
       builder_(params.scan(), timing),
-      map_(params.reference, params.above_ground.reference()),
+      map_(params.reference, params.above_ground.reference),
       resolver_(params.initialGuess()),
       road_speed_aid_(params.road_profile),
       open_country_aid_(params.above_ground, params.icp_point_to_plane) {}

@@ -6,7 +6,7 @@
 
 #include "core/io/profile_files.hpp"
 #include "core/odometry_pipeline.hpp"
-#include "core/parameters/yaml_parameters.hpp"
+#include "core/types/sweep_points.hpp"
 
 namespace fail_aware {
 
@@ -15,9 +15,9 @@ namespace {
 PipelineParameters load(const Parameters& parameters) {
   PipelineParameters loaded =
       loadPipelineParameters({parameters.cfg, parameters.profile, parameters.vehicle, parameters.sensor});
-  for (const std::string& file : parameters.files) loadYaml(file, loaded, MissingKeys::kKeep);
-  for (const auto& [key, value] : parameters.overrides) setParameter(loaded, key + "=" + value);
-  loaded.validate();
+  std::vector<std::string> assignments;
+  for (const auto& [key, value] : parameters.overrides) assignments.push_back(key + "=" + value);
+  overrideParameters(loaded, parameters.files, assignments);
   return loaded;
 }
 
@@ -28,14 +28,6 @@ void requireOnePerPoint(const char* name, const std::vector<T>& values, std::siz
                               std::to_string(points) + " points");
 }
 
-/// The values at the kept points; an empty array stays empty.
-template <class T>
-void keep(std::vector<T>& values, const std::vector<std::size_t>& kept) {
-  if (values.empty()) return;
-  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
-  values.resize(kept.size());
-}
-
 void leaveOutUnusablePoints(Sweep& sweep) {
   std::vector<std::size_t> kept;
   kept.reserve(sweep.size());
@@ -44,10 +36,7 @@ void leaveOutUnusablePoints(Sweep& sweep) {
   }
   if (kept.size() == sweep.size()) return;
   sweep.points_dropped += sweep.size() - kept.size();
-  keep(sweep.points_lidar, kept);
-  keep(sweep.intensities, kept);
-  keep(sweep.times_s, kept);
-  keep(sweep.rings, kept);
+  keepPoints(kept, sweep);
 }
 
 }  // namespace

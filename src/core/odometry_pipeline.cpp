@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "core/arena_size.hpp"
 #include "core/estimator.hpp"
 #include "core/local_map_registration.hpp"
 #include "core/parallel.hpp"
@@ -295,7 +294,5 @@ void OdometryPipeline::addSource(const std::string& name, double tolerance_s) {
 std::string OdometryPipeline::offer(const std::string& source, const ExternalPose& pose) {
   return stages_->estimator.offer(source, pose);
 }
-
-std::vector<Eigen::Vector3d> OdometryPipeline::referencePoints() const { return stages_->registration.map().points(); }
 
 }  // namespace fail_aware

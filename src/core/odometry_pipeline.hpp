@@ -98,9 +98,6 @@ class OdometryPipeline {
   /// The head's period and the jitter of the stamps, as estimated so far.
   const SweepClock& sweepClock() const;
 
-  /// The reference's points in odom.
-  std::vector<Eigen::Vector3d> referencePoints() const;
-
  private:
   struct Stages;
   std::unique_ptr<Stages> stages_;

@@ -10,6 +10,7 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstddef>
 
 #if defined(__SANITIZE_THREAD__)
@@ -71,6 +72,9 @@ Sum sumByHalves(std::size_t begin, std::size_t end, std::size_t piece, const Sum
              [&] { second = sumByHalves<Sum>(middle, end, piece, sum_of); });
   return first + second;
 }
+
+/// Number of threads of an arena: as asked for, up to what the machine runs (TBB warns above that).
+inline int arenaSize(int threads) { return std::min(threads, tbb::this_task_arena::max_concurrency()); }
 
 /// Runs the work in that arena's threads, which may differ from the calling one.
 template <class Work>

@@ -9,7 +9,6 @@
 #include "core/estimation/measurement_fusion.hpp"
 #include "core/estimation/pose_filter.hpp"
 #include "core/estimation/vehicle/motion_derivatives.hpp"
-#include "core/estimation/vehicle/road_plane.hpp"
 #include "core/estimation/vehicle/vehicle_model.hpp"
 #include "core/estimation/vehicle/vehicle_parameters.hpp"
 #include "core/integrity/monitor.hpp"
@@ -65,8 +64,6 @@ struct ProfileParameters {
   VerticalReferenceParams vertical_reference;
   VehicleModel::Params model;
   MotionHistory::Params history;
-  RoadPlaneEstimator::Params road;  ///< constants
-  Ukf::Params ukf;                  ///< constants
   PoseFilter::Params filter;
   RegistrationParameters registration;
   MeasurementFusion::Params fusion;

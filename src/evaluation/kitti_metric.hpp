@@ -23,12 +23,6 @@ struct KittiMetric {
   struct Params {
     std::vector<double> lengths_m = {100, 200, 300, 400, 500, 600, 700, 800};
     int step = 10;
-
-    template <class Self, class Visitor>
-    static void visit(Self& self, Visitor&& v) {
-      v("lengths_m", self.lengths_m);
-      v("step", self.step);
-    }
     void validate() const;
 
     /// For runs in which no segment of 100 m fits.

@@ -19,10 +19,6 @@ std::optional<double> ratioOf(double part, double whole) {
   return whole > 0.0 ? std::optional<double>(part / whole) : std::nullopt;
 }
 
-std::optional<double> ratioOf(std::size_t part, std::size_t whole) {
-  return ratioOf(static_cast<double>(part), static_cast<double>(whole));
-}
-
 double stopTime_s(double speed_mps, double deceleration_mps2) {
   return std::max(kShortestStop_s, speed_mps / deceleration_mps2);
 }
@@ -162,10 +158,6 @@ FixedRule bestFixedDistance(const std::vector<PlannerDrive>& drives, double dece
     });
   });
 }
-
-std::optional<double> PlannerFigure::inTimeRatio() const { return ratioOf(in_time, stoppable); }
-
-std::optional<double> PlannerFigure::toldRatio() const { return ratioOf(told, unstoppable); }
 
 std::optional<double> PlannerFigure::usedRatio() const {
   return ratioOf(used_failing_s + used_sound_s, possible_failing_s + possible_sound_s);

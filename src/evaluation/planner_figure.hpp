@@ -53,8 +53,6 @@ struct PlannerFigure {
   double used_sound_s = 0.0, possible_sound_s = 0.0;
 
   /// Nothing without a whole to divide by.
-  std::optional<double> inTimeRatio() const;
-  std::optional<double> toldRatio() const;
   std::optional<double> usedRatio() const;  ///< of both kinds of drives
   std::optional<double> usedRatioOfFailing() const;
   std::optional<double> usedRatioOfSound() const;

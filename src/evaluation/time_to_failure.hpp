@@ -22,12 +22,6 @@ struct FailureEpisode {
   struct Params {
     double alert_limit_m = 0.6;
     double episode_every_s = 5.0;
-
-    template <class Self, class Visitor>
-    static void visit(Self& self, Visitor&& v) {
-      v("alert_limit_m", self.alert_limit_m);
-      v("episode_every_s", self.episode_every_s);
-    }
     void validate() const;
   };
 

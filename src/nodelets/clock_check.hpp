@@ -5,13 +5,11 @@
 
 #include <ros/time.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <deque>
 #include <string>
-#include <vector>
 
+#include "core/moving_median.hpp"
 #include "stamps.hpp"
 
 namespace fail_aware {
@@ -25,18 +23,11 @@ class ClockCheck {
   /// Call for each message on arrival.
   void heard(const ros::Time& stamp, const ros::Time& now = ros::Time::now()) {
     if (stamp.isZero()) return;  // no stamp
-    ages_s_.push_back(secondsFrom(stamp, now));
-    if (ages_s_.size() > kStampsKept) ages_s_.pop_front();
+    ages_s_.add(secondsFrom(stamp, now));
   }
 
   /// Median age of the last messages on arrival, s; NaN: no message yet.
-  double age_s() const {
-    if (ages_s_.empty()) return std::nan("");
-    std::vector<double> sorted(ages_s_.begin(), ages_s_.end());
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return *middle;
-  }
+  double age_s() const { return ages_s_.size() == 0 ? std::nan("") : ages_s_.median(); }
 
   /// One line for the user; empty: no fault.
   std::string fault(bool sim_time = ros::Time::isSimTime(), const ros::Time& now = ros::Time::now()) const {
@@ -55,7 +46,7 @@ class ClockCheck {
   }
 
  private:
-  std::deque<double> ages_s_;
+  MovingMedian ages_s_{kStampsKept};
 };
 
 }  // namespace fail_aware

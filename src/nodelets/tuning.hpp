@@ -49,7 +49,11 @@ struct FailAwareMonitorTuning {
     v("disagreement_m", self.monitor.disagreement_m);
     v("min_information_ratio", self.monitor.min_information_ratio);
   }
-  void validate() const { monitor.validate(); }
+  void validate() const {
+    monitor.predictor.validate();
+    monitor.thresholds.validate();
+    monitor.validate();
+  }
 };
 
 struct IcpPointToPointTuning {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/arena_size.hpp"
 #include "core/parallel.hpp"
 #include "core/parameters/check.hpp"
 #include "core/parameters/mounting.hpp"

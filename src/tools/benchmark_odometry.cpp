@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -22,7 +21,6 @@
 #include "core/odometry_pipeline.hpp"
 #include "evaluation/quantile.hpp"
 #include "json.hpp"
-#include "parameter_overrides.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -38,8 +36,7 @@ struct Options {
   ProfileFiles files;
   std::vector<std::string> set;
   int threads = 2;
-  long first = 0;
-  long count = -1;
+  ScanRange scans;
   bool without_pcl = false;
 };
 
@@ -108,12 +105,7 @@ void print(const char* title, const Json& s) {
 
 int run(const Options& options) {
   const KittiDirectory directory = KittiDirectory::open(options.kitti);
-  const auto all = static_cast<long>(directory.size());
-  if (options.first >= all) {
-    throw InputError("--first " + std::to_string(options.first) + ": " + options.kitti + " has " + std::to_string(all) +
-                     " scans");
-  }
-  const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
+  const long last = options.scans.end(directory.size(), options.kitti);
   PipelineParameters params = loadPipelineParameters(options.files);
   params.sensor.timing.useKittiStamps();
   overrideParameters(params, {}, options.set);
@@ -124,8 +116,8 @@ int run(const Options& options) {
   std::vector<double> odometry_ms, pcl_ms, resident_mb;
   Sweep sweep;
   {
-    ProgressBar progress(static_cast<std::size_t>(last - options.first));
-    for (long i = options.first; i < last; ++i) {
+    ProgressBar progress(static_cast<std::size_t>(last - options.scans.first));
+    for (long i = options.scans.first; i < last; ++i) {
       directory.read(static_cast<std::size_t>(i), sweep);
       if (!options.without_pcl) {
         const Clock::time_point begin = Clock::now();
@@ -136,7 +128,7 @@ int run(const Options& options) {
       pipeline.step(sweep);
       odometry_ms.push_back(millisecondsSince(begin));
       resident_mb.push_back(residentMb());
-      progress.update(static_cast<std::size_t>(i - options.first + 1));
+      progress.update(static_cast<std::size_t>(i - options.scans.first + 1));
     }
   }
 
@@ -186,8 +178,7 @@ int main(int argc, char** argv) {
     app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
     app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
     app.add_option("--threads", options.threads, "of the odometry")->check(wholeNumber(1, 256))->capture_default_str();
-    app.add_option("--first", options.first, "first scan, counted from 0")->check(wholeNumber(0));
-    app.add_option("--count", options.count, "number of scans (default: all)")->check(wholeNumber(1));
+    options.scans.addOptions(app);
     app.add_flag("--without-pcl", options.without_pcl, "the odometry alone");
     app.add_option("--json", options.json, "file for the figures");
     if (!parseArguments(app, argc, argv)) return kExitDone;

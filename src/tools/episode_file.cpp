@@ -169,8 +169,7 @@ void visitItem(Visitor& v, Item& item) {
 }  // namespace
 
 void writeEpisodeFile(const fs::path& path, const std::vector<JudgedRun>& runs) {
-  std::ofstream file(path, std::ios::binary);
-  if (!file) throw InputError(path.string() + ": cannot be written");
+  std::ofstream file = createFile(path, std::ios::binary);
   Writer write(file);
   file << kBegin;
   write(runs);

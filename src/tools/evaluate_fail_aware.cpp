@@ -147,9 +147,7 @@ int run(Options options) {
   std::cout << std::flush;
   if (!std::cout) throw std::runtime_error("stdout: could not be written");
   if (!folder.empty()) {
-    std::ofstream json = createFile(folder / "fail_aware.json");
-    json << reports.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    finishFile(json, folder / "fail_aware.json");
+    writeText(folder / "fail_aware.json", reports.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
     std::ofstream csv = createFile(folder / "predictions.csv");
     writePredictions(csv, names, all);
     finishFile(csv, folder / "predictions.csv");

@@ -270,9 +270,7 @@ int run(int argc, char** argv) {
   std::cout << json.dump(2) << std::endl;
   if (!std::cout) throw std::runtime_error("stdout: could not be written");
   if (!folder.empty()) {
-    std::ofstream file = createFile(folder / "evaluation.json");
-    file << json.dump(2) << '\n';
-    finishFile(file, folder / "evaluation.json");
+    writeText(folder / "evaluation.json", json.dump(2) + '\n');
     writeCsv(folder / "trajectory.csv", in, ate, ate_aligned);
   }
   reportVerdict(kName, verdict(json),

@@ -7,10 +7,10 @@
 #include "core/io/input_error.hpp"
 #include "core/io/monitor_log.hpp"
 #include "core/io/number_table.hpp"
+#include "core/io/profile_files.hpp"
 #include "core/io/text_lines.hpp"
 #include "core/io/trajectory_io.hpp"
 #include "core/parameters/yaml_parameters.hpp"
-#include "parameter_overrides.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
 

@@ -29,8 +29,7 @@ struct Options {
   ProfileFiles files;
   double period_s = 0.1;
   std::optional<double> start_s;
-  long first = 0;
-  long count = -1;
+  ScanRange scans;
   bool point_times = false, with_tf = false;
 };
 
@@ -55,8 +54,7 @@ void addOptions(CLI::App& app, Options& options) {
                  "base_link -> velo_link")
       ->capture_default_str();
   app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
-  app.add_option("--first", options.first, "first scan, counted from 0")->check(wholeNumber(0));
-  app.add_option("--count", options.count, "number of scans (default: all)")->check(wholeNumber(1));
+  options.scans.addOptions(app);
 }
 
 ros::Time bagTime(double stamp_s) {
@@ -84,12 +82,7 @@ int run(const Options& options) {
   KittiDirectoryParams params;
   params.nominal_period_s = options.period_s;
   const KittiDirectory directory = KittiDirectory::open(options.directory, params);
-  const auto all = static_cast<long>(directory.size());
-  if (options.first >= all) {
-    throw InputError("--first " + std::to_string(options.first) + ": " + options.directory + " has " +
-                     std::to_string(all) + " scans");
-  }
-  const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
+  const long last = options.scans.end(directory.size(), options.directory);
   if (options.point_times && !directory.hasPointTimes()) {
     throw InputError("--point-times: " + options.directory + " has no folder stamps/");
   }
@@ -108,8 +101,8 @@ int run(const Options& options) {
   std::size_t bad_scans = 0, points = 0, warnings = 0;
   Sweep sweep;
   {
-    ProgressBar progress(static_cast<std::size_t>(last - options.first));
-    for (long i = options.first; i < last; ++i) {
+    ProgressBar progress(static_cast<std::size_t>(last - options.scans.first));
+    for (long i = options.scans.first; i < last; ++i) {
       const auto index = static_cast<std::size_t>(i);
       const ReadResult read = directory.read(index, sweep);
       if (read.status != ReadStatus::kOk && ++warnings <= kBadScansNamed) {
@@ -121,16 +114,16 @@ int run(const Options& options) {
       std::optional<Pose> T_world_base;
       if (!truth.poses.empty()) T_world_base = T_base_lidar * truth.poses[index] * T_base_lidar.inverse();
       writer.add(bagTime(sweep.stamp_s + start_s), sweep, T_world_base);
-      progress.update(static_cast<std::size_t>(i - options.first + 1));
+      progress.update(static_cast<std::size_t>(i - options.scans.first + 1));
     }
   }
   writer.close();
   if (warnings > kBadScansNamed) {
     std::cerr << kName << ": warning: " << warnings - kBadScansNamed << " more such scans" << std::endl;
   }
-  std::cout << options.bag << ": " << last - options.first << " sweeps (" << bad_scans << " without points), " << points
-            << " points, ground truth: " << (truth.source.empty() ? "none" : truth.source) << std::endl;
-  if (bad_scans == static_cast<std::size_t>(last - options.first)) {
+  std::cout << options.bag << ": " << last - options.scans.first << " sweeps (" << bad_scans << " without points), "
+            << points << " points, ground truth: " << (truth.source.empty() ? "none" : truth.source) << std::endl;
+  if (bad_scans == static_cast<std::size_t>(last - options.scans.first)) {
     return reportError(kName, "no scan of " + options.directory + " could be used", kExitFailed);
   }
   std::cerr << kName << ": next: roslaunch fail_aware_lidar_odometry kitti_replay.launch bag:="

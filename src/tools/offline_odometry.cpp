@@ -18,7 +18,6 @@
 #include "core/parameters/yaml_parameters.hpp"
 #include "drive_results.hpp"
 #include "json.hpp"
-#include "parameter_overrides.hpp"
 #include "poses_from_outside.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
@@ -41,8 +40,7 @@ struct Options {
   ProfileFiles files;
   std::vector<std::string> parameters, set;
   int threads = 2;
-  long first = 0;
-  long count = -1;
+  ScanRange scans;
   double redundant_at_s = 0.0;
   PoseFiles poses;
 };
@@ -83,8 +81,7 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--threads", options.threads, "number of threads for the measurements")
       ->check(wholeNumber(1, 256))
       ->capture_default_str();
-  app.add_option("--first", options.first, "first scan, counted from 0")->check(wholeNumber(0));
-  app.add_option("--count", options.count, "number of scans (default: all)")->check(wholeNumber(1));
+  options.scans.addOptions(app);
   app.add_option("--redundant-at", options.redundant_at_s,
                  "t1: seconds from the first sweep at which the odometry "
                  "begins to serve as the localisation")
@@ -196,24 +193,19 @@ int run(const Options& options) {
   PipelineParameters params = loadPipelineParameters(options.files);
   const std::unique_ptr<SweepSource> drive = openDrive(options, params.sensor);
   const std::string drive_name = options.bags.empty() ? options.kitti : joined(options.bags);
-  const auto all = static_cast<long>(drive->size());
-  if (options.first >= all) {
-    throw InputError("--first " + std::to_string(options.first) + ": " + drive_name + " has " + std::to_string(all) +
-                     " scans");
-  }
-  const long last = options.count < 0 ? all : options.first + std::min(all - options.first, options.count);
+  const long last = options.scans.end(drive->size(), drive_name);
   overrideParameters(params, options.parameters, options.set);
   if (!options.lidar_in_base.empty()) params.sensor.lidar_in_base = options.lidar_in_base;
   RunFolder folder(options.output, kFiles);
   OdometryPipeline pipeline(params, options.threads);
   DriveResults results(folder.unfinished(), params);
-  drive->skip(static_cast<std::size_t>(options.first));
-  runOver(*drive, static_cast<std::size_t>(last - options.first), options, pipeline, results);
+  drive->skip(static_cast<std::size_t>(options.scans.first));
+  runOver(*drive, static_cast<std::size_t>(last - options.scans.first), options, pipeline, results);
   for (const std::string& warning : results.warnings()) warn(warning);
   if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) warn(contradiction);
 
   results.write();
-  Json summary = results.summary(options.first);
+  Json summary = results.summary(options.scans.first);
   summary["max_rss_mb"] = maxRssMb();
   summary["vertical_reference"] = levelSummary(pipeline.verticalReference().report());
   summary["sweep_clock"] = clockSummary(pipeline.sweepClock());

@@ -139,10 +139,8 @@ void sealRun(const fs::path& folder, const std::vector<std::string>& files, cons
     marks[name] = {{"bytes", mark.bytes}, {"crc32", mark.crc32}};
   }
   summary["files"] = marks;
-  const fs::path path = folder / kSummary;
-  std::ofstream file = createFile(path);
-  file << summary.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';  // file names may not be UTF-8
-  finishFile(file, path);
+  // file names may not be UTF-8
+  writeText(folder / kSummary, summary.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 Json readRunSummary(const fs::path& folder) {

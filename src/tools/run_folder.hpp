@@ -21,7 +21,6 @@ class RunFolder {
   /// Throws InputError if the results cannot be written there.
   RunFolder(const std::filesystem::path& folder, std::vector<std::string> files);
 
-  const std::string& id() const { return id_; }
   /// The folder for the files until finish().
   const std::filesystem::path& unfinished() const { return unfinished_; }
 

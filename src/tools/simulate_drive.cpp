@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "core/io/kitti_writer.hpp"
+#include "core/io/output_file.hpp"
 #include "json.hpp"
 #include "simulation/fault_injector.hpp"
 #include "simulation/lidar_head.hpp"
@@ -123,13 +123,6 @@ std::unique_ptr<Output> openOutput(const Options& options) {
 std::string sideFile(const Options& options, const std::string& name) {
   if (!isBag(options.output)) return (fs::path(options.output) / name).string();
   return (fs::path(options.output).replace_extension("").string() + "_" + name);
-}
-
-void writeText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error("cannot write " + path);
 }
 
 void writeNotes(const Options& options, const std::vector<Fault>& faults, std::size_t sweeps) {

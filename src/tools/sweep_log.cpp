@@ -5,12 +5,11 @@
 #include <iomanip>
 #include <limits>
 #include <numeric>
-#include <stdexcept>
 
 #include "core/geometry/rotation.hpp"
-#include "core/io/input_error.hpp"
 #include "core/io/measurement_log.hpp"
 #include "core/io/monitor_log.hpp"
+#include "core/io/output_file.hpp"
 #include "core/preprocessing/sweep_check.hpp"
 #include "evaluation/quantile.hpp"
 #include "json.hpp"
@@ -45,13 +44,10 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
     : path_((folder / "per_sweep.csv").string()),
       monitor_path_((folder / "monitor_log.csv").string()),
       measurement_path_((folder / "measurements.csv").string()),
-      out_(path_),
-      monitor_log_(monitor_path_),
-      measurement_log_(measurement_path_),
+      out_(createFile(path_)),
+      monitor_log_(createFile(monitor_path_)),
+      measurement_log_(createFile(measurement_path_)),
       by_status_(kStatuses, 0) {
-  if (!out_) throw InputError("cannot write " + path_);
-  if (!monitor_log_) throw InputError("cannot write " + monitor_path_);
-  if (!measurement_log_) throw InputError("cannot write " + measurement_path_);
   monitor_log_ << monitorLogHeader() << '\n';
   measurement_log_ << measurementLogHeader() << '\n';
   out_
@@ -153,12 +149,9 @@ std::vector<std::string> SweepLog::warnings() const {
 }
 
 void SweepLog::close() {
-  out_.close();
-  monitor_log_.close();
-  measurement_log_.close();
-  if (!out_) throw std::runtime_error("cannot complete " + path_);
-  if (!monitor_log_) throw std::runtime_error("cannot complete " + monitor_path_);
-  if (!measurement_log_) throw std::runtime_error("cannot complete " + measurement_path_);
+  finishFile(out_, path_);
+  finishFile(monitor_log_, monitor_path_);
+  finishFile(measurement_log_, measurement_path_);
 }
 
 }  // namespace fail_aware

@@ -85,6 +85,19 @@ CLI::Validator positiveNumber() {
   return checked("a number above 0", numberIn, [](double value) { return value > 0.0; });
 }
 
+void ScanRange::addOptions(CLI::App& app) {
+  app.add_option("--first", first, "first scan, counted from 0")->check(wholeNumber(0));
+  app.add_option("--count", count, "number of scans (default: all)")->check(wholeNumber(1));
+}
+
+long ScanRange::end(std::size_t scans, const std::string& drive) const {
+  const auto all = static_cast<long>(scans);
+  if (first >= all) {
+    throw InputError("--first " + std::to_string(first) + ": " + drive + " has " + std::to_string(all) + " scans");
+  }
+  return count < 0 ? all : first + std::min(all - first, count);
+}
+
 bool parseArguments(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);

@@ -50,6 +50,15 @@ CLI::Validator wholeNumber(long low, long high = std::numeric_limits<long>::max(
 CLI::Validator realNumber(double low, double high = std::numeric_limits<double>::max());
 CLI::Validator positiveNumber();
 
+/// Some of a drive's scans: --first, --count.
+struct ScanRange {
+  long first = 0, count = -1;  ///< count < 0: to the end
+
+  void addOptions(CLI::App& app);
+  /// The scan after the last of them. Throws InputError, naming `drive`, if there is none.
+  long end(std::size_t scans, const std::string& drive) const;
+};
+
 /// Parses into `app`'s options; throws InputError for bad ones. False: help was requested and printed.
 bool parseArguments(CLI::App& app, int argc, const char* const* argv);
 

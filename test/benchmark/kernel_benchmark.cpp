@@ -155,7 +155,7 @@ void cornerExtraction(benchmark::State& state) {
 BENCHMARK(cornerExtraction)->Unit(benchmark::kMillisecond);
 
 void ukfStep(benchmark::State& state) {
-  Ukf ukf{Ukf::Params()};
+  Ukf ukf;
   ukf.reset(Vector6d::Zero(), scene().covariance);
   for (auto _ : state) {
     ukf.predict([](const Vector6d& x) { return x; }, scene().covariance);

@@ -45,7 +45,7 @@ TEST_F(VelodyneBagWriterTest, ReadsBackAsASourceOfSweeps) {
     writer.add(sweepAt(0.1 * i), T, 0.1 * i);
   }
   writer.close();
-  BagSweepSource source(path_);
+  BagSweepSource source({path_});
   EXPECT_EQ(source.topic(), "/velodyne_points");
   EXPECT_EQ(source.size(), 3u);
   ASSERT_TRUE(source.lidarInBase("base_link").T_base_lidar.has_value());

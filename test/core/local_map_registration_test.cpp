@@ -25,7 +25,7 @@ LocalMapRegistration makeFront(bool refine_deskew, int min_points = 500, bool se
   RegistrationParameters params;
   params.refine_deskew = refine_deskew;
   params.deskew_refinement.enabled = search_turn;
-  params.above_ground.enabled = match_above_ground;
+  params.above_ground.reference.enabled = match_above_ground;
   params.cloud.min_range_m = 3.0;
   params.cloud.max_range_m = 60.0;
   params.cloud.min_points = min_points;

@@ -192,9 +192,6 @@ TEST(OdometryPipeline, FollowsAStreetWithinCentimetres) {
   }
   EXPECT_LT(results.back().monitor.sigma_y_m, 1.0);
   EXPECT_GT(results.back().monitor.sigma_y_m, 0.005);
-  const std::vector<Eigen::Vector3d> reference = pipeline.referencePoints();
-  EXPECT_GT(reference.size(), 5000u);
-  for (const Eigen::Vector3d& point : reference) ASSERT_TRUE(point.allFinite());
 }
 
 TEST(OdometryPipeline, SameBitsForAnyThreads) {
@@ -446,7 +443,6 @@ TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   pipeline.startRedundant();
   run(pipeline, std::vector<Sweep>(driveSweeps().begin() + 20, driveSweeps().begin() + 23));
   pipeline.reset();
-  EXPECT_TRUE(pipeline.referencePoints().empty());
   const std::vector<SweepResult> results =  // stamps go back
       run(pipeline, std::vector<Sweep>(driveSweeps().begin() + 5, driveSweeps().begin() + 15));
   EXPECT_EQ(results[0].status, SweepStatus::kFirst);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace fail_aware::parallel_test {
@@ -39,6 +40,12 @@ TEST(Parallel, ASumByHalvesHasTheSameBitsForAnyThreads) {
   EXPECT_NEAR(sumOfInverses(1, 10001), 9.787606036044348, 1e-12);
   EXPECT_EQ(sumOfInverses(1, 10001), sumOfInverses(4, 10001));
   EXPECT_EQ(sumOfInverses(2, 1), 0.0) << "of nothing";
+}
+
+TEST(Parallel, AnArenaIsAsAskedForUpToWhatTheMachineRuns) {
+  EXPECT_EQ(arenaSize(1), 1);
+  EXPECT_GE(arenaSize(1000000), 1);
+  EXPECT_LE(arenaSize(1000000), static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 TEST(Parallel, WhatIsThrownInATaskComesOut) {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <set>
 #include <string>
@@ -114,12 +113,13 @@ TEST(PipelineParameters, OneOfTheIcpsMustBeUsed) {
 
 TEST(PipelineParameters, AStructAloneNamesWhatItKnows) {
   RegistrationParameters registration;
-  registration.icp_point_to_plane.observability.lever_m = -1.0;
+  registration.icp_point_to_plane.observability.min_information_ratio = -1.0;
   try {
     registration.validate();
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_TRUE(startsWith(error.what(), "icp_point_to_plane.observability.lever_m = -1")) << error.what();
+    EXPECT_TRUE(startsWith(error.what(), "icp_point_to_plane.observability.min_information_ratio = -1"))
+        << error.what();
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../support/independent_drift.hpp"
 #include "../support/synthetic_tunnel.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/odometry_pipeline.hpp"
@@ -34,7 +35,7 @@ struct Sample {
 std::vector<Sample> drive(const Tunnel& tunnel, double start_x_m, double speed_mps, int sweeps) {
   OdometryPipeline pipeline(tunnelParameters(), 1);
   pipeline.startRedundant();
-  OdometryCovariance accumulated;
+  OdometryCovariance accumulated(independentDrift());
   Pose T_odom_cog_previous = Pose::Identity();
   std::vector<Sample> samples;
   for (int i = 0; i < sweeps; ++i) {

@@ -33,7 +33,6 @@ TEST(PlannerFigure, AStopHasToEndBeforeTheFailure) {
   EXPECT_EQ(in_time.stoppable, 1u);
   EXPECT_EQ(in_time.in_time, 1u) << "from 4 s to 9 s";
   EXPECT_EQ(in_time.usedRatioOfFailing(), 1.0);
-  EXPECT_EQ(in_time.inTimeRatio(), 1.0);
   const PlannerFigure late = figureOf(drive("oooooFFFFFFF", 9.0, true));
   EXPECT_EQ(late.stoppable, 1u);
   EXPECT_EQ(late.in_time, 0u);
@@ -78,7 +77,6 @@ TEST(PlannerFigure, WhatNobodyCouldStopShouldBeToldAtOnce) {
   EXPECT_EQ(told.unstoppable, 1u);
   EXPECT_EQ(told.told, 1u);
   EXPECT_EQ(figureOf(drive("ooooFFFFF", 7.5, true)).told, 0u);
-  EXPECT_FALSE(told.inTimeRatio());
   EXPECT_FALSE(told.usedRatio());
   EXPECT_EQ(figureOf(drive("oF", 1.5, true)).told, 1u) << "the run ends before the first look";
   EXPECT_EQ(figureOf(drive("oo", 1.5, true)).told, 0u);

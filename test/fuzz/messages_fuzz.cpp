@@ -273,8 +273,8 @@ void drive(FieldSource& source) {
   static const PipelineParameters params;
   const ProfileParameters& profile = params.profile;
   const Pose T_base_cog = params.vehicle.T_base_cog();
-  PoseFilter filter(profile.filter, profile.ukf, VehicleModel(params.vehicle.dynamics, profile.model), profile.history,
-                    profile.road, profile.fusion);
+  PoseFilter filter(profile.filter, VehicleModel(params.vehicle.dynamics, profile.model), profile.history,
+                    profile.fusion);
   filter.reset(T_base_cog);
   OdometryCovariance covariance(profile.monitor.drift);
   FailAwareMonitor monitor = freshMonitor();

@@ -20,11 +20,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 0:
         for (const Pose& T : readKittiTrajectory(path)) promise(T.matrix().allFinite(), "poses are finite");
         break;
-      case 1:
-        for (const StampedPose& pose : readTumTrajectory(path)) {
-          promise(std::isfinite(pose.stamp_s) && pose.T.matrix().allFinite(), "poses and stamps are finite");
-        }
-        break;
       case 2:
         for (const double stamp_s : readTimes(path)) promise(std::isfinite(stamp_s), "stamps are finite");
         break;

@@ -18,6 +18,7 @@
 
 #include "../support/graph_recorder.hpp"
 #include "../support/synthetic_street.hpp"
+#include "../support/tum_trajectory.hpp"
 #include "bridge/bag_sweep_source.hpp"
 #include "bridge/kitti_bag_writer.hpp"
 #include "bridge/parameter_server.hpp"
@@ -49,7 +50,7 @@ std::string writeBag() {
 }
 
 std::vector<Pose> offlinePoses(const std::string& bag, PipelineParameters params) {
-  BagSweepSource source(bag);
+  BagSweepSource source({bag});
   const Vector6d place = vectorFromPose(*source.lidarInBase("base_link").T_base_lidar);
   params.sensor.lidar_in_base.assign(place.data(), place.data() + 6);
   OdometryPipeline pipeline(params, 1);

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "../support/tum_trajectory.hpp"
 #include "core/io/input_error.hpp"
 
 namespace fail_aware::trajectory_record_test {

@@ -50,7 +50,7 @@ bool coreMayInclude(const std::string& header) {
 const std::string kCore = "core/";
 
 /// Files in no folder that every folder may include and that include nothing of the core themselves.
-const std::set<std::string> kHelpers = {"arena_size", "moving_median", "parallel", "robust_kernel", "stamp_difference"};
+const std::set<std::string> kHelpers = {"moving_median", "parallel", "robust_kernel", "stamp_difference"};
 
 /// A folder of the core (or, where there is none, a header with its source) and what it may include beside the helpers.
 struct CoreFolder {
@@ -82,7 +82,7 @@ const std::vector<CoreFolder> kCoreFolders = {
      {"geometry", "types", "parameters", "preprocessing", "registration", "local_map_registration", "estimation",
       "integrity", "pipeline_parameters", "estimator"}},
     {"io", {"geometry", "types", "parameters", "pipeline_parameters"}},
-    {"odometry", {"io", "parameters", "odometry_pipeline"}},
+    {"odometry", {"io", "types", "odometry_pipeline"}},
 };
 
 /// The helper or the entry of kCoreFolders that a path below include/.../core or src/core belongs to.

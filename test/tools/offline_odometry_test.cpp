@@ -19,6 +19,7 @@
 #include "../../src/tools/tool_support.hpp"
 #include "../support/synthetic_street.hpp"
 #include "../support/tool_run.hpp"
+#include "../support/tum_trajectory.hpp"
 #include "core/integrity/monitor_replay.hpp"
 #include "core/io/input_error.hpp"
 #include "core/io/monitor_log.hpp"
@@ -208,7 +209,8 @@ TEST_F(OfflineOdometry, ParameterFilesOverrideInOrder) {
     return " --parameters '" + (folder_ / name).string() + "'";
   };
   const std::string first = file("first.yaml", "monitor:\n  drift:\n    scale_bias: 2.0e-4\n    map_length_m: 11.0\n");
-  const std::string second = file("second.yaml", "monitor:\n  drift:\n    map_length_m: 12.0\n    transient_ratio: 0.25\n");
+  const std::string second =
+      file("second.yaml", "monitor:\n  drift:\n    map_length_m: 12.0\n    transient_ratio: 0.25\n");
   run(base() / "drive", "--count 2" + first + second + " --set monitor.drift.transient_ratio=0.125");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   PipelineParameters used;

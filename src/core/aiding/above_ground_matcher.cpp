@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parameters/check.hpp"
 #include "core/registration/plane_pairs.hpp"
 #include "core/robust_kernel.hpp"
 
@@ -94,34 +93,6 @@ std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const 
 
 }  // namespace
 
-void AboveGroundMatcher::Params::validate() const {
-  requireWithin("max_information_ratio", max_information_ratio, 0.0, 0.5);
-  requireWithin("max_above_ground_ratio", max_above_ground_ratio, 0.0, 1.0);
-  requirePositive("surface_sigma_m", surface_sigma_m);
-  requirePositive("surface_sigma_deg", surface_sigma_deg);
-  requireWithin("cell_m", cell_m, 0.05, 1000.0);
-  requireWithin("column_m", column_m, 0.05, 100.0);
-  requireNotNegative("min_height_m", min_height_m);
-  requireWithin("step_m", step_m, 0.01, 10.0);
-  requireWithin("window_m", window_m, step_m, 100.0);
-  requireWithin("kernel_m", kernel_m, 0.01, 100.0);
-  requireWithin("contrast_m", contrast_m, step_m, 100.0);
-  requireWithin("min_contrast", min_contrast, 0.0, 1.0);
-  requirePositive("sigma_m", sigma_m);
-  requirePositive("min_places", min_places);
-  requireWithin("max_distance_m", max_distance_m, 0.01, 1000.0);
-  requireParameter(max_range_m > max_distance_m + window_m + contrast_m, "max_range_m", max_range_m,
-                   "> max_distance_m + window_m + contrast_m");
-  requireWithin("max_range_m", max_range_m, 0.1, 2000.0);
-  requirePositive("max_age_s", max_age_s);
-}
-
-AboveGroundMatcher::AboveGroundMatcher(const Params& params, const IcpPointToPlane::Params& planes)
-    : params_(params), planes_(planes) {
-  params_.validate();
-  planes_.validate();
-}
-
 double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                          const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   const std::size_t stride = 1 + points_cog.size() / kLookedAt;
@@ -135,8 +106,9 @@ double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& poi
 
 // The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.
 AboveGroundPoints AboveGroundMatcher::select(const std::vector<Eigen::Vector3f>& points_cog) const {
-  const double range_m = params_.max_range_m - params_.max_distance_m - params_.window_m - params_.contrast_m;
-  return findAboveGroundPoints(pointsWithin(points_cog, range_m), params_.points(), kMatched);
+  const double range_m =
+      params_.reference.max_range_m - params_.reference.max_distance_m - params_.window_m - params_.contrast_m;
+  return findAboveGroundPoints(pointsWithin(points_cog, range_m), params_.reference.points, kMatched);
 }
 
 std::optional<AboveGroundPose> AboveGroundMatcher::find(const AboveGroundPoints& above_ground_cog,

@@ -35,17 +35,12 @@ struct AboveGroundPose {
 class AboveGroundMatcher {
  public:
   struct Params {
-    bool enabled = true;
+    AboveGroundReference::Params reference;  ///< `enabled`: of the matcher, too
     /// used up to this information of the planes' strongest horizontal direction: 8 fields have 0.01 to 0.14 in 95 % of
     /// the sweeps, four country roads 0.2 to 0.55, four highways 0.4 to 0.85
     double max_information_ratio = 0.2;
-    double max_above_ground_ratio = 0.1;  ///< and up to this ratio of points that stand: on a motorway a seventh do
-    double surface_sigma_m = 0.3;         ///< sigma there of the horizontal position from surfaces
-    double surface_sigma_deg = 0.2;       ///< likewise of the heading
-    double max_range_m = 100.0;           ///< farthest points used: all that registration uses
-    double cell_m = 4.0;                  ///< side of a place, which has one vote: a bush, or a car
-    double column_m = 0.5;                ///< side of the columns in which height is measured
-    double min_height_m = 0.4;            ///< a point this far above the lowest of its column stands
+    double surface_sigma_m = 0.3;    ///< sigma there of the horizontal position from surfaces
+    double surface_sigma_deg = 0.2;  ///< likewise of the heading
     /// searched along the road, to both sides of the prediction: a speed that is wrong by 10 m/s at 10 Hz
     double window_m = 1.0;
     double step_m = 0.2;      ///< step of that search: as kernel_m
@@ -53,25 +48,18 @@ class AboveGroundMatcher {
     double contrast_m = 0.6;  ///< the votes are compared this far beyond the window
     /// least difference of a place's best and worst vote: a fence along the road has less
     double min_contrast = 0.3;
-    double sigma_m = 0.10;         ///< sigma of one place: scatter of a bush's points from sweep to sweep
-    double min_places = 1.7;       ///< fewer places give no result: one place gives no heading
-    double max_distance_m = 10.0;  ///< farthest from the sweep that is matched with; then another one is used
-    double max_age_s = 1.0;        ///< likewise in time
+    double sigma_m = 0.10;    ///< sigma of one place: scatter of a bush's points from sweep to sweep
+    double min_places = 1.7;  ///< fewer places give no result: one place gives no heading
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("enabled", self.enabled);
+      v("enabled", self.reference.enabled);
     }
-    void validate() const;
-
-    AboveGroundPointsParams points() const { return {cell_m, column_m, min_height_m}; }
-    AboveGroundReference::Params reference() const {
-      return {enabled, points(), max_range_m, max_above_ground_ratio, max_distance_m, max_age_s};
-    }
+    void validate() const {}  ///< only `enabled` can be set
   };
 
-  /// `planes`: which pairs count, and how much. Throws ParameterError.
-  AboveGroundMatcher(const Params& params, const IcpPointToPlane::Params& planes);
+  /// `planes`: which pairs count, and how much.
+  AboveGroundMatcher(const Params& params, const IcpPointToPlane::Params& planes) : params_(params), planes_(planes) {}
 
   /// The ratio of their information that the planes hold of the strongest horizontal direction; 0 without planes.
   double ratioOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,

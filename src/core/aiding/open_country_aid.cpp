@@ -20,16 +20,17 @@ OpenCountryAid::Result OpenCountryAid::find(const RegistrationScan& scan, const 
                                             const InitialGuess& guess, double sigma_yaw_rad) {
   Result result;
   const AboveGroundMatcher::Params& params = match_.params();
-  if (!params.enabled) return result;
+  if (!params.reference.enabled) return result;
   const double slack = open_sweeps_left_ > 0 ? kStaysOpen : 1.0;
   open_sweeps_left_ = std::max(0, open_sweeps_left_ - 1);
   const double ratio = match_.ratioOfPlanes(scan.cloud.plane_points_cog, map.map(), guess.T_odom_cog, sigma_yaw_rad);
   nearly_open_ = ratio <= kStaysOpen * params.max_information_ratio;
   if (ratio > slack * params.max_information_ratio) return result;
   const AboveGroundPoints above_ground = match_.select(scan.cloud.map_points_cog);
-  result.open_country = above_ground.ratio <= params.max_above_ground_ratio;
+  result.open_country = above_ground.ratio <= params.reference.max_above_ground_ratio;
   if (!result.open_country) return result;
-  if (ratio <= params.max_information_ratio && above_ground.ratio <= kClearlyOpen * params.max_above_ground_ratio) {
+  if (ratio <= params.max_information_ratio &&
+      above_ground.ratio <= kClearlyOpen * params.reference.max_above_ground_ratio) {
     open_sweeps_left_ = kOpenSweeps;
   }
   result.pose = match_.find(above_ground, map.aboveGround(), guess.T_odom_cog);

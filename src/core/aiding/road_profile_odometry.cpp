@@ -54,29 +54,9 @@ double parabolaPeak(double left, double middle, double right) {
 }  // namespace
 
 void RoadProfileOdometry::Params::validate() const {
-  requireWithin("window_sweeps", window_sweeps, 3, 200);
-  requireWithin("min_sweeps", min_sweeps, 3, window_sweeps);
-  requirePositive("min_range_m", min_range_m);
-  requireParameter(max_range_m > min_range_m && max_range_m <= 100.0, "max_range_m", max_range_m,
-                   "> min_range_m and <= 100");
-  requireWithin("half_width_m", half_width_m, 0.5, 50.0);
-  requireWithin("direction_elevation_deg", direction_elevation_deg, 0.01, 5.0);
-  requireWithin("direction_azimuth_deg", direction_azimuth_deg, 0.05, 5.0);
-  requirePositive("max_height_m", max_height_m);
-  requireWithin("cell_m", cell_m, 0.05, 5.0);
-  requireParameter(smoothing_m >= cell_m, "smoothing_m", smoothing_m, ">= cell_m");
-  requireAtMost("smoothing_m", smoothing_m, 100.0);
-  requirePositive("profile_sigma_m", profile_sigma_m);
   requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
   requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
-  requirePositive("max_acceleration_mps2", max_acceleration_mps2);
-  requireWithin("min_correlation", min_correlation, 0.0, 1.0);
-  requireWithin("max_second_peak", max_second_peak, 0.0, 1.0);
-  requirePositive("speed_sigma_mps", speed_sigma_mps);
-  requireNotNegative("mirrored_sigma_mps", mirrored_sigma_mps);
 }
-
-RoadProfileOdometry::RoadProfileOdometry(const Params& params) : params_(params) { params_.validate(); }
 
 void RoadProfileOdometry::clear() {
   sweeps_.clear();
@@ -100,7 +80,7 @@ void RoadProfileOdometry::setYaw(double yaw_rad) {
 
 void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog,
                               double yaw_rad) {
-  const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog, params_.surface());
+  const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog, params_.road);
   if (!sweeps_.empty() && sweep.stamp_s - sweeps_.back().stamp_s > kLongestGap_s) clear();
   if (!samples) return clear();
   Record record;
@@ -120,8 +100,8 @@ void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lid
 }
 
 std::vector<RoadProfileOdometry::Layer> RoadProfileOdometry::layers() const {
-  const int nx = 2 * static_cast<int>(std::ceil(params_.max_range_m / params_.cell_m));
-  const int ny = 2 * static_cast<int>(std::ceil(params_.half_width_m / params_.cell_m));
+  const int nx = 2 * static_cast<int>(std::ceil(params_.road.max_range_m / params_.cell_m));
+  const int ny = 2 * static_cast<int>(std::ceil(params_.road.half_width_m / params_.cell_m));
   const auto cells = static_cast<std::size_t>(nx * ny);
   const int half = static_cast<int>(std::lround(params_.smoothing_m / params_.cell_m));
   const int min_count = std::max(3, static_cast<int>(sweeps_.size()) / 2);
@@ -135,7 +115,7 @@ std::vector<RoadProfileOdometry::Layer> RoadProfileOdometry::layers() const {
       const Mean& mean = means_[sample.direction];
       if (mean.count < min_count) continue;
       const float height = sample.height - static_cast<float>(mean.sum / mean.count);
-      if (std::abs(height) > static_cast<float>(params_.max_height_m)) continue;
+      if (std::abs(height) > static_cast<float>(params_.road.max_height_m)) continue;
       const int x = fastFloor(static_cast<double>(sample.x) / params_.cell_m) + nx / 2;
       const int y = fastFloor(static_cast<double>(sample.y) / params_.cell_m) + ny / 2;
       if (x < 0 || x >= nx || y < 0 || y >= ny) continue;
@@ -175,10 +155,10 @@ RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& 
     const double s = place(layer.age_s);
     low = std::min(low, s);
     high = std::max(high, s);
-    aside = std::max(aside, std::abs(s * layer.tan_half_yaw) + params_.max_range_m * std::abs(layer.sin_yaw));
+    aside = std::max(aside, std::abs(s * layer.tan_half_yaw) + params_.road.max_range_m * std::abs(layer.sin_yaw));
   }
-  const double reach = params_.max_range_m + 2.0 * params_.cell_m + 0.1 * std::abs(speed_mps) + 5.0;
-  aside = std::min(aside, 50.0) + params_.half_width_m + params_.cell_m;
+  const double reach = params_.road.max_range_m + 2.0 * params_.cell_m + 0.1 * std::abs(speed_mps) + 5.0;
+  aside = std::min(aside, 50.0) + params_.road.half_width_m + params_.cell_m;
   const double x0 = low - reach;
   const int nx = static_cast<int>((high - low + 2.0 * reach) / params_.cell_m) + 1;
   const int ny = static_cast<int>(2.0 * aside / params_.cell_m) + 1;

@@ -40,15 +40,7 @@ class RoadProfileOdometry {
     /// sweeps that are compared: 2 s at 10 Hz, during which the acceleration is nearly constant
     int window_sweeps = 20;
     int min_sweeps = 10;  ///< fewer sweeps give no speed: half a window
-    /// nearest points used, horizontal, from the lidar: nearer points belong to the vehicle
-    double min_range_m = 3.0;
-    double max_range_m = 16.0;  ///< farthest points used: farther beams are too grazing
-    double half_width_m = 4.0;  ///< half the width of the strip of road used: own lane and its neighbours
-    /// elevation size of the bins for the mean: a fraction of the beams' spacing
-    double direction_elevation_deg = 0.1;
-    double direction_azimuth_deg = 0.5;  ///< azimuth size of these bins: 0.14 m at max_range_m, less than a cell
-    /// higher points are not road: the profile is millimetres, range noise centimetres
-    double max_height_m = 0.03;
+    RoadSurfaceParams road;
     double cell_m = 0.25;  ///< cell of the grid of heights: a quarter of the profile's length
     /// half the side of the square whose mean height is subtracted: longer than the profile, shorter than the road's
     /// crown
@@ -73,10 +65,6 @@ class RoadProfileOdometry {
       v("max_speed_mps", self.max_speed_mps);
     }
     void validate() const;
-
-    RoadSurfaceParams surface() const {
-      return {min_range_m, max_range_m, half_width_m, direction_elevation_deg, direction_azimuth_deg, max_height_m};
-    }
   };
 
   struct Speed {
@@ -86,7 +74,7 @@ class RoadProfileOdometry {
     double correlation = 0.0;
   };
 
-  explicit RoadProfileOdometry(const Params& params);
+  explicit RoadProfileOdometry(const Params& params) : params_(params) {}
 
   /// `twist_cog` is the motion (m/s, rad/s) that the sweep was deskewed for, `yaw_rad` the vehicle's heading.
   void add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, double yaw_rad);

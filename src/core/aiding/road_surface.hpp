@@ -16,12 +16,16 @@
 namespace fail_aware {
 
 struct RoadSurfaceParams {
-  double min_range_m = 3.0;  ///< of the points used, horizontal, from the lidar
-  double max_range_m = 16.0;
-  double half_width_m = 4.0;             ///< of the strip of road used
-  double direction_elevation_deg = 0.1;  ///< size of a direction bin
-  double direction_azimuth_deg = 0.5;
-  double max_height_m = 0.03;  ///< points more than five times farther from the quadric are not road
+  /// nearest points used, horizontal, from the lidar: nearer points belong to the vehicle
+  double min_range_m = 3.0;
+  double max_range_m = 16.0;  ///< farthest points used: farther beams are too grazing
+  double half_width_m = 4.0;  ///< half the width of the strip of road used: own lane and its neighbours
+  /// elevation size of the bins for the mean: a fraction of the beams' spacing
+  double direction_elevation_deg = 0.1;
+  double direction_azimuth_deg = 0.5;  ///< azimuth size of these bins: 0.14 m at max_range_m, less than a cell
+  /// higher points (from the quadric five times as high ones) are not road: the profile is millimetres, range noise
+  /// centimetres
+  double max_height_m = 0.03;
 };
 
 struct RoadSample {

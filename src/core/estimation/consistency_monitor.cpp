@@ -22,13 +22,7 @@ void ConsistencyMonitor::Params::validate() const {
   requirePositive("persistent_disagreement_m", persistent_disagreement_m);
   requireNotNegative("persistent_innovation_m", persistent_innovation_m);
   requireWithin("fitting_ratio", fitting_ratio, 0.0, 1.0);
-  requireNotNegative("unfitting_sigma_m", unfitting_sigma_m);
   requireNotNegative("max_yaw_innovation_deg", max_yaw_innovation_deg);
-  requireWithin("wrong_ratio_of_turn", wrong_ratio_of_turn, 0.0, 1.0);
-}
-
-ConsistencyMonitor::ConsistencyMonitor(const Params& params) : params_(params), lost_motion_(params.fitting_ratio) {
-  params_.validate();
 }
 
 void ConsistencyMonitor::clear() {

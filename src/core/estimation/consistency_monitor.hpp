@@ -68,7 +68,7 @@ class ConsistencyMonitor {
     bool motion_lost = false;  ///< the map is useless after dead reckoning (lost_motion.hpp)
   };
 
-  explicit ConsistencyMonitor(const Params& params);
+  explicit ConsistencyMonitor(const Params& params) : params_(params), lost_motion_(params.fitting_ratio) {}
 
   Inflation add(const Sweep& sweep);
 

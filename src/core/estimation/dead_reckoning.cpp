@@ -18,22 +18,10 @@ constexpr double kWidestDriven_rad = 0.25;
 }  // namespace
 
 void DeadReckoning::Params::validate() const {
-  requirePositive("observed_sigma_m", observed_sigma_m);
-  requirePositive("observed_sigma_deg", observed_sigma_deg);
-  requirePositive("sure_sigma_m", sure_sigma_m);
-  requireParameter(unsure_sigma_m > sure_sigma_m, "unsure_sigma_m", unsure_sigma_m, "> sure_sigma_m");
-  requireWithin("observed_sweeps", observed_sweeps, 1, 1000);
   requireNotNegative("acceleration_mps2", acceleration_mps2);
   requireNotNegative("lateral_acceleration_mps2", lateral_acceleration_mps2);
-  requirePositive("acceleration_time_s", acceleration_time_s);
   requireNotNegative("yaw_acceleration_rad_s2", yaw_acceleration_rad_s2);
-  requirePositive("yaw_acceleration_time_s", yaw_acceleration_time_s);
-  requirePositive("turning_speed_mps", turning_speed_mps);
-  requirePositive("max_measured_sigma_m", max_measured_sigma_m);
-  requirePositive("max_measured_sigma_deg", max_measured_sigma_deg);
 }
-
-DeadReckoning::DeadReckoning(const Params& params) : params_(params) { params_.validate(); }
 
 void DeadReckoning::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s) {
   S_.setZero();
@@ -112,7 +100,7 @@ void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motio
     motion.velocity_mps += innovation * gain.head<3>();
     motion.acceleration_mps2 += innovation * gain.tail<3>();
     S_ -= (gain * S_axis.transpose()).eval();
-    S_ = (0.5 * (S_ + S_.transpose())).eval();
+    S_ = symmetric(S_);
     kept_ *= std::clamp(1.0 - gain[0] * axis[0], 0.0, 1.0);
   }
 }

@@ -72,7 +72,7 @@ class DeadReckoning {
     Eigen::Matrix3d P_previous = Eigen::Matrix3d::Zero();
   };
 
-  explicit DeadReckoning(const Params& params);
+  explicit DeadReckoning(const Params& params) : params_(params) {}
 
   /// Forgets the motion; only its standard deviations are known.
   void reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s);

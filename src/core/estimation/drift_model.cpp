@@ -30,21 +30,6 @@ void DriftModel::Params::validate() const {
   requireNotNegative("new_map_m", new_map_m);
 }
 
-DriftModel::Params DriftModel::Params::independent() {
-  Params params;
-  params.map_length_m = 0.0;
-  params.registration_ratio = 1.0;
-  params.position_per_root_metre_m = 0.0;
-  params.tilt_per_root_metre_deg = 0.0;
-  params.heading_per_root_metre_deg = 0.0;
-  params.heading_bias_deg_per_m = 0.0;
-  params.scale_bias = 0.0;
-  params.transient_ratio = 0.0;
-  params.transient_rotation_ratio = 0.0;
-  params.new_map_m = 0.0;
-  return params;
-}
-
 Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
   const auto share = [](double distance_m) { return std::min(1.0, distance_m / kNewMapDistance_m); };
   const double variance_m2 = squared(params_.new_map_m) * std::max(0.0, share(to_m) - share(from_m));

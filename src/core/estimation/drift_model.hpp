@@ -39,7 +39,7 @@ class DriftModel {
     double scale_bias = 0.0001;               ///< likewise: metres per metre
     double transient_ratio = 0.25;  ///< of a registration's variance: what the pose jitters by about the map: position
     double transient_rotation_ratio = 0.5;  ///< likewise rotation
-    double new_map_m = 0.02;  ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
+    double new_map_m = 0.02;                ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -55,9 +55,6 @@ class DriftModel {
       v("new_map_m", self.new_map_m);
     }
     void validate() const;
-
-    /// Errors of successive sweeps that know nothing of each other: all of a sweep's uncertainty stays.
-    static Params independent();
   };
 
   /// Throws ParameterError.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

@@ -45,11 +45,4 @@ void predictDrift(const DriftStep& step, const Eigen::Matrix3d& R_start_previous
 /// Its registration, and what it does to the map.
 void correctDrift(const DriftStep& step, const Eigen::Matrix3d& R_start_previous, DriftState& state);
 
-/// C and its transpose, averaged.
-template <class Matrix>
-typename Matrix::PlainObject symmetric(const Matrix& C) {
-  const typename Matrix::PlainObject& plain = C;  // an expression is evaluated once
-  return 0.5 * plain + 0.5 * plain.transpose();
-}
-
 }  // namespace fail_aware

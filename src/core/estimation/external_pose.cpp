@@ -10,7 +10,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kUnmeasuredVariance_rad2 = 1e4;
+constexpr double kSpeedSigma = 0.1;  // of the motion between two stamps: relative to its length
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::string unusableReason(const Matrix6d& C) {
 }
 
 Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
-                                const Vector6d& twist_cog, const Pose& T_base_cog, double speed_sigma) {
+                                const Vector6d& twist_cog, const Pose& T_base_cog) {
   const Vector6d motion = (stamp_s - pose.stamp_s) * twist_cog;
   const Pose T_then_now = expSe3(motion);
   const bool rotation_measured = rotationMeasured(pose.covariance);
@@ -53,43 +53,40 @@ Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const 
   measurement.covariance = pose.covariance;
   if (rotation_measured) {
     measurement.covariance = covarianceAfterOffset(pose.covariance, T_odom_base, T_base_now);
-    const double sigma_rad = speed_sigma * motion.tail<3>().norm();
+    const double sigma_rad = kSpeedSigma * motion.tail<3>().norm();
     measurement.covariance.diagonal().tail<3>().array() += sigma_rad * sigma_rad;
   } else {
     measurement.covariance.rightCols<3>().setZero();
     measurement.covariance.bottomRows<3>().setZero();
-    measurement.covariance.diagonal().tail<3>().setConstant(kUnmeasuredVariance_rad2);
+    measurement.covariance.diagonal().tail<3>().setConstant(kUnobservedVariance);
   }
-  const double sigma_m = speed_sigma * motion.head<3>().norm();
+  const double sigma_m = kSpeedSigma * motion.head<3>().norm();
   measurement.covariance.diagonal().head<3>().array() += sigma_m * sigma_m;
   return measurement;
 }
 
-void ExternalPoseBuffer::push(const ExternalPose& pose) {
+std::string ExternalPoseSource::offer(const ExternalPose& pose) {
+  std::string reason = unusableReason(pose);
+  if (!reason.empty()) return reason;
   if (!poses_.empty() && pose.stamp_s < poses_.back().stamp_s) poses_.clear();
   poses_.push_back(pose);
-  if (poses_.size() > capacity_) poses_.pop_front();
+  if (poses_.size() > kKept) poses_.pop_front();
+  return "";
 }
 
-std::optional<ExternalPose> ExternalPoseBuffer::takeNearest(double stamp_s, double tolerance_s) {
+std::optional<ExternalPose> ExternalPoseSource::takeNearest(double stamp_s) {
   const auto nearest = std::min_element(poses_.begin(), poses_.end(), [&](const auto& a, const auto& b) {
     return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
   });
-  if (nearest == poses_.end() || std::abs(nearest->stamp_s - stamp_s) > tolerance_s) return std::nullopt;
+  if (nearest == poses_.end() || std::abs(nearest->stamp_s - stamp_s) > tolerance_s_) return std::nullopt;
   const ExternalPose found = *nearest;
   poses_.erase(poses_.begin(), nearest + 1);
   return found;
 }
 
-std::string ExternalPoseSource::offer(const ExternalPose& pose) {
-  std::string reason = unusableReason(pose);
-  if (reason.empty()) poses_.push(pose);
-  return reason;
-}
-
 std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
   if (!prediction.motionKnown()) return std::nullopt;
-  const std::optional<ExternalPose> pose = poses_.takeNearest(prediction.stamp_s, tolerance_s_);
+  const std::optional<ExternalPose> pose = takeNearest(prediction.stamp_s);
   const std::optional<Vector6d> twist =
       twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
   if (!pose || !twist) return std::nullopt;

@@ -30,41 +30,31 @@ std::string unusableReason(const ExternalPose& pose);
 std::string unusableReason(const Matrix6d& covariance);
 
 /// The centre of gravity at stamp_s, the vehicle moving on with this twist (m/s, rad/s; of the centre of gravity, in
-/// its own axes); the motion between counts as known to speed_sigma of its length. A rotation that was not measured is
+/// its own axes); the motion between counts as known to a tenth of its length. A rotation that was not measured is
 /// the predicted one, with a variance that no fusion listens to.
 Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
-                                const Vector6d& twist_cog, const Pose& T_base_cog, double speed_sigma = 0.1);
+                                const Vector6d& twist_cog, const Pose& T_base_cog);
 
-/// The last few poses of one source, by stamp. Bounded: the oldest give way.
-class ExternalPoseBuffer {
- public:
-  explicit ExternalPoseBuffer(std::size_t capacity = 100) : capacity_(capacity) {}
-
-  /// A stamp before the newest means that its source began anew: what came before is forgotten.
-  void push(const ExternalPose& pose);
-  /// The nearest in time, if within tolerance_s; it and what is older are used up.
-  std::optional<ExternalPose> takeNearest(double stamp_s, double tolerance_s);
-  void clear() { poses_.clear(); }
-
- private:
-  std::size_t capacity_;
-  std::deque<ExternalPose> poses_;
-};
-
-/// One source of such poses.
+/// One source of such poses: its last few, by stamp; the oldest give way.
 class ExternalPoseSource {
  public:
   explicit ExternalPoseSource(double tolerance_s = 0.1) : tolerance_s_(tolerance_s) {}
 
-  /// Why the pose cannot be used; empty: it waits for its sweep.
+  /// Why the pose cannot be used; empty: it waits for its sweep. A stamp before the newest means that the source began
+  /// anew: what came before is forgotten.
   std::string offer(const ExternalPose& pose);
-  /// For a sweep; nothing if no pose is near it. While no motion is known there is nothing to move a pose with: it waits.
+  /// For a sweep; nothing if no pose is near it. The nearest and what is older are used up. While no motion is known
+  /// there is nothing to move a pose with: it waits.
   std::optional<Measurement> measure(const SweepPrediction& prediction, const Pose& T_base_cog);
   void clear() { poses_.clear(); }
 
+  static constexpr std::size_t kKept = 100;
+
  private:
+  std::optional<ExternalPose> takeNearest(double stamp_s);
+
   double tolerance_s_;
-  ExternalPoseBuffer poses_;
+  std::deque<ExternalPose> poses_;
 };
 
 }  // namespace fail_aware

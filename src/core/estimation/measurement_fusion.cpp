@@ -59,9 +59,8 @@ std::optional<Candidate> makeCandidate(std::size_t index, const FusionInput& inp
   candidate.z = vectorFromPose(T);
   if (!candidate.z.allFinite() || std::abs(std::cos(candidate.z[4])) < kGimbalLockCosine) return std::nullopt;
   const Matrix6d state_from_pose = inverseOf(poseFromStateJacobian(candidate.z.tail<3>()));
-  const Matrix6d bounded = withBoundedVariances(0.5 * C + 0.5 * C.transpose());
-  const Matrix6d R = state_from_pose * bounded * state_from_pose.transpose();
-  candidate.R = 0.5 * (R + R.transpose());
+  const Matrix6d bounded = withBoundedVariances(symmetric(C));
+  candidate.R = symmetric(state_from_pose * bounded * state_from_pose.transpose());
   const std::optional<Matrix6d> information = inverseOfCovariance(candidate.R);
   if (!information) return std::nullopt;
   candidate.information = *information;
@@ -139,8 +138,6 @@ void MeasurementFusion::Params::validate() const {
   requireNotNegative("agreement_distance_m", agreement_distance_m);
   requireWithin("agreement_yaw_deg", agreement_yaw_deg, 0.0, 180.0);
 }
-
-MeasurementFusion::MeasurementFusion(const Params& params) : params_(params) { params_.validate(); }
 
 FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
                                      const std::vector<FusionInput>& inputs) const {

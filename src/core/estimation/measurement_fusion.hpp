@@ -63,8 +63,7 @@ class MeasurementFusion {
     void validate() const;
   };
 
-  /// Throws ParameterError.
-  explicit MeasurementFusion(const Params& params);
+  explicit MeasurementFusion(const Params& params) : params_(params) {}
 
   FusionResult fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
                     const std::vector<FusionInput>& inputs) const;

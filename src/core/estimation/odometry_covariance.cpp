@@ -70,13 +70,6 @@ Matrix6d observed(const Matrix6d& registration) {
 OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }
 
 bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
-                                   const Matrix6d& increment_covariance) {
-  OdometryIncrement increment;
-  increment.motion = increment_covariance;
-  return propagate(T_odom_base_previous, T_odom_base_now, increment);
-}
-
-bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
                                    const OdometryIncrement& increment) {
   if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !isUsable(increment)) return false;
   const Pose T_previous_now = T_odom_base_previous.inverse() * T_odom_base_now;

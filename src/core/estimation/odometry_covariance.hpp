@@ -44,12 +44,11 @@ struct DriftRate {
 
 class OdometryCovariance {
  public:
-  /// Throws ParameterError. The default: errors of successive sweeps are independent.
-  explicit OdometryCovariance(const DriftModel::Params& drift = DriftModel::Params::independent());
+  /// Throws ParameterError.
+  explicit OdometryCovariance(const DriftModel::Params& drift);
 
+  /// Negative eigenvalues of the increment's covariances count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);
-  /// `increment_covariance`: of T_previous_now, about the previous body's axes. Its negative eigenvalues count as zero.
-  bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const Matrix6d& increment_covariance);
 
   /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
   const Matrix6d& covariance() const { return covariance_; }

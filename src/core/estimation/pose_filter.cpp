@@ -12,6 +12,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
@@ -56,38 +57,27 @@ FilterState stateFrom(const SweepPrediction& prediction) {
 Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
   const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
   const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
-  const Matrix6d turned = J_inverse * pose_covariance * J_inverse.transpose();
-  return 0.5 * (turned + turned.transpose());
+  return symmetric(J_inverse * pose_covariance * J_inverse.transpose());
 }
 
 }  // namespace
 
 void PoseFilter::Params::validate() const {
-  requireNotNegative("initial_speed_sigma_mps", initial_speed_sigma_mps);
-  requirePositive("initial_sigma_m", initial_sigma_m);
-  requirePositive("initial_sigma_deg", initial_sigma_deg);
-  requirePositive("max_speed_mps", max_speed_mps);
-  requirePositive("max_yaw_rate_rps", max_yaw_rate_rps);
   requirePositive("increment_scale", increment_scale);
   requirePositive("dead_reckoning_increment_factor", dead_reckoning_increment_factor);
   requireNotNegative("increment_floor_m", increment_floor_m);
   requireNotNegative("increment_per_metre_m", increment_per_metre_m);
   requireNotNegative("increment_floor_deg", increment_floor_deg);
-  consistency.validate();
-  dead_reckoning.validate();
 }
 
-PoseFilter::PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
-                       const MotionHistory::Params& history, const RoadPlaneEstimator::Params& road,
+PoseFilter::PoseFilter(const Params& params, const VehicleModel& model, const MotionHistory::Params& history,
                        const MeasurementFusion::Params& fusion)
     : params_(params),
       model_(model),
-      ukf_(ukf),
       fusion_(fusion),
       motion_({params.max_speed_mps, params.max_yaw_rate_rps}, params.dead_reckoning, history,
-              RoadPlaneEstimator(model.vehicle(), road)),
+              RoadPlaneEstimator(model.vehicle())),
       consistency_(params.consistency) {
-  params_.validate();
   reset(Pose::Identity());
 }
 

@@ -22,7 +22,6 @@
 #include "core/estimation/motion_tracker.hpp"
 #include "core/estimation/ukf.hpp"
 #include "core/estimation/vehicle/motion_derivatives.hpp"
-#include "core/estimation/vehicle/road_plane.hpp"
 #include "core/estimation/vehicle/vehicle_model.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/types/filter_state.hpp"
@@ -64,8 +63,7 @@ class PoseFilter {
     void validate() const;
   };
 
-  PoseFilter(const Params& params, const Ukf::Params& ukf, const VehicleModel& model,
-             const MotionHistory::Params& history, const RoadPlaneEstimator::Params& road,
+  PoseFilter(const Params& params, const VehicleModel& model, const MotionHistory::Params& history,
              const MeasurementFusion::Params& fusion);
 
   /// Restarts the filter; the next sweep's pose is T_odom_cog.
@@ -81,7 +79,7 @@ class PoseFilter {
   /// P (about the vehicle) stay; odom_reset_count increases. A pose that is not finite: returns false, nothing changes.
   bool setPose(const Pose& T_odom_cog);
 
-  /// The fusion's parameters, used from the next sweep on. Throws ParameterError.
+  /// The fusion's parameters, used from the next sweep on.
   void setFusion(const MeasurementFusion::Params& params) { fusion_ = MeasurementFusion(params); }
 
   const FilterState& state() const { return state_; }
@@ -90,8 +88,6 @@ class PoseFilter {
   /// the whole error of the prediction, backwards included. This state then holds the increment of the filter's
   /// velocity instead, over a dt of at most kLongInterval_s. dt is 0 before any motion was measured.
   FilterState stateAsDriven() const;
-
-  bool started() const { return started_; }
 
  private:
   static constexpr int kFirstRepetition = 20;

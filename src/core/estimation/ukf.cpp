@@ -3,67 +3,54 @@
 #include <algorithm>
 
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
 namespace {
 
-Matrix6d symmetrized(const Matrix6d& C) { return 0.5 * (C + C.transpose()); }
-
 // Finite and positive semi-definite up to rounding.
 bool isCovariance(const Matrix6d& C) {
   if (!C.allFinite()) return false;
-  const Vector6d eigenvalues = symmetricEigenvalues(symmetrized(C));
+  const Vector6d eigenvalues = symmetricEigenvalues(symmetric(C));
   const double largest = std::max(eigenvalues.maxCoeff(), 0.0);
   return eigenvalues.minCoeff() >= -1e-9 * largest;
 }
 
 // Symmetric, with eigenvalues raised to the floor (also relative to the largest one, so that a Cholesky root exists).
 Matrix6d floored(const Matrix6d& C, double min_variance) {
-  Matrix6d symmetric = symmetrized(C);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric);
+  const Matrix6d S = symmetric(C);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(S);
   const double floor = std::max(min_variance, 1e-13 * eigen.eigenvalues().maxCoeff());
-  if (eigen.eigenvalues().minCoeff() >= floor) return symmetric;
-  return symmetrized(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
-                     eigen.eigenvectors().transpose());
+  if (eigen.eigenvalues().minCoeff() >= floor) return S;
+  return symmetric(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
+                   eigen.eigenvectors().transpose());
 }
 
 }  // namespace
 
-void Ukf::Params::validate() const {
-  sigma_points.validate();
-  requirePositive("min_sigma", min_sigma);
-}
-
-Ukf::Ukf(const Params& params) : params_(params), weights_(unscentedWeights(params.sigma_points, 6)) {
-  params_.validate();
-  covariance_ = params_.min_sigma * params_.min_sigma * Matrix6d::Identity();
-}
-
 bool Ukf::reset(const Vector6d& state, const Matrix6d& covariance) {
   if (!state.allFinite() || !isCovariance(covariance)) return false;
-  state_ = PoseStateSpace::sum(state, Vector6d::Zero());
-  covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);
+  state_ = stateSum(state, Vector6d::Zero());
+  covariance_ = floored(covariance, kMinSigma * kMinSigma);
   nis_ = 0.0;
   return true;
 }
 
 bool Ukf::predict(const Model& model, const Matrix6d& Q) {
   if (!isCovariance(Q)) return false;
-  SigmaPoints<6> points = sigmaPoints<PoseStateSpace, 6>(state_, covariance_, weights_);
+  SigmaPoints points = sigmaPoints(state_, covariance_, weights_);
   for (Vector6d& point : points) {
     point = model(point);
     if (!point.allFinite()) return false;
   }
   Vector6d mean;
   Matrix6d covariance;
-  unscentedMoments<PoseStateSpace, 6>(points, weights_, mean, covariance);
+  unscentedMoments(points, weights_, mean, covariance);
   // strongly curved models can make the weighted sum indefinite; it is repaired before Q is added
-  covariance = floored(covariance, 0.0) + symmetrized(Q);
+  covariance = floored(covariance, 0.0) + symmetric(Q);
   if (!mean.allFinite() || !covariance.allFinite()) return false;
   state_ = mean;
-  covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);
+  covariance_ = floored(covariance, kMinSigma * kMinSigma);
   return true;
 }
 
@@ -74,26 +61,26 @@ bool Ukf::correct(const Vector6d& z, const Matrix6d& R) {
   // S^-1 = A^-T diag(1 / (1 + d)) A^-1, K = A diag(1 / (1 + d)) A^-1, P after = A diag(d / (1 + d)) A^T.
   const Eigen::LLT<Matrix6d> root(covariance_);
   if (root.info() != Eigen::Success) return false;
-  const Matrix6d half_whitened = root.matrixL().solve(symmetrized(R));
+  const Matrix6d half_whitened = root.matrixL().solve(symmetric(R));
   const Matrix6d half_whitened_transposed = half_whitened.transpose();
   const Matrix6d whitened_R = root.matrixL().solve(half_whitened_transposed);
   if (!whitened_R.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetrized(whitened_R));
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(symmetric(whitened_R));
   const Vector6d d = eigen.eigenvalues().cwiseMax(0.0);
   const Matrix6d A = root.matrixL() * eigen.eigenvectors();
 
-  const Vector6d innovation = PoseStateSpace::difference(z, state_);
+  const Vector6d innovation = stateDifference(z, state_);
   const Vector6d whitened_innovation = root.matrixL().solve(innovation);
   const Vector6d a = eigen.eigenvectors().transpose() * whitened_innovation;
   const Vector6d gain = (1.0 + d.array()).inverse();
-  const Vector6d state = PoseStateSpace::sum(state_, A * gain.cwiseProduct(a));
+  const Vector6d state = stateSum(state_, A * gain.cwiseProduct(a));
   const Matrix6d covariance = A * d.cwiseProduct(gain).asDiagonal() * A.transpose();
   const double nis = gain.dot(a.cwiseAbs2());
   if (!state.allFinite() || !covariance.allFinite() || !std::isfinite(nis)) return false;
 
   nis_ = nis;
   state_ = state;
-  covariance_ = floored(covariance, params_.min_sigma * params_.min_sigma);
+  covariance_ = floored(covariance, kMinSigma * kMinSigma);
   return true;
 }
 

@@ -2,7 +2,7 @@
 //
 // State (x, y, z, roll, pitch, yaw) of the centre of gravity in odom, m and rad. The measurement is the state itself
 // (C = I); its covariance R may change every sweep. Angles wrap in means, differences and innovations.
-// After every call P is symmetric with every eigenvalue >= `min_sigma`^2, for any R from singular to huge: the
+// After every call P is symmetric with every eigenvalue >= kMinSigma^2, for any R from singular to huge: the
 // correction works in coordinates where P is the identity and R diagonal, so it never subtracts large numbers.
 // This P is the filter's own (it gates measurements and settles by design), not the accumulated odometry covariance.
 // Failure: a value that is not finite or an R or Q with a negative eigenvalue -> false, nothing changes.
@@ -18,16 +18,10 @@ namespace fail_aware {
 
 class Ukf {
  public:
-  struct Params {
-    UnscentedParams sigma_points;
-    /// m and rad; least standard deviation of P in every direction: far below any pose error, above rounding
-    double min_sigma = 1e-6;
-    void validate() const;
-  };
-
   using Model = std::function<Vector6d(const Vector6d&)>;
 
-  explicit Ukf(const Params& params);
+  /// m and rad: least standard deviation of P in every direction, far below any pose error, above rounding.
+  static constexpr double kMinSigma = 1e-6;
 
   /// Restarts from this state and forgets the last correction.
   bool reset(const Vector6d& state, const Matrix6d& covariance);
@@ -43,10 +37,9 @@ class Ukf {
   double nis() const { return nis_; }
 
  private:
-  Params params_;
-  UnscentedWeights weights_;
+  UnscentedWeights weights_ = unscentedWeights();
   Vector6d state_ = Vector6d::Zero();
-  Matrix6d covariance_;
+  Matrix6d covariance_ = kMinSigma * kMinSigma * Matrix6d::Identity();
   double nis_ = 0.0;
 };
 

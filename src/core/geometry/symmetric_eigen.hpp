@@ -14,9 +14,11 @@ Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> symmetricEigen(const Eigen::Matri
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> symmetricEigen(const Eigen::Matrix3d& C);
 Eigen::SelfAdjointEigenSolver<Matrix6d> symmetricEigen(const Matrix6d& C);
 
-template <int N>
-Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> symmetricEigen(const Eigen::Matrix<double, N, N>& C) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>>(C);
+/// C and its transpose, averaged.
+template <class Matrix>
+typename Matrix::PlainObject symmetric(const Matrix& C) {
+  const typename Matrix::PlainObject& plain = C;  // an expression is evaluated once
+  return 0.5 * plain + 0.5 * plain.transpose();
 }
 
 /// The eigenvalues only, in half the time.

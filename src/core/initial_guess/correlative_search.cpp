@@ -180,14 +180,7 @@ std::vector<Eigen::Vector2d> aboveGroundPoints(const std::vector<Eigen::Vector3f
 
 }  // namespace
 
-void CorrelativeSearch::Params::validate() const {
-  requireWithin("range_m", range_m, 1.0, 200.0);
-  requireWithin("max_shift_m", max_shift_m, 0.5, 100.0);
-  requireWithin("max_turn_deg", max_turn_deg, 0.5, 180.0);
-  requireWithin("min_ratio", min_ratio, 0.0, 1.0);
-}
-
-CorrelativeSearch::CorrelativeSearch(const Params& params) : params_(params) { params_.validate(); }
+void CorrelativeSearch::Params::validate() const { requireWithin("max_shift_m", max_shift_m, 0.5, 100.0); }
 
 bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                              const Pose& T_odom_cog_predicted, const Matrix6d& covariance,

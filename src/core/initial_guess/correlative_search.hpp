@@ -44,8 +44,7 @@ class CorrelativeSearch {
     double ratio = 0.0;  ///< of above-ground points that fit: min_ratio ... 1
   };
 
-  /// Throws ParameterError.
-  explicit CorrelativeSearch(const Params& params);
+  explicit CorrelativeSearch(const Params& params) : params_(params) {}
 
   /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw); it sets the search range. False: too few points
   /// above the ground.

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 #include "core/preprocessing/azimuth_coverage.hpp"
 #include "core/registration/plane_pairs.hpp"
 
@@ -38,14 +37,6 @@ struct TurningEquations {
 };
 
 }  // namespace
-
-void DeskewRefinement::Params::validate() const { requirePositive("sigma_deg_s", sigma_deg_s); }
-
-DeskewRefinement::DeskewRefinement(const Params& params, const IcpPointToPlane::Params& planes)
-    : params_(params), planes_(planes) {
-  params_.validate();
-  planes_.validate();
-}
 
 std::optional<Eigen::Vector3d> DeskewRefinement::find(const std::vector<Eigen::Vector3f>& points_cog,
                                                       const std::vector<float>& times_s, double middle_s,

@@ -32,11 +32,11 @@ class DeskewRefinement {
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
     }
-    void validate() const;
+    void validate() const {}  ///< only `enabled` can be set
   };
 
-  /// `planes`: pairs, weights and iterations are taken from it. Throws ParameterError.
-  DeskewRefinement(const Params& params, const IcpPointToPlane::Params& planes);
+  /// `planes`: pairs, weights and iterations are taken from it.
+  DeskewRefinement(const Params& params, const IcpPointToPlane::Params& planes) : params_(params), planes_(planes) {}
 
   /// times_s: one per point, relative to the stamp; middle_s: likewise.
   std::optional<Eigen::Vector3d> find(const std::vector<Eigen::Vector3f>& points_cog, const std::vector<float>& times_s,

@@ -3,9 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/registration/measurement_update.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
+#include "core/registration/normal_equations.hpp"
 
 namespace fail_aware {
+
+namespace {
+
+// A Kalman update: along `axis` (of length 1, in odom) the true position differs from the measured one by `offset_m`,
+// with standard deviation `sigma_m`.
+void addPosition(const Eigen::Vector3d& axis, double offset_m, double sigma_m, Measurement& measurement) {
+  Vector6d along = Vector6d::Zero();
+  along.head<3>() = axis;
+  const Vector6d C_along = measurement.covariance * along;
+  const Vector6d gain = C_along / (along.dot(C_along) + sigma_m * sigma_m);
+  measurement.T_odom_cog = applyStep(measurement.T_odom_cog, gain * offset_m);
+  measurement.covariance = symmetric(measurement.covariance - gain * C_along.transpose());
+}
+
+}  // namespace
 
 void addSearchedMotion(const InitialGuess& guess, Measurement& measurement) {
   if (!(guess.searched_sigma_m > 0.0) || !measurement.ok()) return;

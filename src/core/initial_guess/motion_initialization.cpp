@@ -118,28 +118,17 @@ VoxelMap::Params denseMap(const MotionInitialization::Params& params) {
 void MotionInitialization::Params::validate() const {
   requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
   requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
-  requireWithin("step_mps", step_mps, 0.1, 100.0);
   requireWithin("max_yaw_rate_rps", max_yaw_rate_rps, 0.0, 10.0);
-  requireWithin("step_yaw_rate_rps", step_yaw_rate_rps, 0.01, 10.0);
   const double tried =
       ((max_speed_mps - min_speed_mps) / step_mps + 1.0) * (2.0 * max_yaw_rate_rps / step_yaw_rate_rps + 1.0);
   requireParameter(tried <= kMostTried, "max_yaw_rate_rps", max_yaw_rate_rps,
                    "so small that at most 10000 motions are tried");
-  requirePositive("max_lateral_acceleration_mps2", max_lateral_acceleration_mps2);
-  requireWithin("max_range_m", max_range_m, 0.1, 1000.0);
-  requireWithin("thinning_m", thinning_m, 0.01, 10.0);
-  requireWithin("kernel_m", kernel_m, 0.01, 100.0);
-  requireWithin("cell_m", cell_m, 0.05, 1000.0);
-  requireWithin("column_m", column_m, 0.05, 100.0);
-  requireNotNegative("min_height_m", min_height_m);
   requireNotNegative("standstill_m", standstill_m);
   requireWithin("standstill_ratio", standstill_ratio, 0.0, 1.0);
 }
 
 MotionInitialization::MotionInitialization(const Params& params, double min_range_m)
-    : params_(params), min_range_m_(min_range_m), first_(denseMap(params)) {
-  params_.validate();
-}
+    : params_(params), min_range_m_(min_range_m), first_(denseMap(params)) {}
 
 std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const {
   VoxelFilter filter;

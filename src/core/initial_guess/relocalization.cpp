@@ -1,9 +1,6 @@
 #include "core/initial_guess/relocalization.hpp"
 
 #include <algorithm>
-#include <cmath>
-
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -15,7 +12,6 @@ constexpr double kTurn_rad_s2 = 0.2;  // standard deviations of a vehicle's yaw 
 constexpr double kAcceleration_mps2 = 0.5;
 
 IcpPointToPoint::Params widened(const Relocalization::Params& params, const IcpPointToPoint::Params& usual) {
-  params.validate();
   IcpPointToPoint::Params wide = usual;
   wide.seeds = 8;
   wide.max_spread_m = std::max(params.max_spread_m, usual.max_spread_m);
@@ -68,15 +64,6 @@ std::optional<Pose> confirmedBy(const IcpPointToPoint& icp, const RegistrationCl
 }
 
 }  // namespace
-
-void Relocalization::Params::validate() const {
-  requirePositive("min_sigma_m", min_sigma_m);
-  requireWithin("max_spread_m", max_spread_m, kSmallestParameter, IcpPointToPoint::kLargestSpread_m);
-  requirePositive("max_distance_m", max_distance_m);
-  requireWithin("min_inlier_ratio", min_inlier_ratio, 0.0, 1.0);
-  requirePositive("narrow_m", narrow_m);
-  search.validate();
-}
 
 Relocalization::Relocalization(const Params& params, const IcpPointToPoint::Params& usual)
     : params_(params),

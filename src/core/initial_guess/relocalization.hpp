@@ -37,7 +37,7 @@ class Relocalization {
       v("enabled", self.enabled);
       v("search", self.search);
     }
-    void validate() const;
+    void validate() const {}  ///< `enabled` and `search` can be set, which has its own
   };
 
   /// Since the last inserted sweep.
@@ -46,7 +46,7 @@ class Relocalization {
     double distance_m = 0.0;  ///< to the predicted position
   };
 
-  /// `usual`: parameters of the multiplex ICP; used where no wider value applies. Throws ParameterError.
+  /// `usual`: parameters of the multiplex ICP; used where no wider value applies.
   Relocalization(const Params& params, const IcpPointToPoint::Params& usual);
 
   /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw).

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric_eigen.hpp"
+
 namespace fail_aware {
 
 namespace {
@@ -35,8 +37,7 @@ Eigen::Matrix3d horizontalBlock(const Matrix6d& covariance) {
 bool isHorizontalCovariance(const Eigen::Matrix3d& C) {
   if (!C.allFinite() || C.cwiseAbs().maxCoeff() > kLargestEntry || C.diagonal().minCoeff() < 0.0) return false;
   const Eigen::Vector3d inverse_scale = C.diagonal().cwiseMax(kSmallestVariance).cwiseSqrt().cwiseInverse();
-  const Eigen::Matrix3d correlation =
-      inverse_scale.asDiagonal() * (0.5 * (C + C.transpose())) * inverse_scale.asDiagonal();
+  const Eigen::Matrix3d correlation = inverse_scale.asDiagonal() * symmetric(C) * inverse_scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(correlation, Eigen::EigenvaluesOnly);
   return eigen.info() == Eigen::Success && eigen.eigenvalues()[0] >= -1e-6;
 }
@@ -50,14 +51,13 @@ bool isUsable(const CovarianceGrowth& g) {
          g.speed_share <= 1.0 && (!g.weak_stretch || isUsable(*g.weak_stretch));
 }
 
-GrowingCovariance::GrowingCovariance(const CovarianceGrowth& growth, double rate_scale)
+GrowingCovariance::GrowingCovariance(const CovarianceGrowth& growth)
     : growth_(growth),
-      scale_(rate_scale),
-      rate_(0.5 * rate_scale * (growth.rate + growth.rate.transpose())),
-      speed_{growth.speed_forgotten_per_s, rate_scale * growth.speed_noise},
+      rate_(symmetric(growth.rate)),
+      speed_{growth.speed_forgotten_per_s, growth.speed_noise},
       speed_share_(growth.speed_share) {
   S_ << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
-  S_ = (0.5 * (S_ + S_.transpose())).eval();
+  S_ = symmetric(S_);
   const double speed_mps = std::abs(growth.speed_mps);
   const bool worse = growth.weak_stretch && growth.weak_stretch->speed_share > growth.speed_share && speed_mps > 0.0;
   if (worse) weak_from_s_ = growth.weak_stretch->distance_m / speed_mps;
@@ -80,9 +80,9 @@ double GrowingCovariance::begin(double t_s, double step_s) {
 void GrowingCovariance::enterWeakStretch() {
   const CovarianceGrowth::WeakStretch& weak = *growth_.weak_stretch;
   weak_from_s_ = std::numeric_limits<double>::infinity();
-  rate_(0, 0) = std::max(rate_(0, 0), scale_ * weak.rate);
+  rate_(0, 0) = std::max(rate_(0, 0), weak.rate);
   speed_share_ = weak.speed_share;
-  speed_ = {weak.speed_forgotten_per_s, scale_ * 2.0 * weak.speed_forgotten_per_s * weak.speed_variance};
+  speed_ = {weak.speed_forgotten_per_s, 2.0 * weak.speed_forgotten_per_s * weak.speed_variance};
   S_(5, 5) = std::max(S_(5, 5), weak.speed_variance);
 }
 

@@ -55,8 +55,7 @@ class GrowingCovariance {
  public:
   using Matrix = Eigen::Matrix<double, 6, 6>;
 
-  /// rate_scale: factor on the noise.
-  GrowingCovariance(const CovarianceGrowth& growth, double rate_scale);
+  explicit GrowingCovariance(const CovarianceGrowth& growth);
 
   /// Prepares a step from t_s on; returns its length: at most step_s, and not beyond the beginning of the weak stretch.
   double begin(double t_s, double step_s);
@@ -80,7 +79,6 @@ class GrowingCovariance {
   void enterWeakStretch();
 
   const CovarianceGrowth& growth_;
-  double scale_;
   Matrix S_;
   Eigen::Matrix3d rate_;
   SpeedWander speed_;

@@ -14,12 +14,6 @@ constexpr double kMaxSteps = 100000.0;
 constexpr double kLargestRadius_m = 1e6;
 constexpr int kBisections = 40;
 
-// Before the members are made of them.
-const CovariancePredictor::Params& validated(const CovariancePredictor::Params& params) {
-  params.validate();
-  return params;
-}
-
 }  // namespace
 
 void CovariancePredictor::Params::validate() const {
@@ -31,19 +25,16 @@ void CovariancePredictor::Params::validate() const {
   requireParameter(degrees_of_freedom == 0.0 || (degrees_of_freedom >= 1.0 && degrees_of_freedom <= 1e6),
                    "degrees_of_freedom", degrees_of_freedom, "0 or in [1, 1e6]");
   requirePositive("horizon_s", horizon_s);
-  requirePositive("step_s", step_s);
-  requireAtMost("step_s", step_s, 10.0);
   requireParameter(horizon_s / step_s <= kMaxSteps, "horizon_s", horizon_s, "at most 100000 steps of step_s");
-  requireWithin("rate_scale", rate_scale, 0.0, 1e6);
 }
 
 CovariancePredictor::CovariancePredictor(const Params& params)
-    : params_(validated(params)), radius_(params.confidence, params.degrees_of_freedom) {}
+    : params_(params), radius_(params.confidence, params.degrees_of_freedom) {}
 
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
   if (!isUsable(growth)) return {TimeToFailure::reached(), TimeToFailure::reached(), kLargestRadius_m, 1.0};
-  GrowingCovariance growing(growth, params_.rate_scale);
+  GrowingCovariance growing(growth);
   const auto horizontal = [&](const GrowingCovariance::Matrix& covariance) {
     return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.transient);
   };

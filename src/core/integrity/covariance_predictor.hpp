@@ -36,7 +36,6 @@ class CovariancePredictor {
     double horizon_s = 60.0;
     /// step of the prediction: may be coarse: the crossing is found inside a step by bisection
     double step_s = 0.25;
-    double rate_scale = 1.0;  ///< factor on the growth of the covariance: 1: as measured
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -49,7 +48,6 @@ class CovariancePredictor {
     void validate() const;
   };
 
-  /// Throws ParameterError.
   explicit CovariancePredictor(const Params& params);
 
   CovariancePrediction predict(const CovarianceGrowth& growth) const;

@@ -53,10 +53,6 @@ FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure&
   return FailAwareState::kOk;
 }
 
-StateHysteresis::StateHysteresis(int sweeps_to_recover) : sweeps_to_recover_(sweeps_to_recover) {
-  requireParameter(sweeps_to_recover >= 1, "sweeps_to_recover", sweeps_to_recover, ">= 1");
-}
-
 FailAwareState StateHysteresis::update(FailAwareState now) {
   if (state_ == FailAwareState::kUnknown || severity(now) >= severity(state_)) {
     state_ = now;

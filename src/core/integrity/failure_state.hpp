@@ -54,11 +54,9 @@ FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure&
 /// in a row, and then to the worst of those. UNKNOWN is left at once, whichever way.
 class StateHysteresis {
  public:
-  /// Throws ParameterError if sweeps_to_recover < 1.
-  explicit StateHysteresis(int sweeps_to_recover);
+  explicit StateHysteresis(int sweeps_to_recover) : sweeps_to_recover_(sweeps_to_recover) {}
 
   FailAwareState update(FailAwareState now);
-  FailAwareState state() const { return state_; }
   void reset();
 
  private:

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
 
 namespace {
@@ -15,8 +13,6 @@ constexpr double kLeastKept = 1e-3;  // of a speed's error: all but nothing
 constexpr double kTunnelSpeedSigma_mps = 0.5, kTunnelSpeedForgotten_per_s = 0.3;
 
 }  // namespace
-
-IncrementRate::IncrementRate(double window_s) : window_s_(window_s) { requirePositive("window_s", window_s); }
 
 bool IncrementRate::update(const Matrix6d& increment_covariance, double dt_s) {
   const Eigen::Matrix3d block = horizontalBlock(increment_covariance);

@@ -22,8 +22,7 @@ namespace fail_aware {
 /// The increments' covariance per second, averaged over the last `window_s` of accepted increments.
 class IncrementRate {
  public:
-  /// Throws ParameterError unless window_s > 0.
-  explicit IncrementRate(double window_s);
+  explicit IncrementRate(double window_s) : window_s_(window_s) {}
 
   /// `increment_covariance`: of one sweep's motion, about the previous body's axes. False: ignored (not a covariance,
   /// or dt not > 0).
@@ -43,7 +42,6 @@ class IncrementRate {
 
 class GrowthRate {
  public:
-  /// Throws ParameterError unless window_s > 0.
   explicit GrowthRate(double window_s) : increments_(window_s) {}
 
   struct SpeedChange {

@@ -17,16 +17,9 @@ void FailAwareIndicator::Params::validate() const {
   requirePositive("threshold", threshold);
   requireWithin("rate_window_samples", rate_window_samples, 1, 100000);
   requirePositive("horizon_s", horizon_s);
-  requireWithin("reference_period_s", reference_period_s, 1e-6, 1e3);
-  requireWithin("min_interval_s", min_interval_s, 1e-6, 1e3);
-  requireParameter(std::isfinite(max_gap_s) && max_gap_s > min_interval_s, "max_gap_s", max_gap_s,
-                   "finite and > min_interval_s");
-  requireAtMost("max_gap_s", max_gap_s, kLargestParameter);
   requireWithin("average_s", average_s, 0.0, 1e3);
   requireWithin("reference_speed_mps", reference_speed_mps, 0.0, 1e3);
 }
-
-FailAwareIndicator::FailAwareIndicator(const Params& params) : params_(params) { params_.validate(); }
 
 void FailAwareIndicator::start(double stamp_s) {
   stop();
@@ -44,19 +37,16 @@ void FailAwareIndicator::stop() {
   window_.clear();
 }
 
-IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad, double speed_mps) {
-  if (!std::isfinite(stamp_s)) return IndicatorStatus::kInvalid;
-  if (!(sigma_yaw_rad >= 0.0 && sigma_yaw_rad <= kLargestSigma)) return IndicatorStatus::kInvalid;
-  if (!(std::abs(speed_mps) <= kLargestSpeed)) return IndicatorStatus::kInvalid;
-  if (!start_stamp_s_) return IndicatorStatus::kNotStarted;
-  if (stamp_s < *start_stamp_s_) return IndicatorStatus::kBeforeStart;
+void FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad, double speed_mps) {
+  if (!std::isfinite(stamp_s)) return;
+  if (!(sigma_yaw_rad >= 0.0 && sigma_yaw_rad <= kLargestSigma)) return;
+  if (!(std::abs(speed_mps) <= kLargestSpeed)) return;
+  if (!start_stamp_s_ || stamp_s < *start_stamp_s_) return;
 
-  IndicatorStatus status = IndicatorStatus::kAccepted;
   if (last_stamp_s_) {
     const double dt_s = secondsBetween(*last_stamp_s_, stamp_s);
-    if (dt_s < params_.min_interval_s) return IndicatorStatus::kStampNotAdvancing;
+    if (dt_s < params_.min_interval_s) return;
     if (dt_s > params_.max_gap_s) {
-      status = IndicatorStatus::kAcceptedAfterGap;
       last_.reset();
       last_slope_.reset();
       window_.clear();
@@ -66,7 +56,7 @@ IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad,
   last_stamp_s_ = stamp_s;
   if (params_.average_s <= 0.0) {
     add({stamp_s, sigma_yaw_rad, speed_mps});
-    return status;
+    return;
   }
   if (summed_ > 0 && secondsBetween(average_from_s_, stamp_s) >= params_.average_s - kStampTolerance_s) {
     add({average_from_s_ + sum_.stamp_s / summed_, sum_.sigma_rad / summed_, sum_.speed_mps / summed_});
@@ -80,7 +70,6 @@ IndicatorStatus FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad,
   sum_.sigma_rad += sigma_yaw_rad;
   sum_.speed_mps += speed_mps;
   ++summed_;
-  return status;
 }
 
 void FailAwareIndicator::add(const Sample& sample) {

@@ -19,7 +19,10 @@
 // eta_rate = (eta_k - eta_k-n) / (t_k - t_k-n), n = rate_window_samples (article: 1); time to failure =
 // (threshold - eta) / eta_rate. Three samples after t1 are needed; before: unknown. eta >= threshold: reached.
 // eta_rate = 0: beyond the horizon.
-// Failure: samples that cannot be used are ignored, with a status; eta never falls and is never NaN. Cost: O(1).
+// Failure: ignored is a sample before t1 or start(), one that is not min_interval_s after the last (start anew if time
+// jumped back), and one with a value that is not finite, a negative sigma or an absurd one (> 1e6 rad). After more than
+// max_gap_s a sample is a first one again: eta is kept, the rate is unknown. eta never falls and is never NaN.
+// Cost: O(1).
 #pragma once
 
 #include <cstddef>
@@ -29,15 +32,6 @@
 #include "fail_aware_lidar_odometry/monitor.hpp"
 
 namespace fail_aware {
-
-enum class IndicatorStatus {
-  kAccepted,
-  kNotStarted,         ///< start() was not called
-  kBeforeStart,        ///< stamp before t1
-  kStampNotAdvancing,  ///< back, the same, or less than min_interval_s after the last; start() anew if time jumped back
-  kAcceptedAfterGap,   ///< more than max_gap_s: taken as a first sample again; eta is kept, the rate is unknown
-  kInvalid             ///< stamp or sigma not finite, sigma negative or absurd (> 1e6 rad)
-};
 
 class FailAwareIndicator {
  public:
@@ -66,15 +60,14 @@ class FailAwareIndicator {
     void validate() const;
   };
 
-  /// Throws ParameterError.
-  explicit FailAwareIndicator(const Params& params);
+  explicit FailAwareIndicator(const Params& params) : params_(params) {}
 
   /// Sets t1 and clears everything. A stamp that is not finite leaves the indicator not started.
   void start(double stamp_s);
   void stop();
   bool started() const { return start_stamp_s_.has_value(); }
 
-  IndicatorStatus update(double stamp_s, double sigma_yaw_rad, double speed_mps = 0.0);
+  void update(double stamp_s, double sigma_yaw_rad, double speed_mps = 0.0);
 
   double eta() const { return eta_; }     ///< rad; 0 until three samples came
   std::optional<double> etaRate() const;  ///< rad/s, >= 0; nothing: unknown

@@ -13,12 +13,6 @@ namespace fail_aware {
 
 namespace {
 
-// Before the members are made of them, whose messages name other fields.
-const MonitorParameters& validated(const MonitorParameters& params) {
-  params.validate();
-  return params;
-}
-
 // Up to the rounding of messages and log files; a lost state of a moving vehicle is farther away.
 bool isSamePlace(const Pose& a, const Pose& b) {
   constexpr double kSame_m = 1e-3, kSame_rad = 1e-5;
@@ -29,10 +23,6 @@ bool isSamePlace(const Pose& a, const Pose& b) {
 }  // namespace
 
 void MonitorParameters::validate() const {
-  indicator.validate();
-  predictor.validate();
-  drift.validate();
-  thresholds.validate();
   requireParameter(predictor.horizon_s == indicator.horizon_s, "predictor.horizon_s", predictor.horizon_s,
                    "indicator.horizon_s: one horizon is published for both");
   requireParameter(thresholds.degraded_s < predictor.horizon_s, "thresholds.degraded_s", thresholds.degraded_s,
@@ -45,7 +35,7 @@ void MonitorParameters::validate() const {
 }
 
 FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
-    : params_(validated(params)),
+    : params_(params),
       indicator_(params.indicator),
       predictor_(params.predictor),
       growth_rate_(params.rate_window_s),
@@ -79,7 +69,6 @@ void FailAwareMonitor::reset() {
 }
 
 void FailAwareMonitor::setLimits(const MonitorParameters& params) {
-  params.validate();
   predictor_ = CovariancePredictor(params.predictor);
   params_.predictor = params.predictor;
   params_.thresholds = params.thresholds;

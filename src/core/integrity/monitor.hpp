@@ -70,7 +70,7 @@ class FailAwareMonitor {
   bool startPending() const { return start_pending_; }
 
   /// Limits that may change in flight: predictor, thresholds, disagreement_m, min_information_ratio. What was estimated
-  /// stays. Throws ParameterError and changes nothing.
+  /// stays.
   void setLimits(const MonitorParameters& params);
 
   MonitorOutput update(const FilterState& state, const SweepCondition& condition);

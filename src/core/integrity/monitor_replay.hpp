@@ -17,7 +17,7 @@ namespace fail_aware {
 constexpr double kStartTolerance_s = kStampTolerance_s;
 
 /// One output an input, in order. t1: the first sweep at or after `start_s` from the first sweep of `log`. An input
-/// with dt_s = 0 after the first is a reset of the filter, and so of the monitor. Throws ParameterError.
+/// with dt_s = 0 after the first is a reset of the filter, and so of the monitor.
 std::vector<MonitorOutput> replayMonitor(const std::vector<MonitorInput>& log, double start_s,
                                          const MonitorParameters& params);
 

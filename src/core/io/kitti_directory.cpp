@@ -16,6 +16,7 @@
 #include "core/io/text_lines.hpp"
 #include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
+#include "core/types/sweep_points.hpp"
 
 namespace fail_aware {
 
@@ -159,12 +160,13 @@ std::string readSideFile(const std::string& path, std::size_t point_count, std::
   return {};
 }
 
-/// Moves the valid returns to the front and drops the others, in all arrays.
+/// The valid returns alone.
 void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
   const std::size_t count = bytes.size() / kPointBytes;
   sweep.points_lidar.reserve(count);
   sweep.intensities.reserve(count);
-  std::size_t kept = 0;
+  std::vector<std::size_t> kept;
+  kept.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     float v[4];
     std::memcpy(v, &bytes[i * kPointBytes], kPointBytes);
@@ -172,13 +174,11 @@ void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
     if (!isUsablePoint(point)) continue;
     sweep.points_lidar.push_back(point);
     sweep.intensities.push_back(std::isfinite(v[3]) ? v[3] : 0.0f);
-    if (!sweep.times_s.empty()) sweep.times_s[kept] = sweep.times_s[i];
-    if (!sweep.rings.empty()) sweep.rings[kept] = sweep.rings[i];
-    ++kept;
+    kept.push_back(i);
   }
-  if (!sweep.times_s.empty()) sweep.times_s.resize(kept);
-  if (!sweep.rings.empty()) sweep.rings.resize(kept);
-  sweep.points_dropped = count - kept;
+  keepValues(kept, sweep.times_s);
+  keepValues(kept, sweep.rings);
+  sweep.points_dropped = count - kept.size();
 }
 
 }  // namespace
@@ -222,11 +222,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
 
 ReadResult KittiDirectory::read(std::size_t i, Sweep& sweep) const {
   sweep.stamp_s = i < size() ? stamps_s_[i] : 0.0;
-  sweep.points_lidar.clear();
-  sweep.intensities.clear();
-  sweep.times_s.clear();
-  sweep.rings.clear();
-  sweep.points_dropped = 0;
+  clearPoints(sweep);
   if (i >= size()) {
     return {ReadStatus::kUnreadable, "scan " + std::to_string(i) + ": there are only " + std::to_string(size())};
   }

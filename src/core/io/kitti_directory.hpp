@@ -30,11 +30,6 @@ namespace fail_aware {
 
 struct KittiDirectoryParams {
   double nominal_period_s = kUsualPeriod_s;  ///< used without times.txt
-
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("nominal_period_s", self.nominal_period_s);
-  }
   void validate() const;
 };
 

@@ -2,11 +2,9 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <locale>
-#include <stdexcept>
 
 #include "core/io/input_error.hpp"
+#include "core/io/output_file.hpp"
 
 namespace fail_aware {
 
@@ -16,17 +14,9 @@ namespace fs = std::filesystem;
 
 template <class T>
 void writeArray(const fs::path& path, const std::vector<T>& values) {
-  std::ofstream file(path, std::ios::binary);
+  std::ofstream file = createFile(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size() * sizeof(T)));
-  file.close();
-  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
-}
-
-void writeText(const fs::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error(path.string() + ": could not be written to its end");
+  finishFile(file, path);
 }
 
 // Writes files beginning with the first sweep that has a value for each of its points.

@@ -74,4 +74,11 @@ PipelineParameters loadPipelineParameters(const ProfileFiles& files) {
   return params;
 }
 
+void overrideParameters(PipelineParameters& params, const std::vector<std::string>& files,
+                        const std::vector<std::string>& assignments) {
+  for (const std::string& file : files) loadYaml(file, params, MissingKeys::kKeep);
+  for (const std::string& assignment : assignments) setParameter(params, assignment);
+  params.validate();
+}
+
 }  // namespace fail_aware

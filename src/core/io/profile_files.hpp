@@ -2,10 +2,12 @@
 //
 // A name is either a path to a yaml file (it contains a '/' or ends in .yaml) or the stem of a file in the package's
 // cfg/profiles, cfg/vehicles or cfg/sensors. A profile has layers: default.yaml, expert.yaml, and on top its own file,
-// which names only what differs. A vehicle file and a sensor file must name every key. Unknown keys are refused.
+// which names only what differs. A vehicle file and a sensor file must name every key. Unknown keys are refused. Other
+// files and single keys may override them.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/pipeline_parameters.hpp"
 
@@ -24,5 +26,10 @@ std::string findCfg();
 
 /// Throws InputError (file not found; lists the available ones) or ParameterError (key, value, rule).
 PipelineParameters loadPipelineParameters(const ProfileFiles& files);
+
+/// Applies `files` (yaml files that may name only some keys) in order, then `assignments` (key=value); the last value
+/// counts. Validates. Throws ParameterError.
+void overrideParameters(PipelineParameters& params, const std::vector<std::string>& files,
+                        const std::vector<std::string>& assignments);
 
 }  // namespace fail_aware

@@ -19,8 +19,6 @@ enum class ReadStatus {
   kNoFinitePoint  ///< every point was dropped
 };
 
-const char* toString(ReadStatus status);
-
 struct ReadResult {
   ReadStatus status = ReadStatus::kOk;
   std::string message;  ///< one line naming the sweep; empty when kOk

@@ -8,11 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
-#include <locale>
 #include <sstream>
-#include <stdexcept>
 
 #include "core/io/input_error.hpp"
+#include "core/io/output_file.hpp"
 #include "core/io/text_lines.hpp"
 
 namespace fail_aware {
@@ -30,19 +29,6 @@ std::ifstream openForReading(const std::string& path) {
   if (!file) throw InputError(path + ": cannot be opened: " + std::strerror(errno));
   skipByteOrderMark(file, path);
   return file;
-}
-
-std::ofstream openForWriting(const std::string& path) {
-  errno = 0;
-  std::ofstream file(path);
-  if (!file) throw InputError(path + ": cannot be written: " + std::strerror(errno));
-  file.imbue(std::locale::classic());
-  return file;
-}
-
-void finishWriting(std::ofstream& file, const std::string& path) {
-  file.close();
-  if (!file) throw std::runtime_error(path + ": could not be written to its end");
 }
 
 std::string place(const std::string& path, std::size_t line) { return path + ":" + std::to_string(line) + ": "; }
@@ -76,25 +62,22 @@ Pose poseFromRow(const std::vector<double>& row, const std::string& where) {
   return orthonormalized(T);
 }
 
-/// Calls row(text, "FILE:LINE: ") for every line with data; returns their number.
+/// Calls row(text, "FILE:LINE: ") for every line with data.
 template <class Row>
-std::size_t forEachRow(const std::string& path, bool has_comments, Row&& row) {
+void forEachRow(const std::string& path, Row&& row) {
   std::ifstream file = openForReading(path);
-  std::size_t line = 0, rows = 0, empty_line = 0;
+  std::size_t line = 0, empty_line = 0;
   for (std::string text; nextLine(file, text);) {
     ++line;
     const std::size_t begin = text.find_first_not_of(" \t\r");
-    if (has_comments && begin != std::string::npos && text[begin] == '#') continue;
     if (begin == std::string::npos) {
       if (empty_line == 0) empty_line = line;
       continue;
     }
     if (empty_line != 0) throw InputError(place(path, empty_line) + "empty line before the end of the data");
     row(text, place(path, line));
-    ++rows;
   }
   if (file.bad()) throw InputError(place(path, line + 1) + "cannot be read");
-  return rows;
 }
 
 void requireRows(std::size_t rows, const std::string& path, const char* what) {
@@ -105,7 +88,7 @@ void requireRows(std::size_t rows, const std::string& path, const char* what) {
 
 std::vector<Pose> readKittiTrajectory(const std::string& path) {
   std::vector<Pose> poses;
-  forEachRow(path, false, [&](const std::string& text, const std::string& where) {
+  forEachRow(path, [&](const std::string& text, const std::string& where) {
     poses.push_back(poseFromRow(parseNumbers(text, 12, where), where));
   });
   requireRows(poses.size(), path, "poses");
@@ -113,34 +96,18 @@ std::vector<Pose> readKittiTrajectory(const std::string& path) {
 }
 
 void writeKittiTrajectory(const std::string& path, const std::vector<Pose>& poses) {
-  std::ofstream file = openForWriting(path);
+  std::ofstream file = createFile(path);
   file << std::setprecision(kPoseDigits);
   for (const Pose& T : poses) {
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 4; ++c) file << T(r, c) << (r == 2 && c == 3 ? '\n' : ' ');
     }
   }
-  finishWriting(file, path);
-}
-
-std::vector<StampedPose> readTumTrajectory(const std::string& path) {
-  std::vector<StampedPose> poses;
-  forEachRow(path, true, [&](const std::string& text, const std::string& where) {
-    const std::vector<double> n = parseNumbers(text, 8, where);
-    const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
-    if (std::abs(q.norm() - 1.0) > kRotationTolerance) throw InputError(where + "the quaternion's norm is not 1");
-    StampedPose pose;
-    pose.stamp_s = n[0];
-    pose.T.translation() << n[1], n[2], n[3];
-    pose.T.linear() = q.normalized().toRotationMatrix();
-    poses.push_back(pose);
-  });
-  requireRows(poses.size(), path, "poses");
-  return poses;
+  finishFile(file, path);
 }
 
 void writeTumTrajectory(const std::string& path, const std::vector<StampedPose>& poses) {
-  std::ofstream file = openForWriting(path);
+  std::ofstream file = createFile(path);
   file << "# stamp x y z qx qy qz qw\n";
   for (const StampedPose& pose : poses) {
     const Eigen::Vector3d t = pose.T.translation();
@@ -150,12 +117,12 @@ void writeTumTrajectory(const std::string& path, const std::vector<StampedPose>&
     for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) file << ' ' << value;
     file << '\n';
   }
-  finishWriting(file, path);
+  finishFile(file, path);
 }
 
 std::vector<double> readTimes(const std::string& path) {
   std::vector<double> times;
-  forEachRow(path, false, [&](const std::string& text, const std::string& where) {
+  forEachRow(path, [&](const std::string& text, const std::string& where) {
     const double time_s = parseNumbers(text, 1, where).front();
     if (!times.empty() && time_s < times.back()) throw InputError(where + "the time goes back");
     times.push_back(time_s);

@@ -1,7 +1,7 @@
-// Trajectories as text, in the two formats that evaluation tools read.
+// Trajectories as text, in the two formats that evaluation tools know.
 //
 // KITTI: one pose a row, 12 numbers, the upper 3x4 of the matrix row by row; no stamps.
-// TUM:   one pose a row, "stamp x y z qx qy qz qw" (s, m); lines that begin with # are comments.
+// TUM:   one pose a row, "stamp x y z qx qy qz qw" (s, m); lines that begin with # are comments. Only written.
 //
 // Readers throw InputError naming file and line for: a file that cannot be opened, a wrong count of numbers, a word
 // that is not a number, a number that is not finite, a matrix that is not a rotation (beyond 1e-3), an empty line
@@ -24,7 +24,6 @@ struct StampedPose {
 std::vector<Pose> readKittiTrajectory(const std::string& path);
 void writeKittiTrajectory(const std::string& path, const std::vector<Pose>& poses);
 
-std::vector<StampedPose> readTumTrajectory(const std::string& path);
 void writeTumTrajectory(const std::string& path, const std::vector<StampedPose>& poses);
 
 /// One stamp per row (KITTI's times.txt), s; must not decrease.

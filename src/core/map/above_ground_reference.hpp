@@ -19,12 +19,12 @@ namespace fail_aware {
 class AboveGroundReference {
  public:
   struct Params {
-    bool enabled = true;  ///< false: nothing is ever kept
-    AboveGroundPointsParams points;
-    double max_range_m = 100.0;
-    double max_above_ground_ratio = 0.1;  ///< of the points
-    double max_distance_m = 10.0;         ///< since a sweep was kept; then it is another one
-    double max_age_s = 1.0;
+    bool enabled = true;                            ///< false: nothing is ever kept
+    AboveGroundPointsParams points{4.0, 0.5, 0.4};  ///< places of 4 m, which have one vote each: a bush, or a car
+    double max_range_m = 100.0;                     ///< farthest points used: all that registration uses
+    double max_above_ground_ratio = 0.1;            ///< of the points that stand: on a motorway a seventh do
+    double max_distance_m = 10.0;                   ///< farthest from the sweep that is kept; then it is another one
+    double max_age_s = 1.0;                         ///< likewise in time
   };
 
   explicit AboveGroundReference(const Params& params);

@@ -14,11 +14,9 @@ constexpr std::size_t kReservedVoxels = std::size_t{1} << 18;
 void ReferenceMap::Params::validate() const {
   requireWithin("sweeps", sweeps, 0, 1000);
   requireWithin("range_m", range_m, 0.1, 2000.0);
-  voxels.validate();
 }
 
 ReferenceMap::ReferenceMap(const Params& params) : params_(params), map_(params.voxels) {
-  params_.validate();
   map_.reserve(kReservedVoxels);
 }
 

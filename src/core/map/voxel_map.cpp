@@ -20,16 +20,11 @@ bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e
 
 void VoxelMap::Params::validate() const {
   requireWithin("voxel_size_m", voxel_size_m, 0.01, 100.0);
-  requireWithin("max_points", max_points, 1, kMaxPoints);
-  requireNotNegative("min_point_spacing_m", min_point_spacing_m);
   requireWithin("min_plane_samples", min_plane_samples, 3, 1e6);
   requireWithin("max_samples", max_samples, min_plane_samples, 1e6);
-  requirePositive("max_plane_sigma_m", max_plane_sigma_m);
-  requireWithin("min_plane_flatness", min_plane_flatness, 1.0, 1e6);
 }
 
 VoxelMap::VoxelMap(const Params& params) : params_(params), inverse_size_(1.0 / params.voxel_size_m) {
-  params_.validate();
   slots_ = (static_cast<std::size_t>(params_.max_points) + kLane - 1) / kLane * kLane;
 }
 

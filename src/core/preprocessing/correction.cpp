@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/parameters/check.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {
@@ -79,13 +78,9 @@ const char* toString(CorrectionStatus status) {
   return "unknown";
 }
 
-void SweepCorrectionParams::validate() const { requirePositive("max_truncation_m", max_truncation_m); }
-
 Vector6d lidarTwist(const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, const Pose& T_cog_lidar, double dt_s) {
   return logSe3((T_odom_cog_begin * T_cog_lidar).inverse() * T_odom_cog_end * T_cog_lidar) / dt_s;
 }
-
-SweepCorrection::SweepCorrection(const Params& params) : params_(params) { params_.validate(); }
 
 CorrectionResult SweepCorrection::correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
                                           const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, double dt_s,

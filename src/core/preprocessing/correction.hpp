@@ -48,7 +48,7 @@ struct SweepCorrectionParams {
   static void visit(Self& self, Visitor&& v) {
     v("enabled", self.enabled);
   }
-  void validate() const;
+  void validate() const {}  ///< only `enabled` can be set
 };
 
 /// The lidar's constant twist (m/s, rad/s, lidar frame) that moves it from begin to end in dt (> 0).
@@ -59,7 +59,7 @@ class SweepCorrection {
   using Params = SweepCorrectionParams;
 
   SweepCorrection() : SweepCorrection(Params()) {}
-  explicit SweepCorrection(const Params& params);
+  explicit SweepCorrection(const Params& params) : params_(params) {}
 
   /// `out` holds the sweep's points and rings in the same order, and the given times or none (kOff, kBadTimes). With
   /// kNoMotion the times are kept, so that `redeskew` can remove the motion once it is known.

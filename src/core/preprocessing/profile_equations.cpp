@@ -4,18 +4,8 @@
 #include <cmath>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
-
-void ProfileNoise::validate() const {
-  requirePositive("sigma_surface_deg", sigma_surface_deg);
-  requirePositive("sigma_line_deg", sigma_line_deg);
-  requirePositive("sigma_line_away_deg", sigma_line_away_deg);
-  requirePositive("point_sigma_m", point_sigma_m);
-  requirePositive("beam_sigma_m", beam_sigma_m);
-  requireNotNegative("line_sigma_m", line_sigma_m);
-}
 
 ProfileEquations::ProfileEquations(const ProfileNoise& noise, const UprightProfile& profile,
                                    const std::vector<UprightProfile::Beam>& beams, const std::vector<BeamRange>& ranges,

@@ -33,8 +33,6 @@ struct ProfileNoise {
   double point_sigma_m = 0.015;  ///< sigma of a point's offset
   double beam_sigma_m = 0.003;   ///< sigma of a beam's mean offset, in addition
   double line_sigma_m = 0.006;   ///< the same for trunks and poles: their edges fall between two columns of the head
-
-  void validate() const;
 };
 
 /// Equations A x = b of unit variance: one for the lean, the true lean of things included in its variance, and those for

@@ -73,9 +73,7 @@ void RegistrationCloudBuilder::Params::validate() const {
 
 RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params,
                                                    const std::optional<SweepTimingParams>& compensated_head)
-    : params_(params), compensated_head_(compensated_head) {
-  params_.validate();
-}
+    : params_(params), compensated_head_(compensated_head) {}
 
 void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud,
                                      const BeamBias& bias) {

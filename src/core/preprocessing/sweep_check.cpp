@@ -53,8 +53,6 @@ void SweepCheckParams::validate() const {
   requirePositive("max_gap_s", max_gap_s);
 }
 
-SweepCheck::SweepCheck(const Params& params) : params_(params) { params_.validate(); }
-
 void SweepCheck::reset() {
   last_stamp_s_.reset();
   last_fingerprint_.reset();

@@ -49,7 +49,7 @@ class SweepCheck {
  public:
   using Params = SweepCheckParams;
 
-  explicit SweepCheck(const Params& params);
+  explicit SweepCheck(const Params& params) : params_(params) {}
 
   SweepFindings check(const Sweep& sweep);
   void reset();

@@ -7,6 +7,7 @@
 #include "core/preprocessing/revolution.hpp"
 #include "core/preprocessing/rings_by_order.hpp"
 #include "core/stamp_difference.hpp"
+#include "core/types/sweep_points.hpp"
 
 namespace fail_aware {
 
@@ -20,20 +21,13 @@ SweepTimingParams timingOfRawPoints(SweepTimingParams timing, const AzimuthCorre
 
 /// Leaves out the points whose time is NaN.
 void dropUntimed(Sweep& sweep, std::vector<float>& times_s) {
-  const std::size_t size = sweep.size();
-  const auto compact = [&](auto& values) {
-    if (values.size() != size) return;  // empty
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      if (std::isfinite(times_s[i])) values[kept++] = values[i];
-    }
-    values.resize(kept);
-  };
-  for (auto* values : {&sweep.intensities, &sweep.times_s}) compact(*values);
-  compact(sweep.rings);
-  compact(sweep.points_lidar);
-  times_s.erase(std::remove_if(times_s.begin(), times_s.end(), [](float t) { return !std::isfinite(t); }),
-                times_s.end());
+  std::vector<std::size_t> kept;
+  kept.reserve(times_s.size());
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    if (std::isfinite(times_s[i])) kept.push_back(i);
+  }
+  keepPoints(kept, sweep);
+  keepValues(kept, times_s);
 }
 
 }  // namespace
@@ -47,10 +41,7 @@ SweepCorrector::SweepCorrector(const VerticalAngleCorrectionParams& vertical_ang
       timing_(timing),
       seam_(timingOfRawPoints(timing, azimuth)),
       correction_(correction),
-      vertical_reference_(vertical_reference, vertical_angle.sigma_deg) {
-  vertical_angle_.validate();
-  azimuth_.validate();
-}
+      vertical_reference_(vertical_reference, vertical_angle.sigma_deg) {}
 
 /// The last sweep, at its estimate: where the road's slope changes, the tilt that is predicted differs from it.
 void SweepCorrector::lookAtLast(const CorrectedSweep& last, const SweepPrediction& prediction,

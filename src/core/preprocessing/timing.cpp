@@ -78,8 +78,6 @@ void SweepTimingParams::validate() const {
   requirePositive("min_field_spread_s", min_field_spread_s);
 }
 
-SweepTiming::SweepTiming(const Params& params) : params_(params) { params_.validate(); }
-
 void SweepTiming::reset() {
   clock_.reset();
   held_.reset();

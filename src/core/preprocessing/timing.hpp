@@ -79,8 +79,7 @@ class SweepTiming {
  public:
   using Params = SweepTimingParams;
 
-  SweepTiming() : SweepTiming(Params()) {}
-  explicit SweepTiming(const Params& params);
+  explicit SweepTiming(const Params& params) : params_(params) {}
 
   /// Seconds from the stamp's instant to each point's, in the sweep's order; NaN for outliers. `measured_period_s`: of
   /// the head, from the sweep clock; 0: not known.

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -55,22 +54,7 @@ bool isLine(const Eigen::Vector3f& l) { return l[2] > kLineShape * l[1] && l[1] 
 
 }  // namespace
 
-void UprightProfilesParams::validate() const {
-  requireWithin("column_m", column_m, 0.1, 10.0);
-  requireNotNegative("min_range_m", min_range_m);
-  requireParameter(max_range_m > min_range_m && max_range_m <= 100.0 * column_m, "max_range_m", max_range_m,
-                   "> min_range_m and <= 100 column_m");
-  requireWithin("min_height_m", min_height_m, -100.0, 100.0);
-  requireParameter(max_height_m > min_height_m, "max_height_m", max_height_m, "> min_height_m");
-  requireAtMost("max_height_m", max_height_m, 100.0);
-  requireWithin("min_points", min_points, 4, 1e6);
-  requirePositive("min_extent_m", min_extent_m);
-  requireWithin("min_beams", min_beams, 3, 1e6);
-  requireWithin("beam_step_deg", beam_step_deg, 0.01, 10.0);
-}
-
 UprightProfileFinder::UprightProfileFinder(const UprightProfilesParams& params) : params_(params) {
-  params_.validate();
   cells_ = 2 * static_cast<int>(std::ceil(params_.max_range_m / params_.column_m));
 }
 

@@ -31,8 +31,6 @@ struct UprightProfilesParams {
   double min_extent_m = 0.6;  ///< least height from the lowest to the highest beam: lower things need not stand upright
   int min_beams = 5;          ///< fewest beams of a profile, each with two points or more
   double beam_step_deg = 0.4;  ///< sweeps without rings: elevations that are nearer than this are one beam
-
-  void validate() const;
 };
 
 /// What is known of the error of a beam's ranges.

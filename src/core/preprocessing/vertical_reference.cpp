@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 #include "core/robust_kernel.hpp"
 #include "point_block.hpp"
 
@@ -31,30 +31,8 @@ constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at sta
 
 }  // namespace
 
-void VerticalReferenceParams::validate() const {
-  requirePositive("look_every_m", look_every_m);
-  profiles.validate();
-  noise.validate();
-  requirePositive("sigma_range_m", sigma_range_m);
-  requireNotNegative("drift_per_elevation_per_m", drift_per_elevation_per_m);
-  requirePositive("sigma_drift_deg_per_m", sigma_drift_deg_per_m);
-  requireNotNegative("drift_walk_deg_per_m", drift_walk_deg_per_m);
-  requirePositive("tilt_walk_deg", tilt_walk_deg);
-  requirePositive("new_map_m", new_map_m);
-  requireNotNegative("new_map_tilt_deg", new_map_tilt_deg);
-  requireNotNegative("jitter_deg", jitter_deg);
-  requireNotNegative("range_walk_m", range_walk_m);
-  requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
-  requireWithin("tilt_gain_per_m", tilt_gain_per_m, 0.0, 1.0);
-  requireWithin("response", response, 0.1, 1.0);
-  requireWithin("max_curvature_deg_per_m", max_curvature_deg_per_m, 0.0, 0.1);
-  requirePositive("curvature_range_m", curvature_range_m);
-}
-
 VerticalReference::VerticalReference(const Params& params, double sigma_elevation_deg)
     : params_(params), sigma_elevation_rad_(sigma_elevation_deg * kDegree), finder_(params.profiles) {
-  params_.validate();
-  requirePositive("sigma_elevation_deg", sigma_elevation_deg);
   reset();
 }
 
@@ -245,7 +223,7 @@ void VerticalReference::update() {
     x_ = prior;
     return;
   }
-  P_ = 0.5 * (gain + gain.transpose());
+  P_ = symmetric(gain);
 }
 
 void VerticalReference::setBend() {

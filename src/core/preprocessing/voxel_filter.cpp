@@ -72,7 +72,7 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
   for (std::uint32_t i = 0; i < count; ++i) {
     const float range2 = points[i].squaredNorm();
     const bool in_range = range2 >= min2 && range2 <= max2;  // false for NaN
-    keys_[i] = !in_range ? kOutOfRange : voxel_size_m > 0.0 ? keyOf(points[i], inverse_size) : 0;
+    keys_[i] = in_range ? keyOf(points[i], inverse_size) : kOutOfRange;
   }
   ScatteredOrder order(count);
   std::array<std::uint32_t, kAhead> ahead;
@@ -82,11 +82,7 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
       const std::uint32_t i = order.next();
       if (keys_[i] != kOutOfRange) ahead[found++] = i;
     }
-    if (voxel_size_m > 0.0) {
-      keepNew(ahead.data(), found);
-    } else {
-      kept_.insert(kept_.end(), ahead.begin(), ahead.begin() + found);
-    }
+    keepNew(ahead.data(), found);
   }
   return kept_;
 }
@@ -94,12 +90,7 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
 const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points,
                                                       const std::vector<std::uint32_t>& candidates,
                                                       double voxel_size_m) {
-  if (&candidates == &kept_) return select(points, std::vector<std::uint32_t>(candidates), voxel_size_m);
   prepare();
-  if (voxel_size_m <= 0.0) {
-    kept_ = candidates;
-    return kept_;
-  }
   const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
   keys_.resize(points.size());
   for (const std::uint32_t i : candidates) keys_[i] = keyOf(points[i], inverse_size);

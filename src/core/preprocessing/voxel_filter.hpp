@@ -17,11 +17,11 @@ namespace fail_aware {
 class VoxelFilter {
  public:
   /// Indices of the points kept, in the order visited. Points nearer than min_range_m or farther than max_range_m from
-  /// the origin, and points that are not finite, are left out. voxel_size_m <= 0 keeps every point in range.
+  /// the origin, and points that are not finite, are left out. voxel_size_m > 0.
   const std::vector<std::uint32_t>& select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
                                            double min_range_m, double max_range_m);
 
-  /// The same over a subset, in its order: `candidates` are indices into points.
+  /// The same over a subset, in its order: `candidates` are indices into points, and not what this filter returned.
   const std::vector<std::uint32_t>& select(const std::vector<Eigen::Vector3f>& points,
                                            const std::vector<std::uint32_t>& candidates, double voxel_size_m);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {
@@ -38,21 +37,8 @@ Eigen::MatrixXd smoothInDistance(const Evidence& ground) {
 
 }  // namespace
 
-void BeamBiasEstimator::Params::validate() const {
-  range_m.validate();
-  elevation_rad.validate();
-  requirePositive("kernel_m", kernel_m);
-  requireWithin("min_obliqueness", min_obliqueness, 0.0, 1.0);
-  requireWithin("max_wall_normal_z", max_wall_normal_z, 0.0, 1.0);
-  requireWithin("min_ground_normal_z", min_ground_normal_z, max_wall_normal_z, 1.0);
-  requirePositive("max_ground_range_m", max_ground_range_m);
-}
-
 BeamBiasEstimator::BeamBiasEstimator(const Params& params, const IcpPointToPlane::Params& planes)
-    : params_(params), planes_(allNormals(planes)), ranges_m_(params.range_m), elevations_rad_(params.elevation_rad) {
-  params_.validate();
-  planes_.validate();
-}
+    : params_(params), planes_(allNormals(planes)), ranges_m_(params.range_m), elevations_rad_(params.elevation_rad) {}
 
 void BeamBiasEstimator::observe(const std::vector<Eigen::Vector3f>& points_cog, const std::vector<std::uint16_t>& rings,
                                 const Pose& T_cog_lidar, const VoxelMap& map, const Pose& T_odom_cog) {

@@ -44,10 +44,10 @@ class BeamBiasEstimator {
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
     }
-    void validate() const;
+    void validate() const {}  ///< only `enabled` can be set
   };
 
-  /// `planes`: which pairs of point and plane, as there. Throws ParameterError.
+  /// `planes`: which pairs of point and plane, as there.
   BeamBiasEstimator(const Params& params, const IcpPointToPlane::Params& planes);
 
   BeamBias bias() const { return {ranges_m_.values(), elevations_rad_.values()}; }

@@ -5,19 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
-
-void BeamOffsets::Params::validate() const {
-  requirePositive("sigma", sigma);
-  requireNotNegative("walk", walk);
-  requirePositive("residual_m", residual_m);
-  requireWithin("forget", forget, 0.0, 1.0);
-  requirePositive("limit", limit);
-}
-
-BeamOffsets::BeamOffsets(const Params& params) : params_(params) { params_.validate(); }
 
 void BeamOffsets::update(const std::vector<BeamEvidence>& evidence, const Eigen::MatrixXd& shared) {
   const double initial_variance = params_.sigma * params_.sigma;

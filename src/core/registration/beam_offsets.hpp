@@ -34,12 +34,9 @@ class BeamOffsets {
     double residual_m = 0.1;  ///< sigma of one point's residual: noise, roughness, the errors of the map
     double forget = 0.05;     ///< ratio of the offset that is forgotten at each observation
     double limit = 0.2;       ///< a head that is off by more is broken
-
-    void validate() const;
   };
 
-  /// Throws ParameterError.
-  explicit BeamOffsets(const Params& params);
+  explicit BeamOffsets(const Params& params) : params_(params) {}
 
   /// By ring; empty: nothing is known.
   const std::vector<float>& values() const { return values_; }

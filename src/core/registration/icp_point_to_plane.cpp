@@ -12,27 +12,14 @@ namespace fail_aware {
 void IcpPointToPlane::Params::validate() const {
   requireWithin("heading_tolerance_deg", heading_tolerance_deg, 0.0, 45.0);
   requireWithin("ground_tolerance_deg", ground_tolerance_deg, 0.0, 90.0);
-  requireWithin("vertical_tolerance_deg", vertical_tolerance_deg, 0.0, 90.0);
   requirePositive("max_distance_m", max_distance_m);
   requirePositive("kernel_m", kernel_m);
-  requirePositive("initial_kernel_m", initial_kernel_m);
-  requirePositive("point_sigma_m", point_sigma_m);
-  requireNotNegative("scan_line_sigma_m", scan_line_sigma_m);
   requirePositive("ground_weight", ground_weight);
-  requirePositive("ground_share", ground_share);
   requireNotNegative("range_weight_m", range_weight_m);
   requireWithin("max_iterations", max_iterations, 1, 1000);
-  requirePositive("step_translation_m", step_translation_m);
-  requirePositive("step_rotation_deg", step_rotation_deg);
-  requireWithin("relaxed_convergence_factor", relaxed_convergence_factor, 1.0, 1e6);
-  requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
   requireWithin("usual_curvature_ratio", usual_curvature_ratio, 0.0, 1.0);
-  support.validate();
-  observability.validate();
 }
-
-IcpPointToPlane::IcpPointToPlane(const Params& params) : params_(params) { params_.validate(); }
 
 Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                    const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
@@ -96,14 +83,10 @@ Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_co
   result.T_odom_cog = T;
   result.inliers = equations.inliers;
   result.inlier_ratio = static_cast<double>(equations.inliers) / static_cast<double>(points_cog.size());
-  result.rms_residual_m = std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
+  result.rms_residual_m = rmsResidual(equations);
   const double inflation = kernelInflation(curvatureRatio(equations), params_.usual_curvature_ratio);
   result.covariance = covarianceObserved(equations, params_.correlation_inflation * inflation, params_.observability);
-  // Where little is observed the step may stay large. Scattered residuals do not make it converge.
-  const bool usable = converged || stepWithin(step, params_, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(std::sqrt(inflation) * step, result.covariance);
-  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
-  if (!converged) result.covariance += step * step.transpose();
+  judgeEnd(params_, converged, step, inflation, result);
   return result;
 }
 

@@ -85,7 +85,7 @@ class IcpPointToPlane {
     void validate() const;
   };
 
-  explicit IcpPointToPlane(const Params& params);
+  explicit IcpPointToPlane(const Params& params) : params_(params) {}
 
   /// points_cog: m, frame of the centre of gravity at the sweep's stamp; sigma_yaw_rad: of the prediction.
   Measurement align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,

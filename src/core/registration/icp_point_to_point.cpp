@@ -48,34 +48,15 @@ void mergeBasins(const IcpPointToPoint::Params& params, std::vector<IcpPointToPo
 void IcpPointToPoint::Params::validate() const {
   requireWithin("seeds", seeds, 1, 8);
   requirePositive("spread", spread);
-  requireNotNegative("min_spread_m", min_spread_m);
-  requireNotNegative("min_spread_deg", min_spread_deg);
-  requireParameter(max_spread_m >= min_spread_m, "max_spread_m", max_spread_m, ">= min_spread_m");
-  requireAtMost("max_spread_m", max_spread_m, kLargestSpread_m);
-  requireParameter(max_spread_deg >= min_spread_deg, "max_spread_deg", max_spread_deg, ">= min_spread_deg");
-  requireAtMost("max_spread_deg", max_spread_deg, 180.0);
-  requireWithin("thinned_points", thinned_points, 10, 1e9);
   requirePositive("max_distance_m", max_distance_m);
   requirePositive("kernel_m", kernel_m);
-  requirePositive("initial_kernel_m", initial_kernel_m);
-  requireNotNegative("merge_translation_m", merge_translation_m);
-  requireNotNegative("merge_rotation_deg", merge_rotation_deg);
-  requireWithin("max_joint_iterations", max_joint_iterations, 1, 1000);
   requireWithin("max_refined_seeds", max_refined_seeds, 1, 8);
   requireWithin("max_iterations", max_iterations, 1, kMostIterations);
-  requirePositive("step_translation_m", step_translation_m);
-  requirePositive("step_rotation_deg", step_rotation_deg);
-  requireWithin("relaxed_convergence_factor", relaxed_convergence_factor, 1.0, 1e6);
   requireWithin("min_inlier_ratio", min_inlier_ratio, 0.0, 1.0);
-  requireWithin("min_inliers", min_inliers, 6, 1e9);
   requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
   requireWithin("usual_curvature_ratio", usual_curvature_ratio, 0.0, 1.0);
   requireWithin("tilt_sigma_factor", tilt_sigma_factor, 1.0, 100.0);
-  support.validate();
-  observability.validate();
 }
-
-IcpPointToPoint::IcpPointToPoint(const Params& params) : params_(params) { params_.validate(); }
 
 std::vector<Pose> IcpPointToPoint::seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
   if (params_.seeds == 1) return {T_odom_cog_predicted};
@@ -101,11 +82,6 @@ std::vector<Pose> IcpPointToPoint::seeds(const Pose& T_odom_cog_predicted, const
   return seeds;
 }
 
-bool IcpPointToPoint::stepWithin(const Vector6d& dx, double factor) const {
-  return dx.head<3>().norm() < factor * params_.step_translation_m &&
-         dx.tail<3>().norm() < factor * params_.step_rotation_deg * kDegree;
-}
-
 Solution IcpPointToPoint::solve(NormalEquations& equations, const Weak& weak) const {
   if (weak) discount(equations, weak->direction, weak->counted_ratio);
   return solveObserved(equations, params_.observability);
@@ -121,7 +97,7 @@ void IcpPointToPoint::descendTogether(const PointPairs& pairs, const Weak& weak,
       NormalEquations equations = pairs.linearize(stride, descent.T, kernel_m, descent.neighborhoods);
       const Solution step = solve(equations, weak);
       descent.T = applyStep(descent.T, step.dx);
-      descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, 5.0);  // refinement follows
+      descent.settled = kernel_m <= params_.kernel_m && stepWithin(step.dx, params_, 5.0);  // refinement follows
     });
     const bool all_settled =
         std::all_of(descents.begin(), descents.end(), [](const Descent& descent) { return descent.settled; });
@@ -157,7 +133,7 @@ IcpPointToPoint::Refined IcpPointToPoint::refine(const PointPairs& pairs, const 
     refined.step = solve(refined.equations, weak);
     if (refined.step.degenerate_directions == 6) break;
     descent.T = applyStep(descent.T, refined.step.dx);
-    refined.converged = stepWithin(refined.step.dx, 1.0);
+    refined.converged = stepWithin(refined.step.dx, params_, 1.0);
   }
   const auto all = static_cast<double>(pairs.size());
   refined.T_odom_cog = descent.T;
@@ -175,7 +151,7 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
   result.inlier_ratio = best.inlier_ratio;
   result.degenerate_directions = best.step.degenerate_directions;
   result.min_information_ratio = best.step.min_horizontal_ratio;
-  result.rms_residual_m = std::sqrt(best.equations.squared_error / std::max(best.equations.weight_unscaled, 1e-9));
+  result.rms_residual_m = rmsResidual(best.equations);
   result.seed_spread_m = std::sqrt(spread2_m2);
   const double inflation = kernelInflation(curvatureRatio(best.equations), params_.usual_curvature_ratio);
   const double variance =
@@ -186,12 +162,7 @@ Measurement IcpPointToPoint::measurement(const Refined& best, double spread2_m2)
     result.covariance.row(tilt) *= params_.tilt_sigma_factor;
     result.covariance.col(tilt) *= params_.tilt_sigma_factor;
   }
-  const Vector6d& step = best.step.dx;
-  // Where little is observed the step may stay large. Scattered residuals do not make it converge.
-  const bool usable = best.converged || stepWithin(step, params_.relaxed_convergence_factor) ||
-                      isWithinSigma(std::sqrt(inflation) * step, result.covariance);
-  if (!best.converged) result.covariance += step * step.transpose();
-  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
+  judgeEnd(params_, best.converged, best.step.dx, inflation, result);
   return result;
 }
 

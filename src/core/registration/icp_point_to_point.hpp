@@ -36,8 +36,7 @@ struct SeedTrack {
 
 class IcpPointToPoint {
  public:
-  static constexpr double kLargestSpread_m = 1000.0;  ///< limits of parameters
-  static constexpr int kMostIterations = 1000;
+  static constexpr int kMostIterations = 1000;  ///< upper limit of Params::max_iterations
 
   struct Params {
     int seeds = 8;                ///< 8: +- over x, y, z, yaw; 1: the prediction alone
@@ -102,7 +101,7 @@ class IcpPointToPoint {
     PointPairs::Neighborhoods neighborhoods;  ///< of the thinned points, in the joint descent
   };
 
-  explicit IcpPointToPoint(const Params& params);
+  explicit IcpPointToPoint(const Params& params) : params_(params) {}
 
   /// The seed poses for a prediction whose state (x, y, z, roll, pitch, yaw) has covariance P.
   std::vector<Pose> seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;
@@ -136,7 +135,6 @@ class IcpPointToPoint {
                  Descent& descent) const;
   Measurement measurement(const Refined& best, double spread2_m2) const;
   Solution solve(NormalEquations& equations, const Weak& weak) const;
-  bool stepWithin(const Vector6d& dx, double factor) const;
 
   Params params_;
 };

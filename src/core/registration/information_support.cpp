@@ -9,7 +9,6 @@
 namespace fail_aware {
 
 void InformationSupport::Params::validate() const {
-  requireWithin("cell_m", cell_m, 0.05, 1000.0);
   requireWithin("max_place_ratio", max_place_ratio, 0.01, 1.0);
   requireWithin("below_ratio", below_ratio, 0.0, 1.0);
 }

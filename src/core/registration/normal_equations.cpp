@@ -45,13 +45,7 @@ bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params)
 
 }  // namespace
 
-void ObservabilityParams::validate() const {
-  requirePositive("lever_m", lever_m);
-  requireWithin("min_information_ratio", min_information_ratio, 0.0, 0.3);
-  requireWithin("min_sliding_ratio", min_sliding_ratio, 0.0, 1.0);
-  requirePositive("weak_sigma_m", weak_sigma_m);
-  requirePositive("weak_sigma_deg", weak_sigma_deg);
-}
+void ObservabilityParams::validate() const { requireWithin("min_information_ratio", min_information_ratio, 0.0, 0.3); }
 
 void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_ratio) {
   if (!equations.has_information) {
@@ -137,6 +131,10 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
     covariance += std::min(weakVariance(i), scale / s.eigenvalues[i]) * v * v.transpose();
   }
   return covariance;
+}
+
+double rmsResidual(const NormalEquations& equations) {
+  return std::sqrt(equations.squared_error / std::max(equations.weight_unscaled, 1e-9));
 }
 
 double curvatureRatio(const NormalEquations& equations) {

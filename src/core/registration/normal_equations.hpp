@@ -5,8 +5,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 
+#include "core/geometry/degree.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/types/measurement.hpp"
 
 namespace fail_aware {
 
@@ -73,6 +76,25 @@ double curvatureRatio(const NormalEquations& equations);
 
 /// Whether a step is shorter than the standard deviation along it.
 bool isWithinSigma(const Vector6d& dx, const Matrix6d& covariance);
+
+/// Whether a step is shorter than `factor` of an ICP's limits.
+template <class IcpParams>
+bool stepWithin(const Vector6d& step, const IcpParams& params, double factor) {
+  return step.head<3>().norm() < factor * params.step_translation_m &&
+         step.tail<3>().norm() < factor * params.step_rotation_deg * kDegree;
+}
+
+double rmsResidual(const NormalEquations& equations);
+
+/// The end of an ICP after its last step, `covariance` being that of the solution: the status, and what an ICP that has
+/// not converged adds. Where little is observed the step may stay large. Scattered residuals do not make it converge.
+template <class IcpParams>
+void judgeEnd(const IcpParams& params, bool converged, const Vector6d& step, double inflation, Measurement& result) {
+  const bool usable = converged || stepWithin(step, params, params.relaxed_convergence_factor) ||
+                      isWithinSigma(std::sqrt(inflation) * step, result.covariance);
+  result.status = usable ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
+  if (!converged) result.covariance += step * step.transpose();
+}
 
 /// Applies dx to a pose: t + dt, Exp(dr) R.
 Pose applyStep(const Pose& T_odom_cog, const Vector6d& dx);

@@ -142,9 +142,4 @@ class PlanePairs {
   std::vector<VoxelMap::Neighborhood> neighborhoods_;  // of the points used
 };
 
-inline bool stepWithin(const Vector6d& step, const IcpPointToPlane::Params& params, double factor) {
-  return step.head<3>().norm() < factor * params.step_translation_m &&
-         step.tail<3>().norm() < factor * params.step_rotation_deg * kDegree;
-}
-
 }  // namespace fail_aware

@@ -21,16 +21,6 @@ const char* toString(StampReference reference) {
   return "unknown";
 }
 
-const char* toString(TimingStatus status) {
-  switch (status) {
-    case TimingStatus::kOk: return "ok";
-    case TimingStatus::kOff: return "off";
-    case TimingStatus::kEmptySweep: return "empty_sweep";
-    case TimingStatus::kNoField: return "no_field";
-  }
-  return "unknown";
-}
-
 const char* toString(TimeField field) {
   switch (field) {
     case TimeField::kNotRead: return "not_read";

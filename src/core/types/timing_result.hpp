@@ -32,7 +32,6 @@ enum class TimeField {
 
 const char* toString(TimingSource source);
 const char* toString(StampReference reference);
-const char* toString(TimingStatus status);
 const char* toString(TimeField field);
 
 struct TimingResult {

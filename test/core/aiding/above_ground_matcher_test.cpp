@@ -12,7 +12,6 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/map/above_ground_points.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::above_ground_matcher_test {
 namespace {
@@ -57,7 +56,7 @@ Pose planarPose(double x, double y, double yaw_rad) {
 /// All stands in these scenes, which is not the class's usual fare.
 AboveGroundMatcher::Params anyRatio() {
   AboveGroundMatcher::Params params;
-  params.max_above_ground_ratio = 1.0;
+  params.reference.max_above_ground_ratio = 1.0;
   return params;
 }
 
@@ -72,7 +71,7 @@ struct KeptMatch {
 };
 
 KeptMatch matchAgainst(const Points& kept, const AboveGroundMatcher::Params& params = anyRatio()) {
-  KeptMatch match{AboveGroundMatcher(params, IcpPointToPlane::Params()), AboveGroundReference(params.reference())};
+  KeptMatch match{AboveGroundMatcher(params, IcpPointToPlane::Params()), AboveGroundReference(params.reference)};
   match.reference.keep(kept, Pose::Identity(), 0.0);
   return match;
 }
@@ -172,7 +171,7 @@ TEST(AboveGroundMatcher, OnePlaceIsTooFew) {
 
 TEST(AboveGroundMatcher, NothingKeptNothingFound) {
   const KeptMatch match{AboveGroundMatcher(anyRatio(), IcpPointToPlane::Params()),
-                        AboveGroundReference(anyRatio().reference())};
+                        AboveGroundReference(anyRatio().reference)};
   EXPECT_FALSE(match.find(posts(), Pose::Identity()));
 }
 
@@ -196,15 +195,6 @@ TEST(AboveGroundMatcher, PlanesOfARoomOrAWallTellAndThoseOfAFieldDoNot) {
   EXPECT_GT(ratioIn(road), 0.2) << "across the road";
   EXPECT_LT(ratioIn(field), 0.001);
   EXPECT_EQ(match.ratioOfPlanes(posts(), VoxelMap(), Pose::Identity(), 0.01), 0.0);
-}
-
-TEST(AboveGroundMatcher, ParametersOutOfRangeAreRefused) {
-  AboveGroundMatcher::Params params;
-  params.window_m = 0.1;  // less than a step
-  EXPECT_THROW(AboveGroundMatcher(params, IcpPointToPlane::Params()), ParameterError);
-  params = AboveGroundMatcher::Params();
-  params.max_above_ground_ratio = 1.5;
-  EXPECT_THROW(AboveGroundMatcher(params, IcpPointToPlane::Params()), ParameterError);
 }
 
 }  // namespace

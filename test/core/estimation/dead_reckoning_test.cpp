@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "../../support/independent_drift.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
@@ -184,7 +185,7 @@ TEST(DeadReckoning, TheAccumulatedVarianceIsThatOfAContinuedError) {
   DeadReckoning dead_reckoning(params);
   const double sigma_mps = 0.3;
   dead_reckoning.reset({sigma_mps, 0.0, 0.0}, 0.0);
-  OdometryCovariance accumulated;
+  OdometryCovariance accumulated(independentDrift());
   OdometryIncrement increment;
   increment.dt_s = kDt_s;
   Pose T = Pose::Identity();
@@ -247,14 +248,8 @@ TEST(DeadReckoning, TheFasterTheSlowerItBelievesInATurn) {
 
 TEST(DeadReckoning, ParametersAreChecked) {
   DeadReckoning::Params params;
-  params.observed_sigma_m = 0.0;
-  EXPECT_THROW(DeadReckoning{params}, ParameterError);
-  params = DeadReckoning::Params();
-  params.acceleration_time_s = -1.0;
-  EXPECT_THROW(DeadReckoning{params}, ParameterError);
-  params = DeadReckoning::Params();
-  params.turning_speed_mps = 0.0;
-  EXPECT_THROW(DeadReckoning{params}, ParameterError);
+  params.acceleration_mps2 = -1.0;
+  EXPECT_THROW(params.validate(), ParameterError);
 }
 
 TEST(DeadReckoning, LongIntervalAllowsAccelerations) {

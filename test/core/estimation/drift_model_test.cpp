@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "../../support/independent_drift.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
 
@@ -19,7 +20,7 @@ Matrix6d diagonal(double position, double rotation) {
 }
 
 TEST(DriftModel, IndependentErrorsReplaceTheMapEachSweep) {
-  const DriftModel model(DriftModel::Params::independent());
+  const DriftModel model(independentDrift());
   EXPECT_EQ(model.mapReplaced(0.0), 1.0);
   EXPECT_EQ(model.registrationRatio(), 1.0);
   EXPECT_TRUE(model.walkVariances(12.0).isZero());

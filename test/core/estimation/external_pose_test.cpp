@@ -152,25 +152,41 @@ TEST(ExternalPose, ConfirmsOnlyIfItKnowsWhereItIs) {
       fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &fine, FusionInput::Kind::kExternal}}).confirmed);
 }
 
-TEST(ExternalPoseBuffer, GivesTheNearestWithinTolerance) {
-  ExternalPoseBuffer buffer;
-  EXPECT_FALSE(buffer.takeNearest(1.0, 10.0));
-  for (const double stamp_s : {1.0, 1.1, 1.2, 1.3}) buffer.push(gps(stamp_s, Pose::Identity()));
-  EXPECT_FALSE(buffer.takeNearest(1.45, 0.1));
-  EXPECT_EQ(buffer.takeNearest(1.14, 0.1)->stamp_s, 1.1);
-  EXPECT_EQ(buffer.takeNearest(1.14, 0.1)->stamp_s, 1.2) << "the nearest one was used up, and what is older with it";
-  EXPECT_FALSE(buffer.takeNearest(1.14, 0.1));
-  EXPECT_EQ(buffer.takeNearest(1.3, 0.0)->stamp_s, 1.3);
+/// Offers a pose whose x is its stamp.
+void offer(ExternalPoseSource& source, double stamp_s) {
+  EXPECT_EQ(source.offer(gps(stamp_s, pose(stamp_s, 0, 0, 0, 0, 0))), "");
 }
 
-TEST(ExternalPoseBuffer, IsBoundedAndBeginsAnewWhenStampsGoBack) {
-  ExternalPoseBuffer buffer(3);
-  for (int i = 0; i < 5; ++i) buffer.push(gps(i, Pose::Identity()));
-  EXPECT_FALSE(buffer.takeNearest(1.0, 0.5)) << "the oldest gave way";
-  EXPECT_TRUE(buffer.takeNearest(2.0, 0.5));
-  buffer.push(gps(0.5, Pose::Identity()));
-  EXPECT_FALSE(buffer.takeNearest(4.0, 1.0));
-  EXPECT_EQ(buffer.takeNearest(0.4, 0.5)->stamp_s, 0.5);
+/// The stamp of the pose that a standing vehicle's sweep takes; -1: none.
+double takenAt(ExternalPoseSource& source, double stamp_s) {
+  SweepPrediction prediction;
+  prediction.stamp_s = stamp_s;
+  prediction.dt_s = 0.1;
+  prediction.motion_status = MotionStatus::kObserved;
+  const std::optional<Measurement> m = source.measure(prediction, Pose::Identity());
+  return m ? m->T_odom_cog.translation().x() : -1.0;
+}
+
+TEST(ExternalPoseSource, GivesTheNearestWithinTolerance) {
+  ExternalPoseSource source(0.1);
+  EXPECT_EQ(takenAt(source, 1.0), -1.0);
+  for (const double stamp_s : {1.0, 1.1, 1.2, 1.3}) offer(source, stamp_s);
+  EXPECT_EQ(takenAt(source, 1.45), -1.0);
+  EXPECT_EQ(takenAt(source, 1.14), 1.1);
+  EXPECT_EQ(takenAt(source, 1.14), 1.2) << "the nearest one was used up, and what is older with it";
+  EXPECT_EQ(takenAt(source, 1.14), -1.0);
+  EXPECT_EQ(takenAt(source, 1.3), 1.3);
+}
+
+TEST(ExternalPoseSource, IsBoundedAndBeginsAnewWhenStampsGoBack) {
+  ExternalPoseSource source(0.5);
+  const int count = static_cast<int>(ExternalPoseSource::kKept) + 2;
+  for (int i = 0; i < count; ++i) offer(source, i);
+  EXPECT_EQ(takenAt(source, 1.0), -1.0) << "the oldest gave way";
+  EXPECT_EQ(takenAt(source, 2.0), 2.0);
+  offer(source, 0.5);
+  EXPECT_EQ(takenAt(source, count - 1.0), -1.0);
+  EXPECT_EQ(takenAt(source, 0.4), 0.5);
 }
 
 }  // namespace

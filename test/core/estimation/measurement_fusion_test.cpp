@@ -524,7 +524,7 @@ TEST(MeasurementFusion, NeverNanAndAlwaysACovariance) {
 TEST(MeasurementFusion, ParametersAreChecked) {
   MeasurementFusion::Params params;
   params.gate_sigma = 0.0;
-  EXPECT_THROW(MeasurementFusion{params}, ParameterError);
+  EXPECT_THROW(params.validate(), ParameterError);
   params = MeasurementFusion::Params();
   params.min_weight = 1.0;
   EXPECT_THROW(params.validate(), ParameterError);

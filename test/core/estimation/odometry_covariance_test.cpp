@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "../../support/independent_drift.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
@@ -48,14 +49,14 @@ Pose perturbed(const Pose& T, const Vector6d& error) {
 }
 
 TEST(OdometryCovariance, StraightDriveInClosedForm) {
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   const int n = 500;
   const double step = 1.0;
   const Pose increment = planarPose(step, 0, 0);
   Pose T = planarPose(100.0, -50.0, 0.0);
   for (int i = 0; i < n; ++i) {
     const Pose next = T * increment;
-    ASSERT_TRUE(odometry.propagate(T, next, incrementCovariance()));
+    ASSERT_TRUE(odometry.propagate(T, next, incrementWith(incrementCovariance())));
     T = next;
   }
   // The heading error of increment k acts over the n - k steps that follow it.
@@ -70,14 +71,14 @@ TEST(OdometryCovariance, StraightDriveInClosedForm) {
 }
 
 TEST(OdometryCovariance, HeadingErrorBecomesLateral) {
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   Matrix6d start = Matrix6d::Zero();
   start(5, 5) = 1e-6;
   odometry.reset(start);
   Pose T = planarPose(0, 0, 0.7);
   for (int i = 0; i < 100; ++i) {
     const Pose next = T * planarPose(1, 0, 0);
-    odometry.propagate(T, next, Matrix6d::Zero());
+    odometry.propagate(T, next, incrementWith(Matrix6d::Zero()));
     T = next;
   }
   const Matrix6d C = rotateCovariance(odometry.covariance(), rotationFromRpy(0, 0, 0.7).transpose());
@@ -97,10 +98,10 @@ TEST(OdometryCovariance, CurveAgainstMonteCarlo) {
   const Matrix6d q = incrementCovariance();
   const Matrix6d half = q.llt().matrixL();
 
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   Pose T = start;
   for (int i = 0; i < steps; ++i) {
-    odometry.propagate(T, T * increment, q);
+    odometry.propagate(T, T * increment, incrementWith(q));
     T = T * increment;
   }
   std::mt19937 random(3);
@@ -122,19 +123,19 @@ TEST(OdometryCovariance, CurveAgainstMonteCarlo) {
 
 TEST(OdometryCovariance, SinceMarkForgetsTheTimeBefore) {
   const Pose far = planarPose(400, -900, 2.5);
-  OdometryCovariance a, b;
+  OdometryCovariance a(independentDrift()), b(independentDrift());
   Matrix6d start = 0.5 * Matrix6d::Identity();
   a.reset(start);
   Pose T = far * planarPose(-10, 2, 0.3);
-  a.propagate(T, far, incrementCovariance());
+  a.propagate(T, far, incrementWith(incrementCovariance()));
   EXPECT_TRUE(a.sinceMark().isZero());
   a.mark(far);
   EXPECT_TRUE(a.sinceMark().isZero());
   Pose T_a = far, T_b = Pose::Identity();
   for (int i = 0; i < 100; ++i) {
     const Pose increment = planarPose(1.0, 0.0, 0.02 * std::sin(0.1 * i));
-    a.propagate(T_a, T_a * increment, incrementCovariance());
-    b.propagate(T_b, T_b * increment, incrementCovariance());
+    a.propagate(T_a, T_a * increment, incrementWith(incrementCovariance()));
+    b.propagate(T_b, T_b * increment, incrementWith(incrementCovariance()));
     T_a = T_a * increment;
     T_b = T_b * increment;
   }
@@ -145,7 +146,7 @@ TEST(OdometryCovariance, SinceMarkForgetsTheTimeBefore) {
 }
 
 TEST(OdometryCovariance, StaysACovarianceAndGrowsAboutAFixedPoint) {
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   Pose T = Pose::Identity();
   const auto aboutOrigin = [&]() {  // of the point of the body that is at odom's origin
     return covarianceAfterOffset(odometry.covariance(), T, T.inverse());
@@ -155,7 +156,7 @@ TEST(OdometryCovariance, StaysACovarianceAndGrowsAboutAFixedPoint) {
     Vector6d twist;
     twist << 1.5, 0.01, 0.02 * std::sin(0.01 * i), 0.001, 0.002 * std::cos(0.05 * i), 0.05 * std::sin(0.004 * i);
     const Pose next = orthonormalized(T * expSe3(twist));
-    ASSERT_TRUE(odometry.propagate(T, next, incrementCovariance()));
+    ASSERT_TRUE(odometry.propagate(T, next, incrementWith(incrementCovariance())));
     T = next;
     const Matrix6d& C = odometry.covariance();
     ASSERT_TRUE(C == C.transpose());
@@ -169,31 +170,31 @@ TEST(OdometryCovariance, StaysACovarianceAndGrowsAboutAFixedPoint) {
 }
 
 TEST(OdometryCovariance, DrivingBackUndoesTheStartsHeadingError) {
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   Matrix6d start = Matrix6d::Zero();
   start(5, 5) = 1e-4;
   odometry.reset(start);
   const Pose there = planarPose(100, 0, 0);
-  odometry.propagate(Pose::Identity(), there, Matrix6d::Zero());
+  odometry.propagate(Pose::Identity(), there, incrementWith(Matrix6d::Zero()));
   EXPECT_NEAR(odometry.covariance()(1, 1), 1.0, 1e-12);
-  odometry.propagate(there, Pose::Identity(), Matrix6d::Zero());
+  odometry.propagate(there, Pose::Identity(), incrementWith(Matrix6d::Zero()));
   EXPECT_TRUE(odometry.covariance().isApprox(start, 1e-12));
 }
 
 TEST(OdometryCovariance, UnusableIncrementsChangeNothing) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   odometry.mark(Pose::Identity());
-  ASSERT_TRUE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), incrementCovariance()));
+  ASSERT_TRUE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), incrementWith(incrementCovariance())));
   const Matrix6d before = odometry.covariance();
   Matrix6d bad = incrementCovariance();
   bad(2, 2) = nan;
-  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), bad));
-  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(nan, 0, 0), incrementCovariance()));
-  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1e200, 0, 0), incrementCovariance()));
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1, 0, 0), incrementWith(bad)));
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(nan, 0, 0), incrementWith(incrementCovariance())));
+  EXPECT_FALSE(odometry.propagate(Pose::Identity(), planarPose(1e200, 0, 0), incrementWith(incrementCovariance())));
   EXPECT_TRUE(odometry.covariance() == before && odometry.sinceMark() == before);
   // A negative eigenvalue must not make the sum shrink.
-  EXPECT_TRUE(odometry.propagate(planarPose(1, 0, 0), planarPose(1, 0, 0), -incrementCovariance()));
+  EXPECT_TRUE(odometry.propagate(planarPose(1, 0, 0), planarPose(1, 0, 0), incrementWith(-incrementCovariance())));
   EXPECT_TRUE(odometry.covariance().isApprox(before, 1e-12));
 }
 
@@ -215,7 +216,7 @@ DriftState driveStraight(OdometryCovariance& odometry, int steps, const Matrix6d
 }
 
 TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
-  DriftModel::Params drift = DriftModel::Params::independent();
+  DriftModel::Params drift = independentDrift();
   drift.heading_bias_deg_per_m = 0.01;
   drift.scale_bias = 0.02;
   OdometryCovariance odometry(drift);
@@ -230,7 +231,7 @@ TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
 }
 
 TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
-  DriftModel::Params drift = DriftModel::Params::independent();
+  DriftModel::Params drift = independentDrift();
   drift.map_length_m = 1e9;
   drift.transient_ratio = drift.transient_rotation_ratio = 0.5;
   OdometryCovariance odometry(drift);
@@ -249,7 +250,7 @@ TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
 }
 
 TEST(OdometryCovariance, SubsidingJitterDoesNotShrinkIt) {
-  DriftModel::Params drift = DriftModel::Params::independent();
+  DriftModel::Params drift = independentDrift();
   drift.map_length_m = 1e9;
   drift.transient_ratio = drift.transient_rotation_ratio = 0.5;
   OdometryCovariance covariance(drift);
@@ -273,7 +274,7 @@ TEST(OdometryCovariance, SubsidingJitterDoesNotShrinkIt) {
 }
 
 TEST(OdometryCovariance, UnobservedSpeedErrorIsForgotten) {
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   odometry.mark(Pose::Identity());
   Matrix6d C = Matrix6d::Zero();
   C(0, 0) = 1e-6;
@@ -450,7 +451,7 @@ double sigmaAlong(OdometryCovariance& odometry, int sweeps, double sigma_m) {
 }
 
 DriftModel::Params maps(double length_m, double registration_ratio) {
-  DriftModel::Params params = DriftModel::Params::independent();
+  DriftModel::Params params = independentDrift();
   params.map_length_m = length_m;
   params.registration_ratio = registration_ratio;
   return params;
@@ -553,7 +554,7 @@ TEST(Twist, CovarianceAgainstFiniteDifferences) {
 }
 
 TEST(OdometryCovariance, NewMapCostsWithinItsFirstDecimetre) {
-  DriftModel::Params params = DriftModel::Params::independent();
+  DriftModel::Params params = independentDrift();
   params.new_map_m = 0.02;
   OdometryCovariance odometry(params);
   const auto drive = [&](double from_m, double to_m, MapUpdate map_update = MapUpdate::kInsert) {

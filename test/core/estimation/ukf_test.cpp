@@ -10,7 +10,6 @@
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::ukf_test {
 namespace {
@@ -42,7 +41,7 @@ TEST(Ukf, EqualsTheClosedFormKalmanFilterOnALinearCase) {
   Vector6d shift;
   shift << 1.0, 0.5, 0.0, 0.001, -0.002, 0.003;
 
-  Ukf ukf{Ukf::Params()};
+  Ukf ukf;
   Vector6d x = Vector6d::Zero();
   Matrix6d P = 0.01 * randomCovariance(random, -1.0, 0.0);
   ASSERT_TRUE(ukf.reset(x, P));
@@ -68,7 +67,7 @@ TEST(Ukf, EqualsTheClosedFormKalmanFilterOnALinearCase) {
 
 TEST(Ukf, YawCrossesPiBothWays) {
   for (const double side : {1.0, -1.0}) {
-    Ukf ukf{Ukf::Params()};
+    Ukf ukf;
     Vector6d x = Vector6d::Zero();
     x[5] = side * (M_PI - 0.01);
     ASSERT_TRUE(ukf.reset(x, 1e-4 * Matrix6d::Identity()));
@@ -94,7 +93,7 @@ TEST(Ukf, YawCrossesPiBothWays) {
 TEST(Ukf, CovarianceStaysPositiveDefiniteOverTenThousandSteps) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
-  Ukf ukf{Ukf::Params()};
+  Ukf ukf;
   ASSERT_TRUE(ukf.reset(Vector6d::Zero(), 0.01 * Matrix6d::Identity()));
   Vector6d variances;
   variances << 0.0024, 0.0019, 0.0146, 0.0212, 0.0212, 1.9e-5;
@@ -120,7 +119,7 @@ TEST(Ukf, CovarianceStaysPositiveDefiniteOverTenThousandSteps) {
 }
 
 TEST(Ukf, AnUnobservedDirectionStaysWhereItWas) {
-  Ukf ukf{Ukf::Params()};
+  Ukf ukf;
   ASSERT_TRUE(ukf.reset(Vector6d::Zero(), 0.04 * Matrix6d::Identity()));
   const Eigen::Vector2d weak(std::cos(0.6), std::sin(0.6));
   Matrix6d R = 1e-4 * Matrix6d::Identity();
@@ -136,7 +135,7 @@ TEST(Ukf, AnUnobservedDirectionStaysWhereItWas) {
 }
 
 TEST(Ukf, APerfectMeasurementIsTakenOver) {
-  Ukf ukf{Ukf::Params()};
+  Ukf ukf;
   ASSERT_TRUE(ukf.reset(Vector6d::Zero(), Matrix6d::Identity()));
   Vector6d z;
   z << 1.0, 2.0, 3.0, 0.1, 0.2, 0.3;
@@ -147,7 +146,7 @@ TEST(Ukf, APerfectMeasurementIsTakenOver) {
 }
 
 TEST(Ukf, RefusesWhatItCannotUseAndStaysAsItWas) {
-  Ukf ukf{Ukf::Params()};
+  Ukf ukf;
   ASSERT_TRUE(ukf.reset(Vector6d::Ones() * 0.1, 0.01 * Matrix6d::Identity()));
   const Vector6d state = ukf.state();
   const Matrix6d covariance = ukf.covariance();
@@ -170,15 +169,6 @@ TEST(Ukf, RefusesWhatItCannotUseAndStaysAsItWas) {
   EXPECT_EQ(ukf.state(), state);
   EXPECT_EQ(ukf.covariance(), covariance);
   EXPECT_EQ(ukf.nis(), 0.0);
-}
-
-TEST(Ukf, ValidatesItsParameters) {
-  Ukf::Params params;
-  params.min_sigma = 0.0;
-  EXPECT_THROW(Ukf{params}, ParameterError);
-  params = Ukf::Params();
-  params.sigma_points.alpha = 2.0;
-  EXPECT_THROW(Ukf{params}, ParameterError);
 }
 
 }  // namespace

@@ -4,18 +4,22 @@
 
 #include <cmath>
 
+#include "../../support/poses.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::unscented_transform_test {
 namespace {
 
-using Matrix3 = Eigen::Matrix3d;
-using Vector3 = Eigen::Vector3d;
+/// The three positions as given, the angles of variance 0.01 around 0.
+Matrix6d withAngles(const Eigen::Matrix3d& position) {
+  Matrix6d C = 0.01 * Matrix6d::Identity();
+  C.topLeftCorner<3, 3>() = position;
+  return C;
+}
 
 TEST(UnscentedTransform, MeanWeightsSumToOne) {
   for (const double alpha : {1e-3, 0.1, 0.5, 1.0}) {
-    const UnscentedWeights weights = unscentedWeights({alpha, 2.0, 0.0}, 6);
+    const UnscentedWeights weights = unscentedWeights({alpha, 2.0});
     EXPECT_NEAR(weights.mean_centre + 12.0 * weights.other, 1.0, 1e-9);
     EXPECT_NEAR(weights.spread * weights.spread * 2.0 * weights.other, 1.0, 1e-12);
     EXPECT_NEAR(weights.covariance_centre - weights.mean_centre, 3.0 - alpha * alpha, 1e-9);
@@ -23,40 +27,45 @@ TEST(UnscentedTransform, MeanWeightsSumToOne) {
 }
 
 TEST(UnscentedTransform, LinearMapsAreExact) {
-  Matrix3 C, F;
-  C << 2.0, 0.3, -0.2, 0.3, 0.5, 0.1, -0.2, 0.1, 0.1;
-  F << 1.0, 0.4, 0.0, -0.3, 2.0, 0.7, 0.5, 0.0, 1.0;
-  const Vector3 mean(1.0, -200.0, 3.0), shift(0.1, 0.2, 0.3);
+  Eigen::Matrix3d C_position, F_position;
+  C_position << 2.0, 0.3, -0.2, 0.3, 0.5, 0.1, -0.2, 0.1, 0.1;
+  F_position << 1.0, 0.4, 0.0, -0.3, 2.0, 0.7, 0.5, 0.0, 1.0;
+  const Matrix6d C = withAngles(C_position);
+  Matrix6d F = Matrix6d::Identity();
+  F.topLeftCorner<3, 3>() = F_position;
+  F(3, 4) = -0.6;
+  F(0, 5) = 3.0;
+  const Vector6d mean = vector6(1.0, -200.0, 3.0, 0.1, 0.2, -0.1), shift = vector6(0.1, 0.2, 0.3, 0.1, 0.0, -0.2);
   for (const double alpha : {1e-3, 0.1, 1.0}) {
-    const UnscentedWeights weights = unscentedWeights({alpha, 2.0, 0.0}, 3);
-    SigmaPoints<3> points = sigmaPoints<EuclideanSpace, 3>(mean, C, weights);
-    for (Vector3& point : points) point = F * point + shift;
-    Vector3 mapped_mean;
-    Matrix3 mapped_C;
-    unscentedMoments<EuclideanSpace, 3>(points, weights, mapped_mean, mapped_C);
+    const UnscentedWeights weights = unscentedWeights({alpha, 2.0});
+    SigmaPoints points = sigmaPoints(mean, C, weights);
+    for (Vector6d& point : points) point = F * point + shift;
+    Vector6d mapped_mean;
+    Matrix6d mapped_C;
+    unscentedMoments(points, weights, mapped_mean, mapped_C);
     EXPECT_LT((mapped_mean - (F * mean + shift)).norm(), 1e-7);
     EXPECT_LT((mapped_C - F * C * F.transpose()).norm(), 1e-7);
   }
 }
 
 TEST(UnscentedTransform, QuadraticMeanIsExact) {
-  const UnscentedWeights weights = unscentedWeights({0.1, 2.0, 0.0}, 3);
-  const Vector3 mean(1.0, 2.0, 0.0);
-  SigmaPoints<3> points = sigmaPoints<EuclideanSpace, 3>(mean, Vector3(0.5, 0.25, 1.0).asDiagonal(), weights);
-  for (Vector3& point : points) point = point.cwiseAbs2();
-  Vector3 mapped_mean;
-  Matrix3 mapped_C;
-  unscentedMoments<EuclideanSpace, 3>(points, weights, mapped_mean, mapped_C);
-  EXPECT_LT((mapped_mean - Vector3(1.5, 4.25, 1.0)).norm(), 1e-9);
+  const UnscentedWeights weights = unscentedWeights();
+  const Vector6d mean = vector6(1.0, 2.0, 0.0, 0.1, -0.2, 0.0);
+  SigmaPoints points = sigmaPoints(mean, withAngles(Eigen::Vector3d(0.5, 0.25, 1.0).asDiagonal()), weights);
+  for (Vector6d& point : points) point = point.cwiseAbs2();
+  Vector6d mapped_mean;
+  Matrix6d mapped_C;
+  unscentedMoments(points, weights, mapped_mean, mapped_C);
+  EXPECT_LT((mapped_mean - vector6(1.5, 4.25, 1.0, 0.02, 0.05, 0.01)).norm(), 1e-9);
 }
 
 TEST(UnscentedTransform, SquareRootOfSemiDefinite) {
-  const Vector3 direction = Vector3(1.0, 2.0, -1.0).normalized();
-  const Matrix3 C = 4.0 * direction * direction.transpose();
-  const Matrix3 S = symmetricSquareRoot<3>(C);
+  const Vector6d direction = vector6(1.0, 2.0, -1.0, 0.5, 0.0, 0.3).normalized();
+  const Matrix6d C = 4.0 * direction * direction.transpose();
+  const Matrix6d S = symmetricSquareRoot(C);
   EXPECT_LT((S * S - C).norm(), 1e-9);
-  EXPECT_TRUE(symmetricSquareRoot<3>(Matrix3::Zero()).isZero(0.0));
-  EXPECT_TRUE(symmetricSquareRoot<3>(Matrix3(-1e-12 * Matrix3::Identity())).allFinite());
+  EXPECT_TRUE(symmetricSquareRoot(Matrix6d::Zero()).isZero(0.0));
+  EXPECT_TRUE(symmetricSquareRoot(Matrix6d(-1e-12 * Matrix6d::Identity())).allFinite());
 }
 
 TEST(UnscentedTransform, AnglesAreAveragedOnTheCircle) {
@@ -64,21 +73,14 @@ TEST(UnscentedTransform, AnglesAreAveragedOnTheCircle) {
   mean[5] = M_PI - 0.01;
   Matrix6d C = Matrix6d::Identity();
   C(5, 5) = 0.04;
-  const UnscentedWeights weights = unscentedWeights({1.0, 2.0, 0.0}, 6);
-  SigmaPoints<6> points = sigmaPoints<PoseStateSpace, 6>(mean, C, weights);
+  const UnscentedWeights weights = unscentedWeights({1.0, 2.0});
+  SigmaPoints points = sigmaPoints(mean, C, weights);
   for (Vector6d& point : points) point[5] = wrapAngle(point[5] + 0.03);
   Vector6d mapped_mean;
   Matrix6d mapped_C;
-  unscentedMoments<PoseStateSpace, 6>(points, weights, mapped_mean, mapped_C);
+  unscentedMoments(points, weights, mapped_mean, mapped_C);
   EXPECT_NEAR(mapped_mean[5], -M_PI + 0.02, 1e-12);
   EXPECT_LT((mapped_C - C).norm(), 1e-12);
-}
-
-TEST(UnscentedTransform, ValidatesItsParameters) {
-  EXPECT_THROW((UnscentedParams{0.0, 2.0, 0.0}.validate()), ParameterError);
-  EXPECT_THROW((UnscentedParams{0.1, -1.0, 0.0}.validate()), ParameterError);
-  EXPECT_THROW((UnscentedParams{0.1, 2.0, -6.0}.validate()), ParameterError);
-  EXPECT_NO_THROW(UnscentedParams().validate());
 }
 
 }  // namespace

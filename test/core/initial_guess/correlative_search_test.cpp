@@ -79,8 +79,8 @@ TEST(CorrelativeSearch, NothingElsewhereAndNotWhereTooLittleStands) {
 
 TEST(CorrelativeSearch, RefusesParametersThatMakeNoSense) {
   CorrelativeSearch::Params params;
-  params.min_ratio = 1.5;
-  EXPECT_THROW(CorrelativeSearch{params}, ParameterError);
+  params.max_shift_m = 0.0;
+  EXPECT_THROW(params.validate(), ParameterError);
 }
 
 }  // namespace

@@ -31,6 +31,20 @@ TEST(FirstMotion, ASearchedPositionCountsAsMeasured) {
   EXPECT_NEAR(measurement.covariance(0, 0), 0.005, 1e-12);
 }
 
+// The Kalman filter with one scalar measurement in x; the one in y knows nothing.
+TEST(FirstMotion, WhatIsCorrelatedMovesAlong) {
+  InitialGuess guess = guessAt(2.0);
+  guess.searched_sigma_m = 1.0;
+  Measurement measurement = measuredAt(1.0);
+  measurement.covariance = Matrix6d::Identity();
+  measurement.covariance(0, 5) = measurement.covariance(5, 0) = 0.5;
+  addSearchedMotion(guess, measurement);
+  EXPECT_NEAR(measurement.covariance(5, 5), 1.0 - 0.5 * 0.5 / 2.0, 1e-12);
+  EXPECT_NEAR(measurement.covariance(0, 5), 0.5 - 0.5 * 0.5, 1e-12);
+  EXPECT_GT(measurement.T_odom_cog.linear()(1, 0), 0.2) << "it turned to the left";
+  EXPECT_EQ(measurement.covariance, measurement.covariance.transpose().eval());
+}
+
 TEST(FirstMotion, StandstillIsDoubtedWhereLittleInforms) {
   const MotionInitialization::Params params;
   Measurement measurement = measuredAt(0.2);

@@ -16,7 +16,7 @@ class InitialGuessTest : public ::testing::Test {
   InitialGuessTest()
       : builder_(params().scan(), SweepTimingParams()),
         resolver_(params().initialGuess()),
-        map_(params().reference, params().above_ground.reference()) {
+        map_(params().reference, params().above_ground.reference) {
     drive_.twist_cog = planarTwist(12.0, 0.2);
   }
 

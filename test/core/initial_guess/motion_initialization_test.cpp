@@ -168,13 +168,10 @@ TEST(MotionInitialization, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     MotionInitialization::Params params = testParams();
     change(params);
-    EXPECT_THROW(MotionInitialization(params, kMinRange_m), ParameterError);
+    EXPECT_THROW(params.validate(), ParameterError);
   };
   EXPECT_NO_THROW(MotionInitialization::Params().validate());
   rejects([](auto& p) { p.max_speed_mps = -6.0; });
-  rejects([](auto& p) { p.step_mps = 0.0; });
-  rejects([](auto& p) { p.step_yaw_rate_rps = 0.0; });
-  rejects([](auto& p) { p.thinning_m = -1.0; });
 }
 
 }  // namespace

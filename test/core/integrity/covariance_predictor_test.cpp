@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "../../support/independent_drift.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/integrity/growth_rate.hpp"
 #include "core/parameters/check.hpp"
@@ -15,13 +16,17 @@ namespace {
 
 using Status = TimeToFailureStatus;
 
-CovariancePredictor predictorWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
+CovariancePredictor::Params paramsWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
   CovariancePredictor::Params params;
   params.degrees_of_freedom = 0.0;
   params.confidence = params.alarm_confidence = confidence;
   params.horizon_s = horizon_s;
   params.step_s = step_s;
-  return CovariancePredictor(params);
+  return params;
+}
+
+CovariancePredictor predictorWith(double confidence, double horizon_s = 60.0, double step_s = 0.25) {
+  return CovariancePredictor(paramsWith(confidence, horizon_s, step_s));
 }
 
 const double kOneSigma = std::erf(std::sqrt(0.5));  // of a normal: an error along a line
@@ -75,12 +80,12 @@ TEST(CovariancePredictor, AgreesWithCovarianceOnACurve) {
   Vector6d twist = Vector6d::Zero();
   twist[0] = speed;
   twist[5] = yaw_rate;
-  OdometryCovariance odometry;
+  OdometryCovariance odometry(independentDrift());
   Pose T = Pose::Identity();
   double crossed_s = -1.0;
   for (int i = 1; i <= 3000 && crossed_s < 0.0; ++i) {
     const Pose next = T * expSe3(dt * twist);
-    odometry.propagate(T, next, increment);
+    odometry.propagate(T, next, incrementWith(increment));
     T = next;
     const Eigen::Matrix3d S = horizontalBlock(odometry.covariance());
     if (ConfidenceRadius(kOneSigma)(S.topLeftCorner<2, 2>()) >= 0.6) crossed_s = i * dt;
@@ -225,12 +230,9 @@ TEST(CovariancePredictor, MoreNoiseNeverGivesMoreTime) {
     EXPECT_LT(seconds, last);
     last = seconds;
   }
-  CovariancePredictor::Params params;
-  params.degrees_of_freedom = 0.0;
-  params.confidence = params.alarm_confidence = 0.95;
-  params.rate_scale = 4.0;
-  EXPECT_LT(CovariancePredictor(params).predict(growth).time_to_failure.seconds,
-            predictorWith(0.95).predict(growth).time_to_failure.seconds);
+  const double seconds = predictorWith(0.95).predict(growth).time_to_failure.seconds;
+  growth.rate *= 4.0;
+  EXPECT_LT(predictorWith(0.95).predict(growth).time_to_failure.seconds, seconds);
 }
 
 TEST(CovariancePredictor, UnusableInputBoundsNoError) {
@@ -332,7 +334,7 @@ TEST(CovariancePredictor, TheAlarmComesWithItsOwnConfidence) {
   EXPECT_EQ(both.predict(growth).time_to_alarm.status, Status::kReached);
   EXPECT_EQ(both.predict(growth).time_to_failure.status, Status::kReached);
   params.alarm_confidence = 0.96;
-  EXPECT_THROW(CovariancePredictor{params}, ParameterError);
+  EXPECT_THROW(params.validate(), ParameterError);
 }
 
 TEST(CovariancePredictor, TimeIsConditionedOnSurvival) {
@@ -391,11 +393,9 @@ TEST(CovariancePredictor, ParametersAreChecked) {
     tails.degrees_of_freedom = wrong;
     EXPECT_THROW(tails.validate(), ParameterError) << wrong;
   }
-  EXPECT_THROW(predictorWith(1.0), ParameterError);
-  EXPECT_THROW(predictorWith(0.0), ParameterError);
-  EXPECT_THROW(predictorWith(0.95, 60.0, 1e-6), ParameterError);
-  EXPECT_THROW(predictorWith(0.95, 60.0, 0.0), ParameterError);
-  EXPECT_THROW(IncrementRate(0.0), ParameterError);
+  EXPECT_THROW(paramsWith(1.0).validate(), ParameterError);
+  EXPECT_THROW(paramsWith(0.0).validate(), ParameterError);
+  EXPECT_THROW(paramsWith(0.95, 60.0, 1e-6).validate(), ParameterError);
 }
 
 }  // namespace

@@ -7,9 +7,10 @@
 #include <limits>
 #include <string>
 
+#include "../../support/independent_drift.hpp"
 #include "../parameters/error_of.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
+#include "core/parameters/validate_nested.hpp"
 
 namespace fail_aware::monitor_test {
 namespace {
@@ -58,7 +59,7 @@ class Road {
 /// and the article's threshold.
 MonitorParameters independentSweeps() {
   MonitorParameters params;
-  params.drift = DriftModel::Params::independent();
+  params.drift = independentDrift();
   params.predictor.confidence = params.predictor.alarm_confidence = 0.95;
   params.predictor.degrees_of_freedom = 0.0;
   params.indicator.threshold = 0.001;
@@ -625,7 +626,7 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(MonitorParameters&)>& change) {
     MonitorParameters params = independentSweeps();
     change(params);
-    return errorOf([&] { FailAwareMonitor monitor(params); });
+    return errorOf([&] { validateAs("", params); });
   };
   EXPECT_EQ(refused([](MonitorParameters&) {}), "no error");
   EXPECT_NE(refused([](MonitorParameters& p) { p.sweeps_to_recover = 0; }).find("sweeps_to_recover"),

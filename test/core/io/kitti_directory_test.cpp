@@ -198,7 +198,7 @@ TEST_F(KittiDirectoryTest, ReportsEachKindOfBadScanAndNamesTheFile) {
     sweep.points_lidar.resize(7);
     sweep.rings.resize(7);
     const ReadResult result = kitti.read(i, sweep);
-    EXPECT_EQ(result.status, expected[i]) << toString(result.status);
+    EXPECT_EQ(result.status, expected[i]) << i;
     EXPECT_FALSE(result.hasPoints());
     expectHas(result.message, "00000" + std::to_string(i) + ".bin");
     EXPECT_TRUE(sweep.empty() && sweep.rings.empty() && sweep.intensities.empty());

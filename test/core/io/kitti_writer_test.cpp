@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "../../support/tum_trajectory.hpp"
 #include "core/io/input_error.hpp"
 #include "core/io/kitti_directory.hpp"
 

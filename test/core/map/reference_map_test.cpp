@@ -96,11 +96,8 @@ TEST(ReferenceMap, ClearForgetsTheSweepsToo) {
 
 TEST(ReferenceMap, ValidatesItsParameters) {
   EXPECT_NO_THROW(ReferenceMap::Params().validate());
-  EXPECT_THROW(ReferenceMap{testParams(-1)}, ParameterError);
-  EXPECT_THROW(ReferenceMap{testParams(0, 0.0)}, ParameterError);
-  ReferenceMap::Params params = testParams(0);
-  params.voxels.max_points = 0;
-  EXPECT_THROW(ReferenceMap{params}, ParameterError);
+  EXPECT_THROW(testParams(-1).validate(), ParameterError);
+  EXPECT_THROW(testParams(0, 0.0).validate(), ParameterError);
 }
 
 }  // namespace

@@ -4,11 +4,9 @@
 
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "../../support/poses.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 #include "core/preprocessing/timing.hpp"
 
 namespace fail_aware::correction_test {
@@ -271,13 +269,6 @@ TEST(SweepCorrection, RecorrectRefusesWhatItCannotUse) {
   EXPECT_FALSE(correction.redeskew(points, {0.1f, std::numeric_limits<float>::infinity()}, twist));
   EXPECT_FALSE(correction.redeskew(points, {0.1f, 0.2f}, broken));
   EXPECT_EQ(points, before);
-}
-
-TEST(SweepCorrection, RefusesBadParameters) {
-  SweepCorrectionParams params;
-  EXPECT_NO_THROW(params.validate());
-  params.max_truncation_m = 0.0;
-  EXPECT_THROW(SweepCorrection{params}, ParameterError);
 }
 
 }  // namespace

@@ -213,7 +213,7 @@ TEST(RegistrationCloud, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     RegistrationCloudBuilder::Params params = testParams();
     change(params);
-    EXPECT_THROW(RegistrationCloudBuilder{params}, ParameterError);
+    EXPECT_THROW(params.validate(), ParameterError);
   };
   EXPECT_NO_THROW(RegistrationCloudBuilder::Params().validate());
   rejects([](auto& p) { p.max_range_m = p.min_range_m; });

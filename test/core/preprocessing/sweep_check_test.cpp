@@ -124,13 +124,13 @@ TEST(SweepCheck, AnEmptySweepShowsNothing) {
 TEST(SweepCheck, ParametersAreChecked) {
   SweepCheckParams params;
   params.min_azimuth_coverage = 1.1;
-  EXPECT_THROW(SweepCheck{params}, ParameterError);
+  EXPECT_THROW(params.validate(), ParameterError);
   params = SweepCheckParams();
   params.frozen_sweeps = -1;
-  EXPECT_THROW(SweepCheck{params}, ParameterError);
+  EXPECT_THROW(params.validate(), ParameterError);
   params = SweepCheckParams();
   params.max_gap_s = 0.0;
-  EXPECT_THROW(SweepCheck{params}, ParameterError);
+  EXPECT_THROW(params.validate(), ParameterError);
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 
 #include "../../support/poses.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 #include "core/pipeline_parameters.hpp"
 
 namespace fail_aware::sweep_corrector_test {
@@ -216,14 +215,6 @@ TEST(SweepCorrector, TakesThePeriodThatTheSweepClockFound) {
     EXPECT_EQ(timing.period_known, period_s > 0.0);
     EXPECT_EQ(timing.period_s, period_s > 0.0 ? period_s : 0.1);
   }
-}
-
-TEST(SweepCorrector, ParametersAreChecked) {
-  EXPECT_THROW(makeCorrector(timingParams("middle")), ParameterError);
-  EXPECT_THROW(makeCorrector(timingParams(), 6.0), ParameterError);
-  SweepCorrectionParams correction;
-  correction.max_truncation_m = 0.0;
-  EXPECT_THROW(SweepCorrector({}, {}, timingParams(), correction, VerticalReferenceParams()), ParameterError);
 }
 
 TEST(SweepCorrector, MissingRingsComeFromTheOrder) {

@@ -410,12 +410,12 @@ TEST(SweepTiming, RefusesBadParameters) {
     return params;
   };
   EXPECT_NO_THROW(SweepTimingParams().validate());
-  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.source = "clock"; })), ParameterError);
-  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.stamp_reference = "first"; })), ParameterError);
-  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.start_azimuth_deg = 1000.0; })), ParameterError);
-  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.sweep_period_s = -0.1; })), ParameterError);
-  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.sweep_period_s = 100.0; })), ParameterError);
-  EXPECT_THROW(SweepTiming(broken([](SweepTimingParams& p) { p.min_field_spread_s = 0.0; })), ParameterError);
+  EXPECT_THROW(broken([](SweepTimingParams& p) { p.source = "clock"; }).validate(), ParameterError);
+  EXPECT_THROW(broken([](SweepTimingParams& p) { p.stamp_reference = "first"; }).validate(), ParameterError);
+  EXPECT_THROW(broken([](SweepTimingParams& p) { p.start_azimuth_deg = 1000.0; }).validate(), ParameterError);
+  EXPECT_THROW(broken([](SweepTimingParams& p) { p.sweep_period_s = -0.1; }).validate(), ParameterError);
+  EXPECT_THROW(broken([](SweepTimingParams& p) { p.sweep_period_s = 100.0; }).validate(), ParameterError);
+  EXPECT_THROW(broken([](SweepTimingParams& p) { p.min_field_spread_s = 0.0; }).validate(), ParameterError);
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::upright_profiles_test {
 namespace {
@@ -193,15 +192,6 @@ TEST(UprightProfiles, UnreadablePointsAndRingsAreHarmless) {
   finder.find({}, {}, {}, Eigen::Matrix3d::Identity());
   EXPECT_TRUE(finder.profiles().empty());
   EXPECT_TRUE(finder.beams().empty());
-}
-
-TEST(UprightProfiles, RefusesBadParameters) {
-  UprightProfilesParams params;
-  params.min_beams = 2;
-  EXPECT_THROW(UprightProfileFinder{params}, ParameterError);
-  params = UprightProfilesParams();
-  params.max_range_m = params.min_range_m;
-  EXPECT_THROW(UprightProfileFinder{params}, ParameterError);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware::vertical_reference_test {
 namespace {
@@ -431,18 +430,6 @@ TEST(VerticalReference, BadInputIsHarmless) {
   bad.translation().x() = std::numeric_limits<double>::quiet_NaN();
   level.observe({}, {}, bad);
   EXPECT_EQ(level.report().curvature_deg_per_m, 0.0);
-}
-
-TEST(VerticalReference, RefusesBadParameters) {
-  VerticalReferenceParams params;
-  params.profiles.max_range_m = params.profiles.min_range_m;
-  EXPECT_THROW(VerticalReference{params}, ParameterError);
-  params = VerticalReferenceParams();
-  params.correlation_inflation = 0.5;
-  EXPECT_THROW(VerticalReference{params}, ParameterError);
-  params = VerticalReferenceParams();
-  params.response = 0.0;
-  EXPECT_THROW(VerticalReference{params}, ParameterError);
 }
 
 }  // namespace

@@ -102,15 +102,6 @@ TEST(VoxelFilter, RangeLimitsAreInclusive) {
   const Points points = {{0.0f, 0.0f, 0.0f},  {2.99f, 0.0f, 0.0f}, {0.0f, 3.0f, 0.0f},
                          {0.0f, 0.0f, -5.0f}, {6.0f, 8.0f, 0.0f},  {6.0f, 8.1f, 0.0f}};
   EXPECT_EQ(ascending(filter.select(points, 0.1, 3.0, 10.0)), (Indices{2, 3, 4}));
-  EXPECT_EQ(ascending(filter.select(points, 0.0, 3.0, 10.0)), (Indices{2, 3, 4}));
-}
-
-TEST(VoxelFilter, WithoutAVoxelSizeEveryPointInRangeStays) {
-  VoxelFilter filter;
-  const Points points(10, {1.0f, 2.0f, 3.0f});
-  EXPECT_EQ(filter.select(points, 0.0, 0.0, kFar).size(), 10u);
-  EXPECT_EQ(filter.select(points, -1.0, 0.0, kFar).size(), 10u);
-  EXPECT_EQ(filter.select(points, {3, 5}, 0.0), (Indices{3, 5}));
 }
 
 TEST(VoxelFilter, RefusesWhatIsNotFinite) {
@@ -120,7 +111,6 @@ TEST(VoxelFilter, RefusesWhatIsNotFinite) {
                          {1.0f, -infinity, nan}, {1.0f, 1.0f, 1.0f}, {1.0f, -infinity, 1.0f}};
   for (const double max_range : {kFar, 1e30, std::numeric_limits<double>::infinity()}) {
     EXPECT_EQ(filter.select(points, 0.5, 0.0, max_range), (Indices{5})) << max_range;
-    EXPECT_EQ(filter.select(points, 0.0, 0.0, max_range), (Indices{5})) << max_range;
   }
 }
 
@@ -131,15 +121,6 @@ TEST(VoxelFilter, CandidatesAreIndicesIntoAllPoints) {
   EXPECT_EQ(filter.select(points, Indices{2, 3, 4}, 1.0), (Indices{2, 3, 4}));
   EXPECT_EQ(filter.select(points, Indices{0, 2, 3}, 1.0), (Indices{0, 3}));
   EXPECT_TRUE(filter.select(points, Indices{}, 1.0).empty());
-}
-
-TEST(VoxelFilter, SelectionsCanBeChained) {
-  VoxelFilter filter;
-  const Points points = randomPoints(3000, 10.0f, 3);
-  const Indices fine = VoxelFilter().select(points, 0.5, 0.0, kFar);
-  const Indices coarse = VoxelFilter().select(points, fine, 2.0);
-  EXPECT_EQ(filter.select(points, filter.select(points, 0.5, 0.0, kFar), 2.0), coarse);
-  EXPECT_EQ(filter.select(points, filter.select(points, 0.5, 0.0, kFar), 0.0), fine);
 }
 
 TEST(VoxelFilter, NothingOfNothing) { EXPECT_TRUE(VoxelFilter().select({}, 1.0, 0.0, kFar).empty()); }

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "../../support/synthetic_drive.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 #include "core/preprocessing/registration_cloud.hpp"
 
 namespace fail_aware::beam_bias_estimator_test {
@@ -242,21 +240,6 @@ TEST(BeamBiasEstimator, SwitchedOffLearnsNothing) {
   BeamBiasEstimator::Params params;
   params.enabled = false;
   EXPECT_TRUE(driven(3, kTooFar_m, Pose::Identity(), params).bias().too_far_m.empty());
-}
-
-TEST(BeamBiasEstimator, ParametersAreChecked) {
-  const auto refused = [](auto change) {
-    BeamBiasEstimator::Params params;
-    change(params);
-    EXPECT_THROW(BeamBiasEstimator(params, IcpPointToPlane::Params()), ParameterError);
-  };
-  refused([](auto& p) { p.range_m.sigma = 0.0; });
-  refused([](auto& p) { p.elevation_rad.forget = 1.5; });
-  refused([](auto& p) { p.kernel_m = std::numeric_limits<double>::quiet_NaN(); });
-  refused([](auto& p) { p.min_obliqueness = -0.1; });
-  refused([](auto& p) { p.max_wall_normal_z = 2.0; });
-  refused([](auto& p) { p.min_ground_normal_z = 0.1; });
-  refused([](auto& p) { p.max_ground_range_m = 0.0; });
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware::beam_offsets_test {
 namespace {
 
@@ -75,19 +73,6 @@ TEST(BeamOffsets, IsForgottenWithReset) {
   offsets.update(evidence, constant(evidence));
   offsets.reset();
   EXPECT_TRUE(offsets.values().empty());
-}
-
-TEST(BeamOffsets, ParametersAreChecked) {
-  const auto refused = [](auto change) {
-    BeamOffsets::Params params;
-    change(params);
-    EXPECT_THROW(BeamOffsets{params}, ParameterError);
-  };
-  refused([](auto& p) { p.sigma = 0.0; });
-  refused([](auto& p) { p.walk = -1.0; });
-  refused([](auto& p) { p.residual_m = 0.0; });
-  refused([](auto& p) { p.forget = 1.5; });
-  refused([](auto& p) { p.limit = 0.0; });
 }
 
 }  // namespace

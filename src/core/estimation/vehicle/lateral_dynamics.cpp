@@ -7,6 +7,9 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kMinSpeed_mps = 1.0;     // below: kinematic bicycle
+constexpr double kStandstill_mps = 0.05;  // below: the curvature goes to zero
+
 double smoothStep(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
@@ -14,8 +17,7 @@ double smoothStep(double x) {
 
 }  // namespace
 
-LateralState solveLateralDynamics(const VehicleParameters& vehicle, const LateralMotion& motion,
-                                  const LateralLimits& limits) {
+LateralState solveLateralDynamics(const VehicleParameters& vehicle, const LateralMotion& motion) {
   const double l_f = vehicle.cog_to_front_axle_m;
   const double l_r = vehicle.cog_to_rear_axle_m;
   const double wheelbase = l_f + l_r;
@@ -27,10 +29,10 @@ LateralState solveLateralDynamics(const VehicleParameters& vehicle, const Latera
   state.force_front_n = (l_r * lateral_force + yaw_moment) / wheelbase;
   state.force_rear_n = (l_f * lateral_force - yaw_moment) / wheelbase;
 
-  const double floor = limits.standstill_speed_mps;
-  const double max_curvature = std::tan(limits.max_steering_angle_rad) / wheelbase;
+  const double max_curvature = std::tan(kMaxSteeringAngle_rad) / wheelbase;
   const double curvature =
-      std::clamp(motion.yaw_rate_rad_s * v_x / std::max(v_x * v_x, floor * floor), -max_curvature, max_curvature);
+      std::clamp(motion.yaw_rate_rad_s * v_x / std::max(v_x * v_x, kStandstill_mps * kStandstill_mps), -max_curvature,
+                 max_curvature);
 
   const double beta_kinematic = std::atan(l_r * curvature);
   const double delta_kinematic = std::atan(wheelbase * curvature);
@@ -41,7 +43,7 @@ LateralState solveLateralDynamics(const VehicleParameters& vehicle, const Latera
   const double delta_dynamic =
       beta_dynamic + l_f * curvature + rolling * state.force_front_n / vehicle.cornering_stiffness_front_n_per_rad;
 
-  const double dynamic_ratio = smoothStep((std::abs(v_x) - limits.min_speed_mps) / limits.min_speed_mps);
+  const double dynamic_ratio = smoothStep((std::abs(v_x) - kMinSpeed_mps) / kMinSpeed_mps);
   state.beta_rad = beta_kinematic + dynamic_ratio * (beta_dynamic - beta_kinematic);
   state.delta_rad = delta_kinematic + dynamic_ratio * (delta_dynamic - delta_kinematic);
   return state;

@@ -5,7 +5,7 @@
 //   l_f F_yf - l_r F_yr = I_z psi''           F_yr = C_r (-beta + l_r psi' / v_x)
 //
 // Four linear equations, four unknowns. In reverse the tyre forces change sign with the direction of rolling (beta and
-// delta stay v_y / v_x and the wheel's angle). Below `min_speed_mps` the slip equations are replaced by their kinematic
+// delta stay v_y / v_x and the wheel's angle). Below 1 m/s the slip equations are replaced by their kinematic
 // limit tan(beta) = l_r psi' / v_x, tan(delta) = (l_f + l_r) psi' / v_x; the two blend smoothly up to twice that speed.
 // Path curvature psi' / v_x is limited to what the steering allows and goes to zero at standstill.
 // Never fails for finite inputs. Cost: two arctangents.
@@ -22,11 +22,8 @@ struct LateralMotion {
   double yaw_acceleration_rad_s2 = 0.0;  ///< psi''
 };
 
-struct LateralLimits {
-  double min_speed_mps = 1.0;           ///< below: kinematic bicycle
-  double standstill_speed_mps = 0.05;   ///< below: the curvature goes to zero
-  double max_steering_angle_rad = 0.7;  ///< limits the curvature
-};
+/// Limits the curvature: a car's steering lock.
+inline constexpr double kMaxSteeringAngle_rad = 0.7;
 
 struct LateralState {
   double beta_rad = 0.0;
@@ -35,7 +32,6 @@ struct LateralState {
   double force_rear_n = 0.0;
 };
 
-LateralState solveLateralDynamics(const VehicleParameters& vehicle, const LateralMotion& motion,
-                                  const LateralLimits& limits);
+LateralState solveLateralDynamics(const VehicleParameters& vehicle, const LateralMotion& motion);
 
 }  // namespace fail_aware

@@ -23,14 +23,9 @@ void MotionHistory::Params::validate() const {
   requireParameter(window_sweeps >= 1 && window_sweeps <= 100, "window_sweeps", window_sweeps, "in [1, 100]");
   requireParameter(acceleration_window_sweeps >= 2 && acceleration_window_sweeps <= 100, "acceleration_window_sweeps",
                    acceleration_window_sweeps, "in [2, 100]");
-  requirePositive("min_interval_s", min_interval_s);
-  requirePositive("max_age_s", max_age_s);
-  requireNotNegative("max_acceleration_mps2", max_acceleration_mps2);
-  requireNotNegative("max_angular_acceleration_rad_s2", max_angular_acceleration_rad_s2);
 }
 
 MotionHistory::MotionHistory(const Params& params) : params_(params) {
-  params_.validate();
   ring_.resize(static_cast<std::size_t>(std::max(params_.window_sweeps, params_.acceleration_window_sweeps)) + 1);
 }
 
@@ -38,11 +33,11 @@ const MotionHistory::Sample& MotionHistory::fromNewest(std::size_t age) const {
   return ring_[(next_ + ring_.size() - 1 - age) % ring_.size()];
 }
 
-bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
-  if (!std::isfinite(stamp_s) || !isFinite(T_odom_cog)) return false;
+void MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
+  if (!std::isfinite(stamp_s) || !isFinite(T_odom_cog)) return;
   if (size_ > 0) {
     const double since_newest = secondsBetween(fromNewest(0).stamp_s, stamp_s);
-    if (since_newest <= 0.0) return false;
+    if (since_newest <= 0.0) return;
     if (since_newest < params_.min_interval_s) {
       next_ = (next_ + ring_.size() - 1) % ring_.size();
       --size_;
@@ -69,7 +64,6 @@ bool MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
   ring_[next_] = sample;
   next_ = (next_ + 1) % ring_.size();
   size_ = std::min(size_ + 1, ring_.size());
-  return true;
 }
 
 void MotionHistory::move(const Pose& T_new_old) {

@@ -64,15 +64,14 @@ class MotionHistory {
 
   explicit MotionHistory(const Params& params);
 
-  /// Returns false and changes nothing if the stamp is not after the newest one or a value is not finite.
-  bool push(double stamp_s, const Pose& T_odom_cog);
+  /// Changes nothing if the stamp is not after the newest one or a value is not finite.
+  void push(double stamp_s, const Pose& T_odom_cog);
 
   MotionDerivatives derivatives() const;
 
   /// Moves the history to another odom: every pose becomes T_new_old * pose.
   void move(const Pose& T_new_old);
 
-  std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
 
  private:

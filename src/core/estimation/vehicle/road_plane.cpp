@@ -4,10 +4,15 @@
 #include <cmath>
 
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
+
+namespace {
+
+constexpr double kMemory_s = 0.5;  // of the road's slope: about one oscillation of the suspension
+
+}  // namespace
 
 Eigen::Vector2d RoadPlane::rollPitch(double yaw_rad, double ahead_s) const {
   // R = Rz(yaw) Ry(pitch) Rx(roll) takes e_z to the plane's normal; in axes along the heading this normal is
@@ -28,21 +33,14 @@ Eigen::Vector2d restingRollPitch(const SuspensionAxis& roll_axis, const Suspensi
   return {restingAngle(roll_axis, lateral_mps2), restingAngle(pitch_axis, -longitudinal_mps2)};
 }
 
-void RoadPlaneEstimator::Params::validate() const { requirePositive("time_constant_s", time_constant_s); }
-
-RoadPlaneEstimator::RoadPlaneEstimator(const VehicleParameters& vehicle, const Params& params)
-    : params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {
-  params_.validate();
-}
-
-bool RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion) {
-  if (!std::isfinite(stamp_s) || !state.allFinite()) return false;
-  if (plane_.valid && stamp_s <= stamp_s_) return false;
+void RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion) {
+  if (!std::isfinite(stamp_s) || !state.allFinite()) return;
+  if (plane_.valid && stamp_s <= stamp_s_) return;
 
   const Eigen::Vector2d resting = restingRollPitch(roll_axis_, pitch_axis_, motion);
   const Eigen::Vector3d normal =
       rotationFromRpy(state[3] - resting[0], state[4] - resting[1], state[5]) * Eigen::Vector3d::UnitZ();
-  if (!(normal.z() > 0.5)) return false;
+  if (!(normal.z() > 0.5)) return;
   const Eigen::Vector2d observed = -normal.head<2>() / normal.z();
 
   if (!plane_.valid) {
@@ -50,14 +48,13 @@ bool RoadPlaneEstimator::update(double stamp_s, const Vector6d& state, const Mot
     plane_.slope = observed;
   } else {
     const double dt_s = secondsBetween(stamp_s_, stamp_s);
-    const double memory = std::exp(-dt_s / params_.time_constant_s);
+    const double memory = std::exp(-dt_s / kMemory_s);
     plane_.slope += dt_s * plane_.slope_rate_per_s;
     const Eigen::Vector2d surprise = observed - plane_.slope;
     plane_.slope += (1.0 - memory * memory) * surprise;
     plane_.slope_rate_per_s += (1.0 - memory) * (1.0 - memory) / dt_s * surprise;
   }
   stamp_s_ = stamp_s;
-  return true;
 }
 
 void RoadPlaneEstimator::turn(const Eigen::Matrix3d& R_new_old) {

@@ -5,7 +5,7 @@
 // Each estimate's attitude, minus the suspension's resting angles under the current accelerations, is one observation
 // of the plane; slope and its rate of change follow with a fading memory (critically damped, any interval between
 // stamps). Failure: an observation that is not finite, or steeper than 60 degrees, or whose stamp does not advance, is
-// ignored (update returns false). Cost: < 1 us, no allocation.
+// ignored. Cost: < 1 us, no allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -33,16 +33,11 @@ Eigen::Vector2d restingRollPitch(const SuspensionAxis& roll_axis, const Suspensi
 
 class RoadPlaneEstimator {
  public:
-  struct Params {
-    /// memory of the road slope's estimate: about one oscillation of the suspension
-    double time_constant_s = 0.5;
-    void validate() const;
-  };
-
-  RoadPlaneEstimator(const VehicleParameters& vehicle, const Params& params);
+  explicit RoadPlaneEstimator(const VehicleParameters& vehicle)
+      : pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {}
 
   /// `state`: the estimate at stamp_s; `motion`: the derivatives there.
-  bool update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion);
+  void update(double stamp_s, const Vector6d& state, const MotionDerivatives& motion);
 
   const RoadPlane& plane() const { return plane_; }
   /// Turns the plane with an odom that is turned by R_new_old.
@@ -50,7 +45,6 @@ class RoadPlaneEstimator {
   void clear();
 
  private:
-  Params params_;
   SuspensionAxis pitch_axis_;
   SuspensionAxis roll_axis_;
   RoadPlane plane_;

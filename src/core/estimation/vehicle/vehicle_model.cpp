@@ -29,13 +29,6 @@ double meanSpeed(double speed, double acceleration, double dt_s) {
 }  // namespace
 
 void VehicleModel::Params::validate() const {
-  requirePositive("min_speed_mps", min_speed_mps);
-  requirePositive("standstill_speed_mps", standstill_speed_mps);
-  requireParameter(standstill_speed_mps <= min_speed_mps, "standstill_speed_mps", standstill_speed_mps,
-                   "<= min_speed_mps");
-  requireWithin("max_steering_angle_rad", max_steering_angle_rad, 0.01, 1.5);
-  requireWithin("suspension_gain", suspension_gain, 0.0, 1.0);
-  requireNotNegative("lateral_trust_mps", lateral_trust_mps);
   requirePositive("sigma_x_m", sigma_x_m);
   requirePositive("sigma_y_m", sigma_y_m);
   requirePositive("sigma_z_m", sigma_z_m);
@@ -45,10 +38,7 @@ void VehicleModel::Params::validate() const {
 }
 
 VehicleModel::VehicleModel(const VehicleParameters& vehicle, const Params& params)
-    : vehicle_(vehicle), params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {
-  vehicle_.validate();
-  params_.validate();
-}
+    : vehicle_(vehicle), params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {}
 
 Matrix6d VehicleModel::processNoise(double dt_s, double yaw_rad) const {
   Vector6d sigma;
@@ -65,10 +55,8 @@ Matrix6d VehicleModel::processNoise(double dt_s, double yaw_rad) const {
 }
 
 LateralState VehicleModel::lateralState(const MotionDerivatives& motion) const {
-  return solveLateralDynamics(vehicle_,
-                              {motion.velocity_body_mps.x(), motion.acceleration_body_mps2.y(),
-                               motion.rpy_rates_rad_s.z(), motion.rpy_accelerations_rad_s2.z()},
-                              {params_.min_speed_mps, params_.standstill_speed_mps, params_.max_steering_angle_rad});
+  return solveLateralDynamics(vehicle_, {motion.velocity_body_mps.x(), motion.acceleration_body_mps2.y(),
+                                         motion.rpy_rates_rad_s.z(), motion.rpy_accelerations_rad_s2.z()});
 }
 
 Vector6d VehicleModel::predict(const Vector6d& state, const MotionDerivatives& motion, double dt_s,
@@ -143,7 +131,7 @@ Eigen::Vector2d VehicleModel::rollPitchAfter(const Vector6d& state, const Motion
   const Eigen::Vector2d before = state.segment<2>(3);
   const Eigen::Vector2d rates = motion.rpy_rates_rad_s.head<2>();
   Eigen::Vector2d at_constant_rates = before + rates * dt_s;
-  if (!road.valid || params_.suspension_gain <= 0.0) return at_constant_rates;
+  if (!road.valid) return at_constant_rates;
 
   const Eigen::Vector2d road_before = road.rollPitch(state[5]);
   const Eigen::Vector2d road_after = road.rollPitch(yaw_after_rad, dt_s);

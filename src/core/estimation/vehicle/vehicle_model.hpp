@@ -34,10 +34,6 @@ class VehicleModel {
   struct Params {
     bool six_dof = true;
     bool literal = false;
-    double min_speed_mps = LateralLimits().min_speed_mps;  ///< below: kinematic bicycle (lateral_dynamics.hpp)
-    double standstill_speed_mps = LateralLimits().standstill_speed_mps;  ///< below: the curvature goes to zero
-    /// limits the curvature: a car's steering lock
-    double max_steering_angle_rad = LateralLimits().max_steering_angle_rad;
     /// 0: constant pitch and roll rates, 1: the full suspension; half, since a vehicle's constants are never exact
     double suspension_gain = 0.5;
     double lateral_trust_mps = 0.2;  ///< 0: measured v_y only

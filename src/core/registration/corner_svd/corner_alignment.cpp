@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rigid_alignment.hpp"
@@ -49,18 +50,10 @@ double residual(const PlanarMotion& motion, const Corner& corner, const Corner& 
 
 void CornerAlignment::Params::validate() const {
   requirePositive("association_distance_m", association_distance_m);
-  requireWithin("max_normal_difference_deg", max_normal_difference_deg, 0.1, 45.0);
   requireWithin("min_corners", min_corners, 2, 1000);
   requirePositive("max_residual_m", max_residual_m);
   requirePositive("min_baseline_m", min_baseline_m);
-  requirePositive("min_sigma_m", min_sigma_m);
-  requirePositive("min_direction_sigma_deg", min_direction_sigma_deg);
-  requireWithin("points_per_independent_sample", points_per_independent_sample, 1, 1000000);
-  requireWithin("unobserved_inflation", unobserved_inflation, 1.0, 1e9);
-  requireWithin("good_corners", good_corners, 1, 1000);
 }
-
-CornerAlignment::CornerAlignment(const Params& params) : params_(params) { params_.validate(); }
 
 Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
                                    const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
@@ -98,14 +91,14 @@ Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const
       weights.push_back(1.0 / pair.variance_m2);
     }
   }
-  const RigidAlignment alignment = alignRigid(source, target, weights);
-  if (!alignment.ok()) return measurement;
-  const bool mirrored = alignment.T_target_source.linear()(2, 2) < 0.0;  // turned over: in the plane a mirror image
+  const std::optional<Pose> T_reference_corner = alignRigid(source, target, weights);
+  if (!T_reference_corner) return measurement;
+  const bool mirrored = T_reference_corner->linear()(2, 2) < 0.0;  // turned over: in the plane a mirror image
   if (mirrored) return measurement;
   Measurement aligned = measurement;
   aligned.status = MeasurementStatus::kOk;
-  aligned.T_odom_cog = orthonormalized(alignment.T_target_source * T_odom_cog_predicted);
-  setCovariance(pairs, alignment.T_target_source, predicted_covariance, aligned);
+  aligned.T_odom_cog = orthonormalized(*T_reference_corner * T_odom_cog_predicted);
+  setCovariance(pairs, *T_reference_corner, predicted_covariance, aligned);
   return isFinite(aligned.T_odom_cog) && aligned.covariance.allFinite() ? aligned : measurement;
 }
 

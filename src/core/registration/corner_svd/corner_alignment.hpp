@@ -55,7 +55,7 @@ class CornerAlignment {
     void validate() const;
   };
 
-  explicit CornerAlignment(const Params& params);
+  explicit CornerAlignment(const Params& params) : params_(params) {}
 
   Measurement align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
                     const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;

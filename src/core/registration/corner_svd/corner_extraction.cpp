@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -16,13 +17,8 @@ namespace fail_aware {
 namespace {
 
 constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
-constexpr float kMaxHeight = 1000.0F;  // m; greater heights are not valid measurements
-
-int countBits(std::uint64_t bits) {
-  int count = 0;
-  for (; bits != 0; bits &= bits - 1) ++count;
-  return count;
-}
+constexpr float kMaxHeight = 1000.0F;       // m; greater heights are not valid measurements
+constexpr double kSyntheticHeight_m = 0.0;  // of M, above the frame's origin: a convention, see corner.hpp
 
 float verticalExtent(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3f& up) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
@@ -81,32 +77,19 @@ std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distan
 }  // namespace
 
 void CornerExtractor::Params::validate() const {
-  requireWithin("cell_m", cell_m, 0.01, 10.0);
-  requireNotNegative("min_range_m", min_range_m);
   requireParameter(std::isfinite(max_range_m) && max_range_m > min_range_m, "max_range_m", max_range_m,
                    "finite and > min_range_m");
   requireAtMost("max_range_m", max_range_m, 1000.0);
   requireParameter(max_range_m / cell_m <= 5000.0, "cell_m", cell_m, ">= max_range_m / 5000");
   requireParameter(min_beams_per_cell >= 1 && min_beams_per_cell <= 64, "min_beams_per_cell", min_beams_per_cell,
                    "in [1, 64]");
-  requireWithin("height_step_m", height_step_m, 0.001, 100.0);
-  requireWithin("dbscan_eps_m", dbscan_eps_m, 0.001, 100.0);
-  requireWithin("dbscan_min_points", dbscan_min_points, 1, 1000000);
-  requireWithin("min_cluster_points", min_cluster_points, 1, 1000000);
   requireWithin("max_planes_per_cluster", max_planes_per_cluster, 2, 100);
   requirePositive("max_corner_gap_m", max_corner_gap_m);
   requireWithin("min_points_near_corner", min_points_near_corner, 0, 1000000);
   requireNotNegative("min_plane_height_m", min_plane_height_m);
-  requireWithin("min_angle_deg", min_angle_deg, 1.0, 90.0);
-  requireWithin("max_angle_deg", max_angle_deg, 90.0, 179.0);
-  requireNotNegative("min_corner_distance_m", min_corner_distance_m);
-  requireWithin("synthetic_height_m", synthetic_height_m, -100.0, 100.0);
-  requireParameter(seed >= 0, "seed", seed, ">= 0");
-  ransac.validate();
 }
 
 CornerExtractor::CornerExtractor(const Params& params) : params_(params) {
-  params_.validate();
   grid_width_ = 2 * (static_cast<int>(params_.max_range_m / params_.cell_m) + 2);  // one spare cell for rounding
   grid_.assign(static_cast<std::size_t>(grid_width_) * static_cast<std::size_t>(grid_width_), 0);
 }
@@ -156,7 +139,8 @@ void CornerExtractor::keepVerticalPoints(const Points& points) {
   // From here a grid cell holds 0 or the index of the kept cell + 1.
   std::uint32_t kept_cells = 0;
   for (const std::uint32_t cell : touched_) {
-    grid_[cell] = countBits(grid_[cell]) >= params_.min_beams_per_cell ? ++kept_cells : 0;
+    grid_[cell] =
+        static_cast<int>(std::bitset<64>(grid_[cell]).count()) >= params_.min_beams_per_cell ? ++kept_cells : 0;
   }
   kept_begin_.assign(kept_cells + 2, 0);  // for now, the point count of kept cell k is at k + 2
   for (std::uint32_t& cell : cell_of_point_) {
@@ -249,7 +233,7 @@ bool CornerExtractor::makeCorner(const Plane& a, const Plane& b, const Eigen::Ma
   if (direction.dot(up) < std::cos(params_.ransac.max_tilt_deg * kDegree)) return false;
   Eigen::Matrix3d planes;
   planes << a.normal.transpose(), b.normal.transpose(), up.transpose();
-  corner.M = planes.inverse() * Eigen::Vector3d(-a.d_m, -b.d_m, params_.synthetic_height_m);
+  corner.M = planes.inverse() * Eigen::Vector3d(-a.d_m, -b.d_m, kSyntheticHeight_m);
   if (!corner.M.allFinite() || corner.M.norm() > params_.max_range_m) return false;
   for (const Plane* plane : {&a, &b}) {
     if (params_.min_points_near_corner == 0) break;

@@ -50,8 +50,7 @@ class CornerExtractor {
     double max_angle_deg = 135.0;     ///< largest angle between two planes: paper
     /// of two corners nearer than this, the one with more points is kept: matching could not tell them apart
     double min_corner_distance_m = 1.0;
-    double synthetic_height_m = 0.0;  ///< of M, above the frame's origin: a convention, see corner.hpp
-    int seed = 1;                     ///< seed of the random numbers: any constant, so that runs repeat
+    int seed = 1;  ///< seed of the random numbers: any constant, so that runs repeat
     RansacPlane::Params ransac;
 
     template <class Self, class Visitor>

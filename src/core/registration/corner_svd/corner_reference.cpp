@@ -27,14 +27,7 @@ Corner blended(const Corner& corner, const Corner& seen, double share) {
 
 }  // namespace
 
-void CornerReference::Params::validate() const {
-  requireWithin("sweeps", sweeps, 1, 1000000);
-  requirePositive("merge_distance_m", merge_distance_m);
-  requireWithin("max_normal_difference_deg", max_normal_difference_deg, 0.1, 45.0);
-  requireWithin("max_range_m", max_range_m, 0.1, 1000.0);
-}
-
-CornerReference::CornerReference(const Params& params) : params_(params) { params_.validate(); }
+void CornerReference::Params::validate() const { requireWithin("sweeps", sweeps, 1, 1000000); }
 
 void CornerReference::clear() {
   corners_odom_.clear();

@@ -31,7 +31,7 @@ class CornerReference {
     void validate() const;
   };
 
-  explicit CornerReference(const Params& params);
+  explicit CornerReference(const Params& params) : params_(params) {}
 
   /// Adds a sweep's corners at the estimated pose. Ignores an estimate that is not finite.
   void update(const std::vector<Corner>& corners_cog, const Pose& T_odom_cog);

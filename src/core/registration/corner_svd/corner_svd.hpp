@@ -30,7 +30,7 @@ class CornerSvd {
   /// In place of place(): the estimate of a sweep that was not measured here.
   void skip(const FilterState& state);
   void reset();
-  /// Valid from the next sweep; the reference stays. Throws ParameterError.
+  /// Valid from the next sweep; the reference stays.
   void setAlignment(const CornerAlignment::Params& params) { alignment_ = CornerAlignment(params); }
 
   const std::vector<Corner>& cornersCog() const { return corners_cog_; }

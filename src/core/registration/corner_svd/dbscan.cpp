@@ -232,9 +232,6 @@ class Clusters {
 
 std::vector<int> dbscan2d(const std::vector<Eigen::Vector2f>& points_xy, double eps_m, int min_points,
                           const std::vector<int>& weights) {
-  if (!(std::isfinite(eps_m) && eps_m > 0.0) || (!weights.empty() && weights.size() != points_xy.size())) {
-    return std::vector<int>(points_xy.size(), kNoise);
-  }
   Grid grid(points_xy, eps_m, weights);
   return Clusters(grid, eps_m, min_points).labels(points_xy.size());
 }

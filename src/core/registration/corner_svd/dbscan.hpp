@@ -12,9 +12,8 @@
 
 namespace fail_aware {
 
-/// Returns a label per point, -1 = noise. Points in m; points that are not finite (or beyond 1e8 eps) are noise. A bad
-/// parameter (eps_m not > 0) makes everything noise. `weights`: empty, or the number of points that each point
-/// represents (a cell's mean with its count).
+/// Returns a label per point, -1 = noise. Points in m; points that are not finite (or beyond 1e8 eps) are noise.
+/// eps_m > 0. `weights`: empty, or the number of points that each point represents (a cell's mean with its count).
 std::vector<int> dbscan2d(const std::vector<Eigen::Vector2f>& points_xy, double eps_m, int min_points,
                           const std::vector<int>& weights = {});
 

@@ -85,16 +85,7 @@ double fitPlane(const std::vector<Eigen::Vector3f>& points, const std::vector<in
 
 }  // namespace
 
-void RansacPlane::Params::validate() const {
-  requireWithin("iterations", iterations, 1, 100000);
-  requireWithin("confidence", confidence, 0.0, 1.0 - 1e-12);
-  requirePositive("inlier_distance_m", inlier_distance_m);
-  requirePositive("sample_ratio", sample_ratio);
-  requireWithin("sample_ratio", sample_ratio, 0.0, 1.0);
-  requireWithin("max_sample_points", max_sample_points, 10, 1000000);
-  requireWithin("min_inliers", min_inliers, 3, 1000000);
-  requireWithin("max_tilt_deg", max_tilt_deg, 0.0, 90.0);
-}
+void RansacPlane::Params::validate() const { requireWithin("max_sample_points", max_sample_points, 10, 1000000); }
 
 RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& up,
                         const RansacPlane::Params& params, std::uint32_t seed) {

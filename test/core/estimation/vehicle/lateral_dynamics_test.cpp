@@ -41,7 +41,7 @@ TEST(LateralDynamics, RecoversBetaAndDeltaOfASimulatedBicycle) {
     double largest_beta = 0.0;
     for (int i = 0; i < 4000; ++i) {
       const double delta = 0.05 * std::sin(2.0 * M_PI * 0.5 * i * 1e-3);
-      const LateralState state = solveLateralDynamics(bicycle.vehicle, bicycle.motion(delta), LateralLimits());
+      const LateralState state = solveLateralDynamics(bicycle.vehicle, bicycle.motion(delta));
       ASSERT_NEAR(state.beta_rad, bicycle.v_y / bicycle.v_x, 1e-12);
       ASSERT_NEAR(state.delta_rad, delta, 1e-12);
       largest_beta = std::max(largest_beta, std::abs(state.beta_rad));
@@ -56,14 +56,14 @@ TEST(LateralDynamics, RecoversThemInReverse) {
   bicycle.v_x = -3.0;
   bicycle.v_y = 0.2;
   bicycle.yaw_rate = -0.3;
-  const LateralState state = solveLateralDynamics(bicycle.vehicle, bicycle.motion(0.2), LateralLimits());
+  const LateralState state = solveLateralDynamics(bicycle.vehicle, bicycle.motion(0.2));
   EXPECT_NEAR(state.beta_rad, 0.2 / -3.0, 1e-12);
   EXPECT_NEAR(state.delta_rad, 0.2, 1e-12);
 }
 
 TEST(LateralDynamics, AxleForcesBalanceForceAndMoment) {
   const VehicleParameters vehicle;
-  const LateralState state = solveLateralDynamics(vehicle, {15.0, 0.7, 0.2, -0.4}, LateralLimits());
+  const LateralState state = solveLateralDynamics(vehicle, {15.0, 0.7, 0.2, -0.4});
   EXPECT_NEAR(state.force_front_n + state.force_rear_n, 1750.0 * (0.7 + 3.0), 1e-9);
   EXPECT_NEAR(1.07 * state.force_front_n - 1.6 * state.force_rear_n, 2875.0 * -0.4, 1e-9);
 }
@@ -71,7 +71,7 @@ TEST(LateralDynamics, AxleForcesBalanceForceAndMoment) {
 TEST(LateralDynamics, BelowTheMinimumSpeedItIsKinematic) {
   const VehicleParameters vehicle;
   for (const double v_x : {0.5, -0.5}) {
-    const LateralState state = solveLateralDynamics(vehicle, {v_x, 0.3, 0.1, 0.5}, LateralLimits());
+    const LateralState state = solveLateralDynamics(vehicle, {v_x, 0.3, 0.1, 0.5});
     EXPECT_NEAR(std::tan(state.beta_rad), 1.6 * 0.1 / v_x, 1e-12);
     EXPECT_NEAR(std::tan(state.delta_rad), 2.67 * 0.1 / v_x, 1e-12);
   }
@@ -79,9 +79,9 @@ TEST(LateralDynamics, BelowTheMinimumSpeedItIsKinematic) {
 
 TEST(LateralDynamics, ContinuousOverTheWholeRangeOfSpeeds) {
   const VehicleParameters vehicle;
-  LateralState before = solveLateralDynamics(vehicle, {-3.0, 0.5, 0.2, 0.3}, LateralLimits());
+  LateralState before = solveLateralDynamics(vehicle, {-3.0, 0.5, 0.2, 0.3});
   for (double v_x = -3.0; v_x <= 3.0; v_x += 1e-5) {
-    const LateralState state = solveLateralDynamics(vehicle, {v_x, 0.5, 0.2, 0.3}, LateralLimits());
+    const LateralState state = solveLateralDynamics(vehicle, {v_x, 0.5, 0.2, 0.3});
     ASSERT_LT(std::abs(state.beta_rad - before.beta_rad), 0.003) << v_x;
     ASSERT_LT(std::abs(state.delta_rad - before.delta_rad), 0.003) << v_x;
     before = state;
@@ -90,12 +90,11 @@ TEST(LateralDynamics, ContinuousOverTheWholeRangeOfSpeeds) {
 
 TEST(LateralDynamics, StandstillAndNoiseStayWithinTheSteeringLimit) {
   const VehicleParameters vehicle;
-  const LateralLimits limits;
-  EXPECT_EQ(solveLateralDynamics(vehicle, {0.0, 0.0, 1.0, 0.0}, limits).beta_rad, 0.0);
+  EXPECT_EQ(solveLateralDynamics(vehicle, {0.0, 0.0, 1.0, 0.0}).beta_rad, 0.0);
   for (const double v_x : {-0.2, -0.01, 1e-9, 0.01, 0.2}) {
-    const LateralState state = solveLateralDynamics(vehicle, {v_x, 2.0, 3.0, 5.0}, limits);
-    EXPECT_LE(std::abs(state.delta_rad), limits.max_steering_angle_rad + 1e-12);
-    EXPECT_LE(std::abs(state.beta_rad), limits.max_steering_angle_rad);
+    const LateralState state = solveLateralDynamics(vehicle, {v_x, 2.0, 3.0, 5.0});
+    EXPECT_LE(std::abs(state.delta_rad), kMaxSteeringAngle_rad + 1e-12);
+    EXPECT_LE(std::abs(state.beta_rad), kMaxSteeringAngle_rad);
   }
 }
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
@@ -134,9 +133,7 @@ TEST(MotionHistory, AbsurdAccelerationsAreCut) {
 TEST(MotionHistory, APoseTooCloseReplacesItsPredecessor) {
   MotionHistory history{MotionHistory::Params()};
   for (int i = 0; i < 8; ++i) history.push(0.1 * i, pose(1.0 * i, 0.0, 0.0, 0.0, 0.0, 0.0));
-  const std::size_t full = history.size();
-  EXPECT_TRUE(history.push(0.701, pose(7.02, 0.0, 0.0, 0.0, 0.0, 0.0)));
-  EXPECT_EQ(history.size(), full);
+  history.push(0.701, pose(7.02, 0.0, 0.0, 0.0, 0.0, 0.0));
   EXPECT_NEAR(history.derivatives().velocity_body_mps.x(), 10.0, 0.2);
 }
 
@@ -151,17 +148,22 @@ TEST(MotionHistory, AfterAGapOldIntervalsCountNoMore) {
 
 TEST(MotionHistory, RefusesWhatItCannotUse) {
   MotionHistory history{MotionHistory::Params()};
-  EXPECT_TRUE(history.push(1.0, Pose::Identity()));
-  EXPECT_FALSE(history.push(1.0, Pose::Identity()));
-  EXPECT_FALSE(history.push(0.5, Pose::Identity()));
-  EXPECT_FALSE(history.push(std::numeric_limits<double>::quiet_NaN(), Pose::Identity()));
+  const Pose other = pose(5.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+  history.push(1.0, Pose::Identity());
+  history.push(1.0, other);
+  history.push(0.5, other);
+  history.push(std::numeric_limits<double>::quiet_NaN(), other);
   Pose broken = Pose::Identity();
   broken.translation().x() = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(history.push(1.1, broken));
-  EXPECT_EQ(history.size(), 1u);
+  history.push(1.1, broken);
+  EXPECT_FALSE(history.derivatives().valid) << "of one pose alone";
+  history.push(1.1, pose(1.0, 0.0, 0.0, 0.0, 0.0, 0.0));
+  EXPECT_NEAR(history.derivatives().velocity_body_mps.x(), 10.0, 1e-9) << "from the pose at 1 s";
   history.clear();
-  EXPECT_EQ(history.size(), 0u);
-  EXPECT_TRUE(history.push(0.5, Pose::Identity()));
+  EXPECT_FALSE(history.derivatives().valid);
+  history.push(0.5, Pose::Identity());
+  history.push(0.6, pose(2.0, 0.0, 0.0, 0.0, 0.0, 0.0));
+  EXPECT_NEAR(history.derivatives().velocity_body_mps.x(), 20.0, 1e-9);
 }
 
 TEST(MotionHistory, ValidatesItsParameters) {
@@ -170,9 +172,6 @@ TEST(MotionHistory, ValidatesItsParameters) {
   EXPECT_THROW(params.validate(), ParameterError);
   params = MotionHistory::Params();
   params.acceleration_window_sweeps = 1;
-  EXPECT_THROW(MotionHistory{params}, ParameterError);
-  params = MotionHistory::Params();
-  params.max_age_s = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(params.validate(), ParameterError);
 }
 
@@ -183,7 +182,6 @@ TEST(MotionHistory, InAnotherOdomTheMotionIsTheSame) {
   for (int i = 0; i < 6; ++i) history.push(5.0 + 0.1 * i, expSe3(0.1 * i * (1.0 + 0.02 * i) * twist));
   const MotionDerivatives before = history.derivatives();
   history.move(poseFromVector((Vector6d() << 50.0, -3.0, 1.0, 0.0, 0.0, 3.0).finished()));
-  EXPECT_EQ(history.size(), 5u);
   const MotionDerivatives after = history.derivatives();
   EXPECT_TRUE(after.valid);
   EXPECT_LT((after.velocity_body_mps - before.velocity_body_mps).norm(), 1e-9);

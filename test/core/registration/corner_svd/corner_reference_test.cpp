@@ -97,7 +97,7 @@ TEST(CornerReference, AnEstimateThatIsNoNumberIsPassedOver) {
   EXPECT_TRUE(reference.corners().empty());
 }
 
-TEST(CornerReference, BadParametersThrow) { EXPECT_THROW(CornerReference{keeping(0)}, ParameterError); }
+TEST(CornerReference, BadParametersThrow) { EXPECT_THROW(keeping(0).validate(), ParameterError); }
 
 }  // namespace
 }  // namespace fail_aware::corner_reference_test

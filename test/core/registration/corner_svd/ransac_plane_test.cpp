@@ -133,12 +133,12 @@ TEST(RansacPlane, NoPlaneInTooFewPointsNorInAPole) {
 
 TEST(RansacPlane, BadParametersAreNamed) {
   RansacPlane::Params params;
-  params.sample_ratio = 1.5;
+  params.max_sample_points = 9;
   try {
     params.validate();
     FAIL();
   } catch (const ParameterError& error) {
-    EXPECT_NE(std::string(error.what()).find("sample_ratio"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("max_sample_points"), std::string::npos);
   }
 }
 
