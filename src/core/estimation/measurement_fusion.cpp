@@ -60,7 +60,7 @@ std::optional<Candidate> makeCandidate(std::size_t index, const FusionInput& inp
   if (!candidate.z.allFinite() || std::abs(std::cos(candidate.z[4])) < kGimbalLockCosine) return std::nullopt;
   const Matrix6d state_from_pose = inverseOf(poseFromStateJacobian(candidate.z.tail<3>()));
   const Matrix6d bounded = withBoundedVariances(symmetric(C));
-  candidate.R = symmetric(state_from_pose * bounded * state_from_pose.transpose());
+  candidate.R = symmetric(Matrix6d(state_from_pose * bounded * state_from_pose.transpose()));
   const std::optional<Matrix6d> information = inverseOfCovariance(candidate.R);
   if (!information) return std::nullopt;
   candidate.information = *information;

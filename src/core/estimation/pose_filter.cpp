@@ -57,7 +57,7 @@ FilterState stateFrom(const SweepPrediction& prediction) {
 Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, const Eigen::Matrix3d& R_new_old) {
   const Matrix6d pose_covariance = rotateCovariance(poseCovarianceFromState(P, from), R_new_old);
   const Matrix6d J_inverse = inverseOf(poseFromStateJacobian(to.tail<3>()));
-  return symmetric(J_inverse * pose_covariance * J_inverse.transpose());
+  return symmetric(Matrix6d(J_inverse * pose_covariance * J_inverse.transpose()));
 }
 
 }  // namespace

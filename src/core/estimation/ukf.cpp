@@ -22,8 +22,8 @@ Matrix6d floored(const Matrix6d& C, double min_variance) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(S);
   const double floor = std::max(min_variance, 1e-13 * eigen.eigenvalues().maxCoeff());
   if (eigen.eigenvalues().minCoeff() >= floor) return S;
-  return symmetric(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
-                   eigen.eigenvectors().transpose());
+  return symmetric(Matrix6d(eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(floor).asDiagonal() *
+                            eigen.eigenvectors().transpose()));
 }
 
 }  // namespace
