@@ -44,7 +44,8 @@ std::optional<double> etaThreshold(const std::vector<FailAwareEpisode>& episodes
     const std::size_t end = episode.failed ? episode.sweepsBeforeFailure() : episode.sweeps.size() - 1;
     values.push_back({episode.sweeps[end].output.eta, episode.failed});
   }
-  return kaplanMeierQuantile(values, failed_by);
+  const std::optional<double> threshold = kaplanMeierQuantile(values, failed_by);
+  return threshold.value_or(0.0) > 0.0 ? threshold : std::nullopt;
 }
 
 std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& episodes, double passed_by) {

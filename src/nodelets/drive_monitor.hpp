@@ -1,7 +1,7 @@
 // The fail-aware monitor (core/integrity/monitor.hpp) over several drives. A new drive restarts the monitor: a user of
 // the last drive's odometry must request start_redundant again. A request that still waits for an observed motion stays
-// valid where odom goes on from the last pose (after a jump of the stamps, not after a reset), and so does one that
-// arrived after the last filter state. With the parameter start_redundant the odometry always serves as the
+// valid where odom goes on from the last pose or from a pose that was set (after a jump of the stamps, not after a
+// reset), and so does one that arrived after the last filter state. With the parameter start_redundant the odometry always serves as the
 // localisation, and no request is needed.
 // Failure and cost: those of FailAwareMonitor.
 #pragma once
@@ -21,6 +21,7 @@ class DriveMonitor {
   MonitorOutput update(const FilterState& state, const SweepCondition& condition) {
     if (!(state.dt_s > 0.0)) beginDrive(state);
     asked_ = false;
+    odom_reset_count_ = state.odom_reset_count;
     return monitor_.update(state, condition);
   }
 
@@ -48,7 +49,8 @@ class DriveMonitor {
 
  private:
   void beginDrive(const FilterState& state) {
-    const bool serves = always_serves_ || asked_ || (monitor_.startPending() && monitor_.isWhereItWas(state));
+    const bool odom_goes_on = monitor_.isWhereItWas(state) || state.odom_reset_count != odom_reset_count_;
+    const bool serves = always_serves_ || asked_ || (monitor_.startPending() && odom_goes_on);
     monitor_ = FailAwareMonitor(params_);
     if (serves) monitor_.start();
   }
@@ -56,7 +58,8 @@ class DriveMonitor {
   MonitorParameters params_;
   bool always_serves_;
   FailAwareMonitor monitor_;
-  bool asked_ = false;  ///< requested since the last filter state
+  bool asked_ = false;        ///< requested since the last filter state
+  int odom_reset_count_ = 0;  ///< of the last filter state
 };
 
 }  // namespace fail_aware

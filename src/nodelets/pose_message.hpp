@@ -42,7 +42,7 @@ inline Measurement measurementInOdom(const messages::PoseMeasurement& message, c
   } else if (measurement.ok()) {
     reason = rotationMeasured(measurement.covariance)
                  ? unusableReason(measurement.covariance)
-                 : "the rotation's covariance is zero: give a rotation that is not measured a large one";
+                 : "the rotation's covariance is zero: give a rotation that is not measured 1e4 rad^2";
   }
   return reason.empty() ? measurement : Measurement();
 }

@@ -99,11 +99,11 @@ int run(Options options) {
     return value;
   };
   const std::vector<FailAwareEpisode> as_is = replay([](MonitorParameters&) {});
-  const std::optional<double> threshold =
-      add("monitor.indicator.threshold",
-          options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
-                                : quietEtaThreshold(as_is, options.eta_passed_by),
-          options.eta_failed_by ? "too few failures" : "every episode failed, or eta did not grow");
+  const std::optional<double> threshold = add("monitor.indicator.threshold",
+                                              options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
+                                                                    : quietEtaThreshold(as_is, options.eta_passed_by),
+                                              options.eta_failed_by ? "too few failures, or they come before eta grows"
+                                                                    : "every episode failed, or eta did not grow");
   const auto withConfidence = [&](double tried) {
     return replay([&](MonitorParameters& m) {
       m.predictor.confidence = tried;

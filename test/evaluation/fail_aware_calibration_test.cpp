@@ -35,6 +35,7 @@ TEST(FailAwareCalibration, NoFailureIsCensored) {
   EXPECT_NEAR(etaThreshold(episodes, 0.625).value(), 60e-5, 1e-12);
   EXPECT_FALSE(etaThreshold(episodes, 0.7));
   EXPECT_FALSE(etaThreshold({}, 0.1));
+  EXPECT_FALSE(etaThreshold({withEta(100, 0), withEta(100, 50)}, 0.1)) << "a failure before eta grows gives none";
 }
 
 TEST(FailAwareCalibration, QuietThresholdHasFewFalseAlarms) {

@@ -36,7 +36,8 @@ TEST(DriveMonitor, ARequestSinceTheLastStateIsForTheNewDrive) {
 }
 
 TEST(DriveMonitor, AWaitingRequestEndsWhereOdomIsMoved) {
-  for (const bool goes_on : {true, false}) {
+  enum class Odom { kGoesOn, kIsSet, kIsReset };
+  for (const Odom odom : {Odom::kGoesOn, Odom::kIsSet, Odom::kIsReset}) {
     DriveMonitor monitor(MonitorParameters(), false);
     servesAfter(monitor, 0.0);
     monitor.serve();
@@ -46,9 +47,10 @@ TEST(DriveMonitor, AWaitingRequestEndsWhereOdomIsMoved) {
     state.T_odom_cog.translation().x() = state.T_previous_now.translation().x() = 1.0;
     monitor.update(state, SweepCondition());
     state.dt_s = 0.0;
-    if (!goes_on) state.T_odom_cog = Pose::Identity();
+    if (odom != Odom::kGoesOn) state.T_odom_cog = Pose::Identity();
+    if (odom == Odom::kIsSet) ++state.odom_reset_count;
     monitor.update(state, SweepCondition());
-    EXPECT_EQ(monitor.monitor().startPending(), goes_on) << "a reset moves odom, a jump of the stamps does not";
+    EXPECT_EQ(monitor.monitor().startPending(), odom != Odom::kIsReset) << static_cast<int>(odom);
   }
 }
 

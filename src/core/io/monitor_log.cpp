@@ -22,6 +22,7 @@ struct MonitorLogTable {
     number_table::visitMatrix("covariance", s.covariance, v);
     v("sigma_yaw", s.sigma_yaw_rad);
     v("measurement_applied", s.measurement_applied);
+    v("clock_jump", s.clock_jump);
     v("started", s.started);
     v("motion_status", s.motion_status);
     number_table::visitMatrix("T_previous_now", s.T_previous_now.affine(), v);

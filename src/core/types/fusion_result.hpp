@@ -17,7 +17,7 @@ struct FusionResult {
   std::vector<double> weights;  ///< per input, 0..1 before normalisation; 0: gated out or absent
   std::vector<double> nis;      ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
   bool all_gated_out = false;   ///< there were usable measurements, but none within the gate
-  /// All were gated out, but a group that agrees with itself was used, or a measurement that contradicts the
+  /// A group that agrees was used though most of it was outside the gate, or a measurement that contradicts the
   /// prediction.
   bool prediction_overruled = false;
   bool prediction_invalid = false;  ///< predicted state or covariance is not usable

@@ -7,7 +7,7 @@ namespace fail_aware {
 
 struct PoseSet {
   bool done = false;    ///< odom was reset to the new pose
-  std::string refused;  ///< the reason for a refusal; empty: no pose was waiting, or it is done
+  std::string refused;  ///< the reason for a refusal; empty: it is done, it waits for a motion, or there was none
 };
 
 }  // namespace fail_aware
