@@ -83,8 +83,8 @@ struct MonitorOutput {
   Eigen::Matrix<double, 6, 6> covariance_since_start = Eigen::Matrix<double, 6, 6>::Zero();
   /// Bounds the horizontal error, with the predictor's confidence; 1e6: nothing does; -1: unknown.
   double protection_level_m = -1.0;
-  /// On the weakest stretch of road in view: of what the walls say of the horizontal position, the ratio along the road;
-  /// about 0.001 in a tunnel. 1: not known.
+  /// On the weakest stretch of road in view: ratio of the walls' horizontal information that is along the road; about
+  /// 0.001 in a tunnel. 1: not known.
   double min_information_ahead = 1.0;
   double information_ahead_distance_m = 0.0;                ///< to where this stretch begins
   FailAwareState standby_state = FailAwareState::kUnknown;  ///< before t1: if t1 were now

@@ -6,7 +6,7 @@
 namespace fail_aware {
 
 struct InformationAhead {
-  /// On the weakest stretch in view: of what the walls say of the horizontal position, the ratio along the road, 0..1.
+  /// On the weakest stretch in view: ratio of the walls' horizontal information that is along the road, 0..1.
   /// 1: not known.
   double ratio = 1.0;
   double distance_m = 0.0;  ///< along the path, to where the weakest stretch begins
