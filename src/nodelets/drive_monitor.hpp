@@ -1,8 +1,8 @@
 // The fail-aware monitor (core/integrity/monitor.hpp) over several drives. A new drive restarts the monitor: a user of
 // the last drive's odometry must request start_redundant again. A request that still waits for an observed motion stays
 // valid where odom goes on from the last pose or from a pose that was set (after a jump of the stamps, not after a
-// reset), and so does one that arrived after the last filter state. With the parameter start_redundant the odometry always serves as the
-// localisation, and no request is needed.
+// reset), and so does one that arrived after the last filter state. With the parameter start_redundant the odometry
+// always serves as the localisation, and no request is needed.
 // Failure and cost: those of FailAwareMonitor.
 #pragma once
 

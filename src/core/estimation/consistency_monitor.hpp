@@ -12,7 +12,7 @@
 //   judge by.
 // - The heading jumps. A vehicle does not turn that fast by itself (the sensor was hit, or the pose is wrong), so a
 //   fraction of the jump may be an error.
-// - The position jumps: measurements that agree are all outside the gate. Sources that share the map can all settle in
+// - The position jumps: most measurements that agree are outside the gate. Sources that share the map can all settle in
 //   the same wrong place, so the whole jump may be an error.
 // Cost: under 1 us a sweep.
 #pragma once
@@ -49,10 +49,9 @@ class ConsistencyMonitor {
 
   struct Sweep {
     double dt_s = 0.0;
-    double undecided_m = 0.0;   ///< FusionResult::undecided_m
-    double innovation_m = 0.0;  ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
-    double turn_rad = 0.0;      ///< rotation part of the innovation; 0 likewise
-
+    double undecided_m = 0.0;            ///< FusionResult::undecided_m
+    double innovation_m = 0.0;           ///< horizontal, of the fused measurement; 0 if the prediction is not reliable
+    double turn_rad = 0.0;               ///< rotation part of the innovation; 0 likewise
     std::optional<double> inlier_ratio;  ///< of point-to-plane; none: it did not measure
     std::size_t inliers = 0;             ///< likewise; 0: not known
     bool dead_reckoned = false;          ///< the speed before this sweep was not observed

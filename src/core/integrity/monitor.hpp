@@ -113,7 +113,7 @@ class FailAwareMonitor {
   Motion motion_;
   bool last_measured_ = false;
   std::optional<Pose> T_odom_cog_;  ///< of the last update()
-  bool error_unbounded_ = false;    ///< since t1 there was an increment that could not be added
+  bool error_unbounded_ = false;    ///< since t1 an increment could not be added, or states were lost
   bool start_pending_ = false;
 };
 
