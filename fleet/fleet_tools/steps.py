@@ -192,7 +192,8 @@ def _evaluate(run, folder, arguments):
     faults_s, (begin_s, end_s) = [], _first_and_last_stamp(run / names.TRAJECTORY_TUM)
     if (run / "faults.csv").exists():
         with open(run / "faults.csv", newline="") as file:
-            faults_s = [begin_s + float(fault[names.FAULT_START]) for fault in csv.DictReader(file)]
+            drive_begin_s = read_json(run / names.SUMMARY)["run"]["drive_begin_stamp_s"]
+            faults_s = [drive_begin_s + float(fault[names.FAULT_START]) for fault in csv.DictReader(file)]
     starts = _starts(folder, faults_s)
     return {"parameters_sha256": provenance.checksum([run / names.PARAMETERS] + arguments.parameters),
             "driven_s": end_s - begin_s,

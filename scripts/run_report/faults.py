@@ -7,7 +7,7 @@ COLUMNS = ("kind", "start_s", "duration_s")
 
 
 def read(path, begin_s):
-    """faults.csv of simulate_drive; its times count from the first sweep."""
+    """faults.csv of simulate_drive; its times count from the drive's first sweep, stamped begin_s."""
     try:
         with open(path, newline="", encoding="utf-8-sig", errors="replace") as file:
             rows = list(csv.DictReader(file))

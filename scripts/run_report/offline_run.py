@@ -127,6 +127,7 @@ def read(folder):
         values = table.numbers("ms_" + key)
         if values is not None:
             run.stage_ms[label] = values
+    run.drive_begin_s = described.get("drive_begin_stamp_s")
     _describe(run, described, table)
     run.dropped = summary.get("dropped")
     run.facts = {label: str(summary[key]) for label, key in (("profile", "profile"), ("threads", "threads"))

@@ -186,7 +186,7 @@ SweepCorrectorReport OdometryPipeline::Stages::deskew(Sweep& sweep, const SweepF
                                                       const SweepPrediction& prediction) {
   const SweepCorrectorReport report = corrector.correct(sweep, prediction, T_cog_lidar, corrected);
   corrected.stamp_s = prediction.time_s();
-  if (findings.repeats && prediction.dt_s > 0.0) corrected.clear();
+  if (isLeftOut(findings, !(prediction.dt_s > 0.0))) corrected.clear();
   return report;
 }
 

@@ -49,7 +49,8 @@ class DriveMonitor {
 
  private:
   void beginDrive(const FilterState& state) {
-    const bool odom_goes_on = monitor_.isWhereItWas(state) || state.odom_reset_count != odom_reset_count_;
+    // a pose that was set raises the count; a filter that was started anew counts from 0
+    const bool odom_goes_on = monitor_.isWhereItWas(state) || state.odom_reset_count > odom_reset_count_;
     const bool serves = always_serves_ || asked_ || (monitor_.startPending() && odom_goes_on);
     monitor_ = FailAwareMonitor(params_);
     if (serves) monitor_.start();

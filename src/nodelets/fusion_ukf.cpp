@@ -106,7 +106,8 @@ class FusionUkfNodelet : public GraphNodelet {
     switch (accepted.order) {
       case StampOrder::kAdvances: break;
       case StampOrder::kSame: return scheduler_.refuse(Cause::kDuplicate);
-      case StampOrder::kReordered: return scheduler_.refuse(Cause::kReordered);
+      case StampOrder::kReordered:
+      case StampOrder::kFarBack: return scheduler_.refuse(Cause::kReordered);
       case StampOrder::kFarAhead: return scheduler_.refuse(Cause::kFarAhead);
       case StampOrder::kJumpedBack:
       case StampOrder::kJumpedAhead: diagnosis_->jumped(since_newest_s); beginDrive();

@@ -14,11 +14,11 @@ struct FusionUkfNodeletParams {
   std::string base_frame = "base_link";
   bool publish_tf = true;                   ///< odom_frame -> base_frame
   std::string lidar_in_base_source = "tf";  ///< tf: looked up once; parameter: sensor/lidar_in_base
-  double deadline_s = 0.25;                 ///< from predicting a sweep to closing it
+  double deadline_s = 0.18;                 ///< from predicting a sweep to closing it: before the monitor calls it late
   double late_deadline_s = 0.6;             ///< from a cloud to closing its sweep, if a late source has not answered
   double first_deadline_s = 10.0;           ///< until a motion is known: for sources that are still searching it
   int queue_size = 3;                       ///< number of sweeps that may wait while one is open
-  double max_reorder_s = kMaxReorder_s;     ///< a stamp farther back than this is a time jump: a new drive begins
+  double max_reorder_s = kMaxReorder_s;     ///< two stamps in a row farther back are a time jump: a new drive begins
   int absent_after_sweeps = 3;  ///< consecutive misses, or answers after every deadline, that end the waiting
   int path_max_poses = 2000;
   double path_spacing_m = 0.5;

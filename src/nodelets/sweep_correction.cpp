@@ -69,7 +69,7 @@ class SweepCorrectionNodelet : public GraphNodelet {
     findings.time_field_refused = report.timing.guessed();
     check_publisher_.publish(messages::SweepCheckConstPtr(
         boost::make_shared<messages::SweepCheck>(toMessage(findings, sweep_.size(), cloud.header))));
-    if (findings.repeats && !task.first()) corrected_.clear();
+    if (isLeftOut(findings, task.first())) corrected_.clear();
     const auto message = boost::make_shared<sensor_msgs::PointCloud2>();
     writeCloud(corrected_, sweep_.intensities, *message);
     message->header = cloud.header;

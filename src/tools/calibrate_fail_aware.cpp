@@ -1,6 +1,7 @@
 // Fits eta's threshold and the predictor's confidences to recorded runs with ground truth: yaml on stdout or in a file.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <iostream>
 #include <iterator>
@@ -24,6 +25,7 @@ using namespace fail_aware;
 constexpr const char* kName = "calibrate_fail_aware";
 constexpr const char* kConfidence = "monitor.predictor.confidence";
 constexpr double kSmallestAlarmConfidence = 0.3;
+constexpr double kSmallestLateRatio = 0.05;
 constexpr std::size_t kMostReplays =
     25;  // as the runs are, and a dozen for each confidence: see fail_aware_calibration
 
@@ -77,6 +79,18 @@ std::vector<std::string> confidenceNotes(double late_ratio, bool fitted, const s
   return notes;
 }
 
+/// With fewer the ratio of late ones is hardly known: one failure would loosen the confidence for all drives.
+std::size_t startsNeeded(double late_ratio) {
+  return static_cast<std::size_t>(std::ceil(1.0 / std::max(late_ratio, kSmallestLateRatio)));
+}
+
+std::string fewFailures(std::size_t failed, double late_ratio) {
+  std::ostringstream text;
+  text << failed << (failed == 1 ? " start fails" : " starts fail") << "; --late " << late_ratio << " needs "
+       << startsNeeded(late_ratio) << ": give more runs that fail";
+  return text.str();
+}
+
 int run(Options options) {
   if (options.guarantee && !(options.late_ratio > 0.0)) {
     return reportError(kName, "no number of runs guarantees --late 0: give a larger ratio", kExitUsage);
@@ -99,6 +113,8 @@ int run(Options options) {
     return value;
   };
   const std::vector<FailAwareEpisode> as_is = replay([](MonitorParameters&) {});
+  const auto failed = static_cast<std::size_t>(
+      std::count_if(as_is.begin(), as_is.end(), [](const FailAwareEpisode& episode) { return episode.failed; }));
   const std::optional<double> threshold = add("monitor.indicator.threshold",
                                               options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
                                                                     : quietEtaThreshold(as_is, options.eta_passed_by),
@@ -121,6 +137,8 @@ int run(Options options) {
                          lateRiskByState(as_is, confidence ? withConfidence(*confidence) : as_is))) {
       notes.push_back(std::move(note));
     }
+  } else if (failed > 0 && failed < startsNeeded(options.late_ratio)) {
+    notes.push_back(kConfidence + std::string(" left as it is: ") + fewFailures(failed, options.late_ratio));
   } else {
     confidence = add(kConfidence, confidenceForLateRatio(withConfidence, options.late_ratio),
                      "no run fails, or only after a fault (give some that do), or predictions are late whatever it is "
@@ -151,8 +169,6 @@ int run(Options options) {
   for (const std::string& note : notes) std::cerr << kName << ": " << note << '\n';
   if (list.empty()) return reportError(kName, "nothing could be fitted: give more runs", kExitFailed);
   printAndKeep(formatYaml(list), options.output);
-  const auto failed = static_cast<std::size_t>(
-      std::count_if(as_is.begin(), as_is.end(), [](const FailAwareEpisode& episode) { return episode.failed; }));
   reportVerdict(kName,
                 std::to_string(list.size()) + " parameters fitted to " + std::to_string(as_is.size()) + " starts, " +
                     std::to_string(failed) + " of which fail",

@@ -6,8 +6,10 @@
 #include <variant>
 #include <vector>
 
+#include "core/io/input_error.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 #include "evaluation/noise_calibration.hpp"
+#include "evaluation/quantile.hpp"
 #include "fail_aware_run.hpp"
 #include "result_files.hpp"
 #include "tool_support.hpp"
@@ -24,9 +26,22 @@ struct Options {
 };
 
 constexpr double kLeastRatio = 0.1;
+constexpr double kMostError_m = 0.1, kMostErrorRatio = 0.05;  // of a sweep's motion
 
 bool isOfDrift(const std::string& key) { return key.rfind("monitor.drift.", 0) == 0; }
 bool isOfIncrement(const std::string& key) { return key.rfind("filter.increment_", 0) == 0; }
+
+/// Another drive's truth, or an odometry that was lost, would give values that no vehicle can use.
+void requireItsTruth(const FailAwareRun& run, const std::vector<IncrementSample>& increments) {
+  std::vector<double> too_large;
+  for (const IncrementSample& increment : increments) {
+    too_large.push_back(increment.error.head<2>().norm() - kMostError_m - kMostErrorRatio * increment.distance_m);
+  }
+  if (too_large.empty() || quantile(too_large, 0.5) <= 0.0) return;
+  throw InputError(run.name +
+                   ": half of its motions differ from the ground truth by more than 0.1 m: it is another drive's, or "
+                   "the odometry was lost; leave the run out");
+}
 
 /// What the drives show next to nothing of stays as it was, and is said: one drive has one bias, and shows no other.
 void keepWhatWasNotSeen(const ParameterList& given, ParameterList& fitted) {
@@ -48,7 +63,8 @@ int run(const Options& options) {
   ProgressBar progress(runs.size() + 2);  // the runs, and two fits
   progress.update(0);
   for (const FailAwareRun& run : runs) {
-    const std::vector<IncrementSample> of_run = incrementSamples(run.truth, run.log, run.params.profile.filter);
+    const std::vector<IncrementSample> of_run = incrementSamples(run.truth, run.log, run.made_with);
+    requireItsTruth(run, of_run);
     increments.insert(increments.end(), of_run.begin(), of_run.end());
     drives.push_back({run.truth, run.log});
     progress.update(drives.size());
@@ -57,7 +73,7 @@ int run(const Options& options) {
   ProfileParameters fitted = given;
   fitted.filter = fitIncrementNoise(increments, fitted.filter);
   for (std::size_t r = 0; r < runs.size(); ++r) {  // as if the runs had been made with it
-    const double rescaled = fitted.filter.increment_scale / runs[r].params.profile.filter.increment_scale;
+    const double rescaled = fitted.filter.increment_scale / runs[r].made_with.increment_scale;
     for (MonitorInput& input : drives[r].log) input.state.registration_covariance *= rescaled;
   }
   progress.update(runs.size() + 1);

@@ -71,11 +71,13 @@ void DriveResults::write() {
 }
 
 /// Facts about the run that a reader of per_sweep.csv needs.
-Json DriveResults::describeRun(long first) const {
+Json DriveResults::describeRun(const Drive& drive) const {
   const MonitorParameters& monitor = params_.profile.monitor;
   Json json;
-  json["first"] = first;
+  json["first"] = drive.first;
   json["scans"] = log_.sweeps();
+  json["drive_scans"] = drive.scans;
+  json["drive_begin_stamp_s"] = drive.begin_stamp_s;
   json["without_pose"] = log_.withoutPose();
   json["t1_stamp_s"] = t1_stamp_s_ ? Json(*t1_stamp_s_) : Json(nullptr);
   json["eta_threshold_rad"] = monitor.indicator.threshold;
@@ -88,7 +90,7 @@ Json DriveResults::describeRun(long first) const {
   return json;
 }
 
-Json DriveResults::summary(long first) const {
+Json DriveResults::summary(const Drive& drive) const {
   Json summary = log_.summary();
   summary["distance_m"] = distance_m_;
   summary["final_state"] = toString(last_.monitor.state);
@@ -96,7 +98,7 @@ Json DriveResults::summary(long first) const {
   summary["bad_scans"] = Json::array();
   for (const BadScan& bad : bad_scans_) summary["bad_scans"].push_back({{"file", bad.file}, {"reason", bad.reason}});
   summary["points_not_finite_or_zero"] = points_dropped_;
-  summary["run"] = describeRun(first);
+  summary["run"] = describeRun(drive);
   return summary;
 }
 

@@ -35,8 +35,12 @@ class DriveResults {
   /// Writes trajectories and parameters, and closes the logs. Throws std::runtime_error.
   void write();
 
-  /// `first`: index of the run's first scan in the drive.
-  Json summary(long first) const;
+  struct Drive {     ///< what the run is a part of
+    long first = 0;  ///< index of the run's first scan
+    std::size_t scans = 0;
+    double begin_stamp_s = 0.0;  ///< of the drive's first scan
+  };
+  Json summary(const Drive& drive) const;
 
   /// One line: distance, time, sweeps, dropped sweeps, the last state.
   std::string verdict() const;
@@ -45,7 +49,7 @@ class DriveResults {
   struct BadScan {
     std::string file, reason;
   };
-  Json describeRun(long first) const;
+  Json describeRun(const Drive& drive) const;
 
   std::filesystem::path folder_;
   PipelineParameters params_;

@@ -49,6 +49,8 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--episode-every", options.episodes.episode_every_s, "time between starts, s")
       ->check(positiveNumber())
       ->capture_default_str();
+  for (const char* of_runs : {"--ground-truth", "--calib", "--parameters", "--set", "--alert-limit", "--episode-every"})
+    app.get_option(of_runs)->excludes(app.get_option("--episodes"));
   app.add_option("--early", options.report.early_s, "an alarm more than this before a failure is a false one, s")
       ->check(positiveNumber())
       ->capture_default_str();
@@ -133,7 +135,7 @@ int run(Options options) {
     reports[name]["consistency"] = consistencyReport({&runs[r].samples}, episodes);
     std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
     all_samples.push_back(&runs[r].samples);
-    names.push_back(runs[r].name);
+    names.push_back(name);
     progress.update(r + 1);
   }
   if (runs.size() > 1) {

@@ -41,6 +41,20 @@ std::vector<double> readFaultBegins(const fs::path& path) {
   return begins_s;
 }
 
+/// The truth knows nothing of a pose that was set, or of a drive that began anew: the jump would count as an error.
+void requireOneDrive(const std::vector<MonitorInput>& log, const fs::path& path) {
+  for (std::size_t i = 1; i < log.size(); ++i) {
+    const std::string at = " at stamp " + std::to_string(log[i].state.stamp_s);
+    if (log[i].state.odom_reset_count != log.front().state.odom_reset_count) {
+      throw InputError(path.string() + ": a pose was set" + at + ": make the run without --set-pose");
+    }
+    if (log[i].state.stamp_s < log[i - 1].state.stamp_s) {
+      throw InputError(path.string() + ": the stamps go back" + at +
+                       ", where a new drive began: make a run of each part (offline_odometry --first, --count)");
+    }
+  }
+}
+
 FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth, const FailAwareRunOptions& options) {
   FailAwareRun run;
   fs::path path(folder);
@@ -48,13 +62,15 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   run.name = path.filename().string();
   const RunRows rows = runRows(readRunSummary(path), path / "summary.json");
   run.log = readMonitorLog((path / "monitor_log.csv").string());
+  requireOneDrive(run.log, path);
   for (const double begin_s : readFaultBegins(path / "faults.csv")) {
-    run.fault_begins_s.push_back(run.log.front().state.stamp_s + begin_s);
+    run.fault_begins_s.push_back(rows.drive_begin_stamp_s + begin_s);
   }
   const fs::path measurements = path / "measurements.csv";
   if (fs::exists(measurements)) run.measurements = readMeasurementLog(measurements.string());
   // A run made before a parameter existed behaves as with its default.
   loadYaml((path / "parameters.yaml").string(), run.params, MissingKeys::kKeep);
+  run.made_with = run.params.profile.filter;
   overrideParameters(run.params, options.parameters, options.set);
 
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);

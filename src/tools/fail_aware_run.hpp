@@ -15,8 +15,9 @@
 namespace fail_aware {
 
 struct FailAwareRun {
-  std::string name;  ///< the folder's
-  PipelineParameters params;
+  std::string name;              ///< the folder's
+  PoseFilter::Params made_with;  ///< what its increments were logged with
+  PipelineParameters params;     ///< with the changes of FailAwareRunOptions
   std::vector<MonitorInput> log;
   std::vector<MeasuredMotion> measurements;  ///< empty if the run was made before they were logged
   std::vector<double> fault_begins_s;        ///< in the log's time, of faults.csv (simulate_drive) if the folder has it

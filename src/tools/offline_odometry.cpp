@@ -166,15 +166,28 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
 
 void warn(const std::string& text) { std::cerr << kName << ": warning: " << text << std::endl; }
 
-void runOver(SweepSource& drive, std::size_t scans, const Options& options, OdometryPipeline& pipeline,
-             DriveResults& results) {
-  PosesFromOutside poses(options.poses, pipeline);
+/// Skips to the run's first scan. The stamp of the drive's first scan, if that is skipped.
+std::optional<double> skipTo(std::size_t first, SweepSource& drive) {
+  if (first == 0) return std::nullopt;
+  Sweep sweep;
+  drive.next(sweep);
+  drive.skip(first - 1);
+  return sweep.stamp_s;
+}
+
+/// Returns the stamp of the run's first scan.
+double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, double redundant_at_s,
+               OdometryPipeline& pipeline, DriveResults& results) {
+  double begin_stamp_s = 0.0;
   bool side_file_told = false;
   Sweep sweep;
   ProgressBar progress(scans);
   for (std::size_t i = 0; i < scans; ++i) {
     const ReadResult read = drive.next(sweep);
-    if (i == 0) pipeline.startRedundant(sweep.stamp_s + options.redundant_at_s - kStartTolerance_s);
+    if (i == 0) {
+      begin_stamp_s = sweep.stamp_s;
+      pipeline.startRedundant(sweep.stamp_s + redundant_at_s - kStartTolerance_s);
+    }
     if (read.status == ReadStatus::kSideFileUnusable && !std::exchange(side_file_told, true)) {
       warn(read.message + " (reported once)");
     }
@@ -186,6 +199,7 @@ void runOver(SweepSource& drive, std::size_t scans, const Options& options, Odom
     results.add(read, drive.name(), stamp_s, points_dropped, result);
     progress.update(i + 1);
   }
+  return begin_stamp_s;
 }
 
 int run(const Options& options) {
@@ -196,16 +210,18 @@ int run(const Options& options) {
   const long last = options.scans.end(drive->size(), drive_name);
   overrideParameters(params, options.parameters, options.set);
   if (!options.lidar_in_base.empty()) params.sensor.lidar_in_base = options.lidar_in_base;
-  RunFolder folder(options.output, kFiles);
   OdometryPipeline pipeline(params, options.threads);
+  PosesFromOutside poses(options.poses, pipeline);
+  RunFolder folder(options.output, kFiles);  // after all input that may be refused
   DriveResults results(folder.unfinished(), params);
-  drive->skip(static_cast<std::size_t>(options.scans.first));
-  runOver(*drive, static_cast<std::size_t>(last - options.scans.first), options, pipeline, results);
+  const std::optional<double> skipped_stamp_s = skipTo(static_cast<std::size_t>(options.scans.first), *drive);
+  const double first_stamp_s = runOver(*drive, static_cast<std::size_t>(last - options.scans.first), poses,
+                                       options.redundant_at_s, pipeline, results);
   for (const std::string& warning : results.warnings()) warn(warning);
   if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) warn(contradiction);
 
   results.write();
-  Json summary = results.summary(options.scans.first);
+  Json summary = results.summary({options.scans.first, drive->size(), skipped_stamp_s.value_or(first_stamp_s)});
   summary["max_rss_mb"] = maxRssMb();
   summary["vertical_reference"] = levelSummary(pipeline.verticalReference().report());
   summary["sweep_clock"] = clockSummary(pipeline.sweepClock());

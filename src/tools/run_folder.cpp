@@ -182,6 +182,12 @@ RunRows runRows(const Json& summary, const fs::path& path) {
   RunRows rows;
   rows.first = wholeNumber(summary, "/run/first", path);
   rows.scans = wholeNumber(summary, "/run/scans", path);
+  rows.drive_scans = wholeNumber(summary, "/run/drive_scans", path);
+  const Json::json_pointer begin_at("/run/drive_begin_stamp_s");
+  if (!summary.contains(begin_at) || !summary.at(begin_at).is_number()) {
+    throw InputError(path.string() + ": no stamp at /run/drive_begin_stamp_s" + kRunAgain);
+  }
+  rows.drive_begin_stamp_s = summary.at(begin_at).get<double>();
   const Json::json_pointer without_pose_at("/run/without_pose");
   if (!summary.contains(without_pose_at) || !summary.at(without_pose_at).is_array()) {
     throw InputError(path.string() + ": no list at /run/without_pose" + kRunAgain);
@@ -203,11 +209,12 @@ RunRows runRows(const Json& summary, const fs::path& path) {
 
 std::size_t firstTruthRow(const RunRows& rows, std::size_t truth_rows, const std::string& truth,
                           const std::string& run) {
+  if (truth_rows == rows.drive_scans) return rows.first;
   if (truth_rows == rows.scans) return 0;
-  if (truth_rows >= rows.scans && truth_rows - rows.scans >= rows.first) return rows.first;
   throw InputError(truth + " has " + std::to_string(truth_rows) + " poses, " + run + " read " +
                    std::to_string(rows.scans) + " scans from scan " + std::to_string(rows.first) +
-                   " on: they do not belong together; the ground truth needs a row for each scan of the drive");
+                   " on, of a drive of " + std::to_string(rows.drive_scans) +
+                   ": they do not belong together; the ground truth needs a row for each scan of the drive");
 }
 
 }  // namespace fail_aware

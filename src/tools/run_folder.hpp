@@ -46,6 +46,8 @@ Json readRunSummary(const std::filesystem::path& folder);
 struct RunRows {
   std::size_t first = 0;              ///< index in the drive of the run's first scan (--first)
   std::size_t scans = 0;              ///< number of scans read; per_sweep.csv has a row for each
+  std::size_t drive_scans = 0;        ///< of the whole drive
+  double drive_begin_stamp_s = 0.0;   ///< the stamp of the drive's first scan
   std::vector<std::size_t> accepted;  ///< indices, among these scans, of those in the trajectories
 };
 

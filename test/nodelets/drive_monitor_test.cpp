@@ -54,6 +54,21 @@ TEST(DriveMonitor, AWaitingRequestEndsWhereOdomIsMoved) {
   }
 }
 
+TEST(DriveMonitor, AFilterStartedAnewEndsAWaitingRequest) {
+  DriveMonitor monitor(MonitorParameters(), false);
+  FilterState state;
+  state.odom_reset_count = 2;  // poses were set
+  monitor.update(state, SweepCondition());
+  monitor.serve();
+  state.dt_s = 0.1;
+  state.motion_status = MotionStatus::kUnknown;
+  state.T_odom_cog.translation().x() = state.T_previous_now.translation().x() = 1.0;
+  monitor.update(state, SweepCondition());
+  ASSERT_TRUE(monitor.monitor().startPending());
+  monitor.update(FilterState(), SweepCondition());
+  EXPECT_FALSE(monitor.monitor().startPending());
+}
+
 TEST(DriveMonitor, ItStopsServingUnlessItAlwaysServes) {
   DriveMonitor always(MonitorParameters(), true), asked(MonitorParameters(), false);
   EXPECT_FALSE(always.stopServing());

@@ -13,7 +13,9 @@
 #include <random>
 
 #include "../../src/nodelets/reconfiguration.hpp"
+#include "core/integrity/silence.hpp"
 #include "core/io/profile_files.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware::tuning_test {
 namespace {
@@ -22,6 +24,10 @@ namespace config = ::fail_aware_lidar_odometry;
 
 ProfileParameters defaultYaml() {
   return loadPipelineParameters({FAIL_AWARE_SOURCE_CFG, "default", "passat_b6", "hdl64e"}).profile;
+}
+
+TEST(Tuning, ASourceThatHangsIsNotTakenForSilence) {
+  EXPECT_LT(FusionUkfNodeletParams().deadline_s + kUsualPeriod_s, staleAfter_s(SilenceParams(), kUsualPeriod_s));
 }
 
 template <class Config, class Tuning>

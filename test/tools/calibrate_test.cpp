@@ -71,6 +71,32 @@ TEST_F(Calibrate, DriftThatTheRunsDoNotShowStaysAsItIs) {
   EXPECT_EQ(fitted.monitor.drift.heading_per_root_metre_deg, params.profile.monitor.drift.heading_per_root_metre_deg);
 }
 
+TEST_F(Calibrate, NoiseDoesNotDependOnParametersOfTheReplay) {
+  MadeUpRun noisy;
+  noisy.sigma_m = 0.02;
+  noisy.sigma_yaw_rad = 4e-4;
+  noisy.write(folder_ / "noisy");
+  run(CALIBRATE_NOISE, options("noisy"));
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const PoseFilter::Params fitted = fittedProfile().filter;
+  run(CALIBRATE_NOISE, options("noisy") + " --set filter.increment_scale=3.0 --set filter.increment_floor_m=0.004");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NEAR(fittedProfile().filter.increment_scale, fitted.increment_scale, 0.02 * fitted.increment_scale);
+  EXPECT_NEAR(fittedProfile().filter.increment_floor_m, fitted.increment_floor_m,
+              0.02 * fitted.increment_floor_m + 1e-6);
+}
+
+TEST_F(Calibrate, NoiseRefusesTheTruthOfAnotherDrive) {
+  MadeUpRun slow, fast;
+  fast.speed_mps = 28.0;
+  slow.write(folder_ / "slow");
+  fast.write(folder_ / "fast");
+  run(CALIBRATE_NOISE, " --run '" + (folder_ / "slow").string() + "' --ground-truth '" +
+                           (folder_ / "fast" / "poses.txt").string() + "'");
+  EXPECT_EQ(result_.exit_code, 2);
+  EXPECT_NE(result_.err.find("slow: half of its motions differ"), std::string::npos) << result_.err;
+}
+
 TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
   MadeUpRun good;
   PipelineParameters article;
@@ -86,7 +112,7 @@ TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
 /// Predictions that are far too early even at the smallest confidence, and an alarm that is up all the time.
 TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
   MadeUpRun failing, sound;
-  failing.sweeps = sound.sweeps = 120;
+  failing.sweeps = sound.sweeps = 600;  // ten starts that fail and more
   failing.drift_m = 0.02;
   PipelineParameters timid;
   timid.profile.monitor.drift.position_per_root_metre_m = 0.5;
@@ -112,6 +138,17 @@ TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {
   const ProfileParameters fitted = fittedProfile();
   EXPECT_EQ(fitted.monitor.predictor.confidence, CovariancePredictor::Params().confidence);
   EXPECT_LE(fitted.monitor.predictor.alarm_confidence, fitted.monitor.predictor.confidence);
+}
+
+TEST_F(Calibrate, FewFailuresDoNotLowerTheConfidence) {
+  MadeUpRun failing;
+  failing.sweeps = 120;
+  failing.drift_m = 0.02;
+  failing.write(folder_ / "failing");
+  run(CALIBRATE_FAIL_AWARE, options("failing"));
+  EXPECT_NE(result_.err.find("monitor.predictor.confidence left as it is: 2 starts fail; --late 0.1 needs 10"),
+            std::string::npos)
+      << result_.err;
 }
 
 TEST_F(Calibrate, GuaranteeSaysHowManyRunsItNeeds) {

@@ -102,6 +102,11 @@ TEST_F(EvaluateFailAware, ThePlannersFigureOfAKnownDrift) {
   EXPECT_EQ(planner["fixed_time"]["in_time"]["count"], 0) << "no worse than the planner";
   EXPECT_EQ(planner["sudden_faults_apart"]["time_or_state"]["too_sudden"], 1) << "t1 at 0: 3 s from the fault on";
   EXPECT_EQ(planner["sudden_faults_apart"]["time_or_state"]["in_time"]["of"], 5);
+  bad.drive_begin_stamp_s = -3.0;  // the run begins 3 s later: for it the fault is at 6 s
+  bad.seal(folder_ / "bad");
+  run(options("good") + options("bad") + never + " --alert-limit 0.6 --resamples 1 --output '" +
+      (folder_ / "result").string() + "'");
+  EXPECT_EQ(report()["pooled"]["planner"]["sudden_faults_apart"]["time_or_state"]["too_sudden"], 0);
   EXPECT_TRUE(report()["good"]["planner"]["sudden_faults_apart"].is_null());
   EXPECT_EQ(report()["good"]["planner"]["time_or_state"]["sound_stopped"]["of"], 8);
   EXPECT_NE(result_.out.find("planner: stopped in time"), std::string::npos);
@@ -205,6 +210,32 @@ TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_EQ(report()["run"]["alarm_ratio"], 0.0) << "the last file counts";
   EXPECT_TRUE(report()["run"]["stop_in_time_2mps2"].is_null()) << "nothing failed";
+}
+
+TEST_F(EvaluateFailAware, RunsOfOneNameStayApart) {
+  MadeUpRun good;
+  good.sweeps = 120;
+  good.write(folder_ / "a" / "out");
+  good.write(folder_ / "b" / "out");
+  const auto of = [&](const char* drive) {
+    const std::string folder = (folder_ / drive / "out").string();
+    return " --ground-truth '" + folder + "/poses.txt' --run '" + folder + "'";
+  };
+  run(of("a") + of("b") + " --resamples 1 --output '" + (folder_ / "result").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  for (const char* file : {"predictions.csv", "episodes.csv"}) {
+    const std::string csv = contentOf(folder_ / "result" / file);
+    EXPECT_NE(csv.find("\nout,"), std::string::npos) << file;
+    EXPECT_NE(csv.find("\nout#2,"), std::string::npos) << file;
+  }
+}
+
+TEST_F(EvaluateFailAware, ARunWithAPoseThatWasSetIsRefused) {
+  MadeUpRun made_up;
+  made_up.sweeps = 60;
+  made_up.pose_set_at = 30;
+  made_up.write(folder_ / "run");
+  expectRefused(options("run"), "a pose was set at stamp 3.0");
 }
 
 /// A run of a part of a drive (offline_odometry --first) is held against that part of the truth.
@@ -324,7 +355,8 @@ TEST_F(EvaluateFailAware, KeptEpisodesGiveTheSameFigures) {
   expectRefused(kept, "episodes.bin: cannot be read");
   run(options("bad") + output("bad_result") + " --keep-episodes --episode-every 7");
   expectRefused(kept, "another --alert-limit or --episode-every");
-  expectRefused(kept + options("good"), "--run");
+  expectRefused(kept + options("good"), "excludes --episodes");
+  expectRefused(kept + " --set monitor.predictor.alert_limit_m=0.9", "--set excludes --episodes");
 }
 
 TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {

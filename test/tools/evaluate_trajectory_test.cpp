@@ -44,7 +44,8 @@ class EvaluateTrajectory : public ::testing::Test {
 };
 
 /// A folder as offline_odometry writes it: of each scan that the run accepted the pose, scans 1 m apart.
-void writeRun(const fs::path& folder, std::size_t first, std::size_t scans, const std::vector<std::size_t>& refused) {
+void writeRun(const fs::path& folder, std::size_t first, std::size_t scans, const std::vector<std::size_t>& refused,
+              std::size_t drive_scans = 61) {
   fs::create_directories(folder);
   std::ofstream trajectory(folder / "trajectory_kitti.txt"), table(folder / "per_sweep.csv");
   table << "stamp,status\n";
@@ -56,7 +57,11 @@ void writeRun(const fs::path& folder, std::size_t first, std::size_t scans, cons
   trajectory.close();
   table.close();
   Json summary;
-  summary["run"] = {{"first", first}, {"scans", scans}, {"without_pose", refused}};
+  summary["run"] = {{"first", first},
+                    {"scans", scans},
+                    {"drive_scans", drive_scans},
+                    {"drive_begin_stamp_s", 0.0},
+                    {"without_pose", refused}};
   sealRun(folder, {"trajectory_kitti.txt", "per_sweep.csv"}, "r0123456789abcdef", summary);
 }
 
@@ -77,7 +82,7 @@ TEST_F(EvaluateTrajectory, ARunIsHeldAgainstTheTruthOfItsScans) {
   expectNoError(58);
   writeRun(folder_ / "run", 4, 50, {1});
   expectNoError(49);
-  writeRun(folder_ / "run", 12, 50, {});
+  writeRun(folder_ / "run", 4, 50, {}, 70);
   expectRefused(files, "do not belong together");
 
   writeRun(folder_ / "other", 0, 61, {7});

@@ -29,7 +29,9 @@ struct MadeUpRun {
   double said_sigma_m = 0.01;  ///< what the filter says of them
   double said_sigma_yaw_rad = 2e-4;
   unsigned seed = 1;
-  std::size_t first = 0;               ///< scan of its drive
+  std::size_t first = 0;  ///< scan of its drive, which ends with the run
+  double drive_begin_stamp_s = 0.0;
+  int pose_set_at = -1;                ///< sweep with which odom moved; -1: none
   std::vector<std::size_t> refused{};  ///< sweeps that have a scan and a true pose, and no row in the logs
 
   /// Writes FOLDER/monitor_log.csv, FOLDER/measurements.csv (the first measurement is the estimate, the second too, but
@@ -49,6 +51,7 @@ struct MadeUpRun {
       FilterState& s = input.state;
       input.row = static_cast<std::size_t>(i);
       s.stamp_s = 0.1 * i;
+      s.odom_reset_count = pose_set_at >= 0 && i >= pose_set_at ? 1 : 0;
       s.sigma_yaw_rad = 1e-3 + 1e-6 * (i % 2);
       s.measurement_applied = true;
       s.map_update = MapUpdate::kInsert;
@@ -93,7 +96,11 @@ struct MadeUpRun {
   void seal(const std::filesystem::path& folder,
             const std::vector<std::string>& files = {"monitor_log.csv", "measurements.csv", "parameters.yaml"}) const {
     Json summary;
-    summary["run"] = {{"first", first}, {"scans", sweeps}, {"without_pose", refused}};
+    summary["run"] = {{"first", first},
+                      {"scans", sweeps},
+                      {"drive_scans", first + static_cast<std::size_t>(sweeps)},
+                      {"drive_begin_stamp_s", drive_begin_stamp_s},
+                      {"without_pose", refused}};
     sealRun(folder, files, "r0123456789abcdef", summary);
   }
 };

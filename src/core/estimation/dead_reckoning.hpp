@@ -97,6 +97,8 @@ class DeadReckoning {
   /// or not). The motion comes from poses previous_dt_s apart, so it is old and stays uncorrected during the increment.
   /// Limited to the value at 3 s and to 0.25 rad.
   Eigen::Matrix4d drivenCovariance(double dt_s, double previous_dt_s, double speed_mps) const;
+  /// What a longer interval adds to that.
+  Eigen::Matrix4d drivenLaterCovariance(double dt_s, double speed_mps) const;
 
   /// Of the last finished sweep, along the vehicle. Zero unless active.
   SpeedError speedError() const { return active_ ? SpeedError{std::max(0.0, S_(0, 0)), kept_} : SpeedError(); }

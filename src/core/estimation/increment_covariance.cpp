@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kUnknownDistance_m = 15.0, kUnknownTurn_rad = 0.8;  // what the relocalization searches
 
+// farther from its last sweep a map of 100 m holds too little to compare
+constexpr double kComparedPlaces_m = 60.0;
+
 bool isConfirmed(const FilterState& state) { return state.measurement_applied && state.fusion.confirmed; }
 
 // Over a long interval a single measurement is no better than the prediction that it started from.
@@ -48,6 +51,12 @@ OdometryIncrement incrementOf(const FilterState& state) {
                       state.motion_status == MotionStatus::kUnknown;
   increment.map_update = begins ? MapUpdate::kRestart : state.map_update;
   return increment;
+}
+
+double ambiguousJump_m(const SweepPrediction& prediction, const FilterState& state) {
+  if (!state.clock_jump) return 0.0;
+  const double apart_m = (state.T_odom_cog.translation() - prediction.T_odom_cog.translation()).norm();
+  return apart_m > kComparedPlaces_m ? apart_m : 0.0;
 }
 
 void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, const SweepPrediction& prediction,

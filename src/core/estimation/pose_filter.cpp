@@ -27,6 +27,7 @@ constexpr double kGuessed_mps = 5.0;        // sigma of the first speed: 2 m/s a
 constexpr int kManyGuessed = 10;            // sweeps: a guess over fewer is hardly in the map
 constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over several sweeps
 constexpr double kDoubtfulRate_rad_s = 0.1;
+constexpr int kLatestRepetition = 1000;  // sweeps between two searches for the first motion
 // Times the prediction's variance; with a larger variance a measurement leaves roll and pitch open.
 constexpr double kOpenVariance = 4.0;
 
@@ -222,8 +223,8 @@ void PoseFilter::loseMotion() {
   state_.fusion.confirmed = false;
   consistency_.clear();
   corrected_sweeps_ = 0;
-  search_after_sweeps_ *= 2;  // the vehicle may really stand
-  guessed_sweeps_ = 1;        // it was believed, so its variance is too small to tell whether the search finds another
+  search_after_sweeps_ = std::min(2 * search_after_sweeps_, kLatestRepetition);  // the vehicle may really stand
+  guessed_sweeps_ = 1;  // it was believed, so its variance is too small to tell whether the search finds another
 }
 
 MotionStatus PoseFilter::motionStatus() const {
@@ -284,7 +285,8 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   // after a predicted pose the accumulated covariance would otherwise take back what this measurement does not know
   if (inflation.unbelievable) state.fusion.confirmed = false;
   state.doubt = inflation.doubt;
-  state.increment_covariance += covarianceOf(inflation.doubt);
+  state.doubt.sigma_m = std::hypot(state.doubt.sigma_m, ambiguousJump_m(prediction_, state));
+  state.increment_covariance += covarianceOf(state.doubt);
   return inflation;
 }
 

@@ -18,6 +18,7 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
     return R_odom_body * increment.topLeftCorner<3, 3>() * R_odom_body.transpose();
   };
   double uncertain_yaw = 0.0;
+  Matrix6d beyond = Matrix6d::Zero();
   if (!interval.motion_known) {
     const double sigma = interval.unknown_speed_sigma_mps * dt_s;  // of the distance along the road
     const Eigen::Vector2d forward(std::cos(interval.yaw_rad), std::sin(interval.yaw_rad));
@@ -34,13 +35,14 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
     Q(5, 5) += turn_rad * turn_rad;
   }
   if (interval.motion_known && dt_s > kLongInterval_s) {
-    const Eigen::Matrix4d driven =
-        motion.deadReckoning().drivenCovariance(dt_s, last.dt_s, motion.motion().velocity_body_mps.norm());
+    const double speed_mps = motion.motion().velocity_body_mps.norm();
+    const Eigen::Matrix4d driven = motion.deadReckoning().drivenCovariance(dt_s, last.dt_s, speed_mps);
     Q.topLeftCorner<3, 3>() += inOdom(driven);
     Q(5, 5) += driven(3, 3);
+    const Eigen::Matrix4d later = motion.deadReckoning().drivenLaterCovariance(dt_s, speed_mps);
+    beyond.topLeftCorner<3, 3>() = inOdom(later);
+    beyond(5, 5) = later(3, 3);
   }
-  noise.increment = Q;
-  noise.increment(5, 5) += uncertain_yaw;  // in Q it would shorten the unscented mean of every step
   if (dt_s > kLongInterval_s) {
     const Matrix6d one_step = model.processNoise(kUsualPeriod_s, interval.yaw_rad);
     for (int i = 3; i < 5; ++i) Q(i, i) = std::min(Q(i, i), one_step(i, i));
@@ -48,6 +50,8 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
   if (!last.measurement_applied) {
     for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - last.covariance(i, i));
   }
+  noise.increment = Q + beyond;
+  noise.increment(5, 5) += uncertain_yaw;  // in Q it would shorten the unscented mean of every step
   return noise;
 }
 

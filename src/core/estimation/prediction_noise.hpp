@@ -17,7 +17,7 @@ namespace fail_aware {
 
 struct PredictionNoise {
   Matrix6d filter = Matrix6d::Zero();     ///< Q of the filter's step (state: x y z, roll pitch yaw)
-  Matrix6d increment = Matrix6d::Zero();  ///< of the motion: with what the unscented mean could not carry
+  Matrix6d increment = Matrix6d::Zero();  ///< of the motion: with what the sigma points could not carry
 };
 
 struct PredictionInterval {

@@ -1,10 +1,9 @@
 // Classifies a sweep's stamp relative to the newest stamp. The live graph and the offline runner use this one rule.
 //
-// A stamp that does not advance is refused. A stamp further back than messages get out of order in transit means that
-// the clock was set back or that a recording restarts: a new drive begins. A stamp far ahead is refused, because a
-// single wrong stamp would otherwise end the drive; if the next stamp follows it, the clock was set and a new drive
-// begins. Far is one hour: for a shorter gap the vehicle model predicts, and its covariance shows how good that is. A
-// difference that is NaN is refused.
+// A stamp that does not advance is refused. So is a stamp that is far off: a single wrong stamp must not end the drive.
+// If the next stamp follows it, the clock was set, or a recording restarts: a new drive begins. Far back is further than
+// messages get out of order in transit. Far ahead is one hour: for a shorter gap the vehicle model predicts, and its
+// covariance shows how good that is. A difference that is NaN is refused.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +15,7 @@ namespace fail_aware {
 inline constexpr double kMaxReorder_s = 0.5;
 inline constexpr double kFarAhead_s = 3600.0;
 
-enum class StampOrder { kAdvances, kSame, kReordered, kJumpedBack, kFarAhead, kJumpedAhead };
+enum class StampOrder { kAdvances, kSame, kReordered, kFarBack, kJumpedBack, kFarAhead, kJumpedAhead };
 
 class StampSequence {
  public:
@@ -24,18 +23,18 @@ class StampSequence {
 
   /// Classifies the next stamp, `since_newest_s` after the newest accepted one (kAdvances, or the first of a drive).
   StampOrder next(double since_newest_s) {
-    const double far_ahead_s = std::exchange(far_ahead_s_, kNone);
-    if (since_newest_s > kFarAhead_s) {
-      const double since_far_ahead_s = since_newest_s - far_ahead_s;
-      if (since_far_ahead_s > 0.0 && since_far_ahead_s <= kFarAhead_s) return StampOrder::kJumpedAhead;
-      far_ahead_s_ = since_newest_s;
-      return StampOrder::kFarAhead;
+    const double since_far_s = since_newest_s - std::exchange(far_s_, kNone);
+    const bool far_ahead = since_newest_s > kFarAhead_s, far_back = since_newest_s < -max_reorder_s_;
+    if (far_ahead || far_back) {
+      const bool follows = since_far_s > 0.0 && since_far_s <= kFarAhead_s;
+      if (follows) return far_ahead ? StampOrder::kJumpedAhead : StampOrder::kJumpedBack;
+      far_s_ = since_newest_s;
+      return far_ahead ? StampOrder::kFarAhead : StampOrder::kFarBack;
     }
     if (since_newest_s > 0.0) {
       set_back_s_ = std::exchange(refused_back_s_, 0.0);
       return StampOrder::kAdvances;
     }
-    if (since_newest_s < -max_reorder_s_) return StampOrder::kJumpedBack;
     if (since_newest_s == 0.0) return StampOrder::kSame;
     if (since_newest_s < 0.0) refused_back_s_ = std::max(refused_back_s_, -since_newest_s);
     return StampOrder::kReordered;
@@ -46,7 +45,7 @@ class StampSequence {
   double setBack_s() const { return set_back_s_; }
 
   void beginDrive() {
-    far_ahead_s_ = kNone;
+    far_s_ = kNone;
     set_back_s_ = refused_back_s_ = 0.0;
   }
 
@@ -54,7 +53,7 @@ class StampSequence {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   double max_reorder_s_ = kMaxReorder_s;
-  double far_ahead_s_ = kNone;  ///< the last stamp relative to the newest one, if it was refused as far ahead
+  double far_s_ = kNone;  ///< the last stamp relative to the newest one, if it was refused as far off
   double set_back_s_ = 0.0;
   double refused_back_s_ = 0.0;  ///< since the newest accepted stamp
 };

@@ -20,6 +20,7 @@ constexpr double kLeastJitter_s = 0.05e-3;  // lower limit for any clock
 
 constexpr double kTurnNoise_s = 0.03e-3;  // per revolution, an HDL-64E on a vehicle
 constexpr double kSurePeriod = 0.01;      // relative standard deviation of a period from point times
+constexpr double kWholeRevolution = 0.7;  // a cloud after more than this part of a revolution holds all of it
 constexpr double kOtherPeriod = 0.02;     // if point times differ by this ratio twice, the spin rate has changed
 
 constexpr double kLeastTolerance_s = 3e-3;  // a stamp farther off the model of a quiet clock is wrong
@@ -32,7 +33,10 @@ constexpr double kTurnsBetweenSets =
 constexpr double kSameSlope = 0.25;
 constexpr double kTurnsOfGap = 3.0;      // after a gap of this many revolutions the head may have restarted
 constexpr double kRightAfterAll = 0.05;  // probability that a stamp which contradicts the model is right
-constexpr double kPhaseFollowed = 0.1;   // ratio of a phase correction that is applied in one sweep
+constexpr double kLostLogOdds = 4.6;     // of a sweep that is not lost: 1 % are
+constexpr double kLeastLate =
+    0.01;  // probability that a stamp is late by a period and more: its errors have long tails
+constexpr double kPhaseFollowed = 0.1;  // ratio of a phase correction that is applied in one sweep
 
 // A whole number of revolutions, or the inverse of a whole number.
 double turnsPerCloud(double interval_s, double revolution_s) {
@@ -128,9 +132,9 @@ bool SweepClock::wasSetBack(double since_s, double set_back_s) const {
 }
 
 SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s) {
-  if (!hasPeriod() && new_revolution_s_ > 0.0 && stamps_apart_s >= kShortestTurn_s) {
-    // a larger value may mean a lost sweep
-    turns_per_cloud_ = std::min(1.0, turnsPerCloud(stamps_apart_s, new_revolution_s_));
+  // A shorter interval may be that of a driver that began in mid-revolution, or jitter: then more stamps decide.
+  if (!hasPeriod() && new_revolution_s_ > 0.0 && stamps_apart_s > kWholeRevolution * new_revolution_s_) {
+    turns_per_cloud_ = 1.0;  // a larger value may mean a lost sweep
     followRevolution(new_revolution_s_);
   }
   const double stamp_s = last_.time_s + since_s;
@@ -151,11 +155,24 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
   if (std::abs(deviation_s) > tolerance_s(turns)) {
     if (turns < kTurnsOfGap) return withoutStamp({deviation_s, turns});
     setPeriod(line_.period_s(), line_.periodSigma_s());
-    return {since_s, 0.0};
+    return {since_s, std::sqrt(kRightAfterAll) * std::abs(deviation_s)};
   }
   deviations_.clear();
+  const double fewer_sigma_s = fewerTurnsSigma_s(turns, deviation_s);
   line_.add(last_.turn + turns, stamp_s, noise_s());
-  return advance(turns, isTrusted(deviation_s) ? std::optional<double>(since_s) : std::nullopt);
+  Interval found = advance(turns, isTrusted(deviation_s) ? std::optional<double>(since_s) : std::nullopt);
+  found.sigma_s = std::hypot(found.sigma_s, fewer_sigma_s);
+  return found;
+}
+
+// What one turn less would change, times the root of its probability: the stamp may be late instead.
+double SweepClock::fewerTurnsSigma_s(double turns, double deviation_s) const {
+  const double noise = noise_s();
+  if (turns < 2.0 || noise <= kNegligible_s) return 0.0;
+  const double late_s = deviation_s + line_.period_s();
+  const double log_odds = 0.5 * (late_s * late_s - deviation_s * deviation_s) / (noise * noise) - kLostLogOdds;
+  const double late_probability = std::max(kLeastLate, 1.0 / (1.0 + std::exp(log_odds)));
+  return std::sqrt(late_probability) * line_.period_s();
 }
 
 // Only intervals matter. A correction of the phase also applies to earlier times, so it is applied gradually.
@@ -192,10 +209,10 @@ void SweepClock::followRevolution(double revolution_s) {
 }
 
 // An interval clearly below two periods counts as one period with a wrong stamp. A wrong stamp is rarer than a lost
-// sweep, but more likely than both together.
+// sweep, but more likely than both together. With jitter, the likelier of a late stamp and a lost sweep counts.
 double SweepClock::turnsIn(double since_s) const {
-  const double turns = since_s / line_.period_s();
-  if (turns < 2.0 - tolerance_s() / line_.period_s()) return 1.0;
+  const double turns = since_s / line_.period_s(), noise = noise_s() / line_.period_s();
+  if (turns < std::max(2.0 - tolerance_s() / line_.period_s(), 1.5 + noise * noise * kLostLogOdds)) return 1.0;
   return std::round(turns);
 }
 
@@ -233,7 +250,10 @@ bool SweepClock::followsAnotherLine() {
   if (std::all_of(deviations_.end() - kLine, deviations_.end(), agrees)) {
     offset_s_ += mean_s;
     jitter_.interrupt();
-    if (!period_sure_ && last_.turn - set_at_turn_ < kTurnsBetweenSets) {
+    const double turns = mean_s / line_.period_s();
+    if (std::round(turns) != 0.0 && std::abs(mean_s - std::round(turns) * line_.period_s()) <= tolerance_s()) {
+      deviations_.clear();  // no clock was set: a late stamp was counted as a lost sweep, or the other way round
+    } else if (!period_sure_ && last_.turn - set_at_turn_ < kTurnsBetweenSets) {
       setPeriod(0.0, 0.0);
     } else {
       deviations_.clear();
@@ -253,6 +273,7 @@ bool SweepClock::followsAnotherLine() {
     return false;
   offset_s_ += deviations_.back().seconds;
   jitter_.interrupt();
+  turns_per_cloud_ = 0.0;  // it may be what was wrong
   setPeriod(other_period_s, tolerance_s());
   return true;
 }

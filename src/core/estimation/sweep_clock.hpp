@@ -11,8 +11,10 @@
 // - A clock that was set: three such stamps in a row with one offset. The offset is adopted.
 // - A changed spin rate: three such stamps in a row on a line of another period, or points' times with another period.
 // - Dropped sweeps: the interval is a whole number of periods. After three or more, with another phase, the head or its
-//   driver has restarted, and the stamp is believed.
-// Until three intervals or the points' times give the period, the stamps are believed.
+//   driver has restarted, and the stamp is believed. With jitter a stamp may be late instead: the likelier counts, and
+//   the interval's standard deviation holds the other.
+// Until three intervals, or the points' times and an interval of a whole revolution, give the period, the stamps are
+// believed: a driver's first cloud may be a part of a revolution.
 //
 // Units: s.
 // Failure: none; a stamp that is not after the last one gets an interval that is not positive while no period is known.
@@ -96,6 +98,7 @@ class SweepClock {
   double noise_s() const;
   double tolerance_s(double turns = 1.0) const;
   bool isTrusted(double deviation_s) const;
+  double fewerTurnsSigma_s(double turns, double deviation_s) const;
   Interval advance(double turns, std::optional<double> trusted_s);
   Interval withoutStamp(const Deviation& deviation);
   bool followsAnotherLine();

@@ -44,7 +44,8 @@ std::vector<ExternalPose> readExternalPoses(const std::string& path) {
   std::vector<ExternalPose> poses;
   for (const ExternalPoseRow& row : readNumberTable<ExternalPoseTable>(path)) {
     const std::string at = path + ": stamp " + std::to_string(row.stamp_s) + ": ";
-    if (std::abs(row.quaternion.norm() - 1.0) > kUnitTolerance)
+    if (!std::isfinite(row.stamp_s)) throw InputError(at + "must be finite");
+    if (!(std::abs(row.quaternion.norm() - 1.0) <= kUnitTolerance))
       throw InputError(at + "qx..qw is not a unit quaternion");
     if ((row.sigmas.array() < 0.0).any()) throw InputError(at + "a sigma is negative");
     ExternalPose pose;

@@ -107,6 +107,7 @@ std::vector<typename Table::Row> readNumberTable(const std::string& path) {
   }
   std::vector<typename Table::Row> rows;
   for (std::size_t number = 2; nextLine(file, line); ++number) {
+    if (line.empty()) continue;
     const auto at = path + ':' + std::to_string(number) + ": ";
     typename Table::Row row;
     number_table::Cells cells(line);

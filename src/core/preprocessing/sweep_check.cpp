@@ -57,6 +57,7 @@ void SweepCheck::reset() {
   last_stamp_s_.reset();
   last_fingerprint_.reset();
   repetitions_ = 0;
+  any_ = false;
 }
 
 SweepFindings SweepCheck::check(const Sweep& sweep) {
@@ -73,6 +74,8 @@ SweepFindings SweepCheck::check(const Sweep& sweep) {
   }
   look(sweep.points_lidar, params_.visible_range_m, findings);
   findings.incomplete = findings.azimuth_coverage < params_.min_azimuth_coverage;
+  findings.partial_start = findings.incomplete && !any_;
+  any_ = true;
   findings.low_visibility = findings.far_ratio < params_.min_far_ratio;
   const std::uint64_t print = fingerprint(sweep.points_lidar);
   repetitions_ = last_fingerprint_ == print ? repetitions_ + 1 : 0;

@@ -64,7 +64,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   correctVerticalAngle(vertical_angle_, sweep.points_lidar);
   correctAzimuth(azimuth_, sweep.points_lidar);
   vertical_reference_.apply(sweep.points_lidar);
-  report.timing = timing_.assign(sweep, prediction.period_s, times_s_);
+  report.timing = timing_.assign(sweep, prediction.period_s, times_s_, prediction.stamp_error_s);
   if (report.timing.outliers > 0) dropUntimed(sweep, times_s_);
   if (report.timing.source == TimingSource::kField) {
     report.revolution_s = revolutionFromTimes(sweep.points_lidar, times_s_);

@@ -23,6 +23,7 @@ constexpr int kMostBackward = 100;  // sweeps in a row; then the head turns that
 constexpr double kFieldLimitPeriods = 2.5;           // the field still times two revolutions in one cloud
 constexpr double kCoarsestFieldResolution_s = 1e-3;  // of an absolute time in a float
 constexpr double kZeroTolerance = 0.1;               // of the spread: a packet's points lie on both sides of its stamp
+constexpr double kClockWasSet_s = 0.01;
 
 /// As a ratio of the sweep's period, from its start.
 double positionInSweep(StampReference reference) {
@@ -80,6 +81,7 @@ void SweepTimingParams::validate() const {
 
 void SweepTiming::reset() {
   clock_.reset();
+  set_s_ = 0.0;
   held_.reset();
   backward_sweeps_ = 0;
 }
@@ -92,8 +94,9 @@ StampReference SweepTiming::referenceOr(StampReference automatic) const {
 }
 
 TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
-                                 std::vector<float>& times_relative_to_stamp_s) {
+                                 std::vector<float>& times_relative_to_stamp_s, double stamp_error_s) {
   TimingResult result;
+  stamp_error_s_ = stamp_error_s;
   result.period_s = kUsualPeriod_s;
   if (params_.sweep_period_s > 0.0) {
     result.period_s = params_.sweep_period_s;
@@ -176,11 +179,22 @@ SweepTiming::Clock SweepTiming::clockOf(double first_s, double last_s, double st
   return near(stamp_s, clock_ == Clock::kStamp ? 2.0 * limit_s : limit_s) ? Clock::kStamp : Clock::kOther;
 }
 
+/// The stamp's error without what is the points' error, too: if both have one clock, and it was set, the points go on as
+/// before relative to the stamp, not to the time. `first_s`: of the points, relative to the stamp.
+double SweepTiming::jitterOf(double first_s) {
+  const double jitter_s = stamp_error_s_ - set_s_;
+  const double by_stamp_s = std::abs(first_s - last_first_s_), by_time_s = std::abs(first_s + jitter_s - last_first_s_);
+  if (by_stamp_s + kClockWasSet_s >= by_time_s) return jitter_s;
+  set_s_ = stamp_error_s_;
+  return 0.0;
+}
+
 /// From the sweep's times to times relative to the stamp; also sets the result's references.
 double SweepTiming::fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, TimingResult& result) {
   const double origin_s = sweep.time_field.origin_s;
   const Clock clock = clockOf(origin_s + range.first_s, origin_s + range.last_s, sweep.stamp_s, limit_s);
-  if (!clock_ || clock != Clock::kOther) clock_ = clock;
+  const bool is_first = !clock_;
+  if (is_first || clock != Clock::kOther) clock_ = clock;
   if (clock == Clock::kSweep) {
     const StampReference zero = referenceFromSign(range.first_s, range.last_s);
     result.field_reference = zero;
@@ -188,7 +202,8 @@ double SweepTiming::fieldOffset_s(const Sweep& sweep, const TimeRange& range, do
     return origin_s + (positionInSweep(zero) - positionInSweep(result.reference)) * result.period_s;
   }
   if (clock == Clock::kStamp) {
-    const double offset_s = origin_s - sweep.stamp_s;
+    const double stamp_offset_s = origin_s - sweep.stamp_s;
+    const double offset_s = stamp_offset_s + (is_first ? 0.0 : jitterOf(range.first_s + stamp_offset_s));
     result.field_reference = referenceFromSign(range.first_s + offset_s, range.last_s + offset_s);
     result.reference = referenceOr(*result.field_reference);
     return offset_s;

@@ -8,6 +8,7 @@
 // Field: relative to the first packet (>= 0), to the last (<= 0), to the stamp (both signs), absolute on the stamp's
 // clock, or on another clock. Of another clock only the differences count: the first point's time is the sweep's start,
 // and `stamp_reference` gives the meaning of the stamp (auto: start). The first sweep decides which clock it is.
+// Absolute times count from the true time of the sweep: the stamp without its jitter (sweep_clock.hpp).
 // Units: point_times.hpp. A field that spans more than 2.5 periods is refused.
 // Missing and isolated times are outliers: NaN in the result, and counted; leave these points out. Up to a tenth of a
 // sweep's times may be outliers; with more the field is refused (not_finite, bad_scale).
@@ -82,8 +83,9 @@ class SweepTiming {
   explicit SweepTiming(const Params& params) : params_(params) {}
 
   /// Seconds from the stamp's instant to each point's, in the sweep's order; NaN for outliers. `measured_period_s`: of
-  /// the head, from the sweep clock; 0: not known.
-  TimingResult assign(const Sweep& sweep, double measured_period_s, std::vector<float>& times_relative_to_stamp_s);
+  /// the head, from the sweep clock; 0: not known. `stamp_error_s`: likewise, of the stamp (SweepTime::error_s).
+  TimingResult assign(const Sweep& sweep, double measured_period_s, std::vector<float>& times_relative_to_stamp_s,
+                      double stamp_error_s = 0.0);
 
   /// Forgets the field's clock and the timing of earlier sweeps.
   void reset();
@@ -91,6 +93,7 @@ class SweepTiming {
  private:
   TimeField assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s);
   double fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, TimingResult& result);
+  double jitterOf(double first_s);
   StampReference referenceOr(StampReference automatic) const;
 
   enum class Clock { kSweep, kStamp, kOther };
@@ -102,7 +105,9 @@ class SweepTiming {
   HeldTiming held_;
   StampReference last_reference_ = StampReference::kEnd;
   double last_first_s_ = 0.0;
-  int backward_sweeps_ = 0;  ///< in a row, so far
+  double stamp_error_s_ = 0.0;  ///< of this sweep
+  double set_s_ = 0.0;          ///< the part of it by which the clock of stamps and points was set
+  int backward_sweeps_ = 0;     ///< in a row, so far
 };
 
 }  // namespace fail_aware

@@ -13,14 +13,20 @@ struct SweepFindings {
   bool frozen = false;
   bool repeats = false;
   bool time_jump = false;
+  bool partial_start = false;
   double azimuth_coverage = 0.0;  ///< ratio of the sectors that hold points; 0 for an empty sweep
   double far_ratio = 0.0;         ///< ratio of the points beyond visible_range_m
   int repetitions = 0;            ///< consecutive sweeps that repeated the previous one
   // From SweepCorrectorReport, not from SweepCheck.
-  double middle_s = 0.0;            ///< middle of the points' times, s relative to the stamp
-  double revolution_s = 0.0;        ///< time of one revolution of the head, s; 0: not known
+  double middle_s = 0.0;                       ///< middle of the points' times, s relative to the stamp
+  double revolution_s = 0.0;                   ///< time of one revolution of the head, s; 0: not known
   std::optional<Eigen::Matrix2d> tilt_moment;  ///< none: not known anew
-  bool time_field_refused = false;  ///< TimingResult::guessed()
+  bool time_field_refused = false;             ///< TimingResult::guessed()
 };
+
+/// Nothing of the sweep is used. `first`: of a drive.
+inline bool isLeftOut(const SweepFindings& findings, bool first) {
+  return findings.partial_start || (findings.repeats && !first);
+}
 
 }  // namespace fail_aware

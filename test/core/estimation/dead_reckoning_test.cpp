@@ -271,5 +271,14 @@ TEST(DeadReckoning, LongIntervalAllowsAccelerations) {
   EXPECT_TRUE(forever.isApprox(dead_reckoning.drivenCovariance(3.0, 3.0, 5.0)));
 }
 
+TEST(DeadReckoning, ErrorsOfAGapOfSecondsGoOn) {
+  const DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  EXPECT_EQ(dead_reckoning.drivenLaterCovariance(3.0, 15.0), Eigen::Matrix4d::Zero());
+  const Eigen::Matrix4d gap = dead_reckoning.drivenLaterCovariance(8.0, 15.0);
+  EXPECT_GT(std::sqrt(gap(0, 0)), 5.0);
+  EXPECT_GT(std::sqrt(gap(1, 1)), 20.0);
+  EXPECT_GT(std::sqrt(gap(3, 3)), 0.25);
+}
+
 }  // namespace
 }  // namespace fail_aware::dead_reckoning_test

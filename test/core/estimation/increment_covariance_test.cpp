@@ -50,6 +50,18 @@ TEST(IncrementCovariance, MeasuredMotionIsNotAPlaceInTheMap) {
   EXPECT_TRUE(state.registration_covariance.isApprox(blind, 1e-9));
 }
 
+TEST(IncrementCovariance, AClockJumpIsAmbiguousWhereTheMapHoldsOneOfThePlaces) {
+  FilterState state = measured(0.01);
+  SweepPrediction prediction = known();
+  for (const double apart_m : {20.0, 170.0}) {
+    prediction.T_odom_cog.translation().x() = apart_m;
+    EXPECT_EQ(ambiguousJump_m(prediction, state), 0.0) << "no jump";
+    state.clock_jump = true;
+    EXPECT_EQ(ambiguousJump_m(prediction, state), apart_m > 100.0 ? apart_m : 0.0);
+    state.clock_jump = false;
+  }
+}
+
 TEST(IncrementCovariance, AfterAClockJumpTheMotionIsNotKnown) {
   FilterState state = measured(0.01);
   state.clock_jump = true;

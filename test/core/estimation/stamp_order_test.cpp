@@ -14,7 +14,25 @@ TEST(StampSequence, TellsALateSweepFromAClockThatWasSetBack) {
   EXPECT_EQ(first(0.0), StampOrder::kSame);
   EXPECT_EQ(first(-1e-6), StampOrder::kReordered);
   EXPECT_EQ(first(-kMaxReorder_s), StampOrder::kReordered);
-  EXPECT_EQ(first(-kMaxReorder_s - 1e-6), StampOrder::kJumpedBack);
+  EXPECT_EQ(first(-kMaxReorder_s - 1e-6), StampOrder::kFarBack);
+}
+
+TEST(StampSequence, AStampFarBackCountsOnceTheNextOneFollowsOnIt) {
+  StampSequence stamps;
+  EXPECT_EQ(stamps.next(-3600.0), StampOrder::kFarBack);
+  EXPECT_EQ(stamps.next(0.1), StampOrder::kAdvances) << "it was wrong";
+  EXPECT_EQ(stamps.setBack_s(), 0.0);
+  EXPECT_EQ(stamps.next(-2.0), StampOrder::kFarBack);
+  EXPECT_EQ(stamps.next(-2.0), StampOrder::kFarBack) << "the same one again";
+  EXPECT_EQ(stamps.next(-2.1), StampOrder::kFarBack) << "before it";
+  EXPECT_EQ(stamps.next(-2.0), StampOrder::kJumpedBack);
+}
+
+TEST(StampSequence, FarAheadAndFarBackDoNotConfirmEachOther) {
+  StampSequence stamps;
+  EXPECT_EQ(stamps.next(7200.0), StampOrder::kFarAhead);
+  EXPECT_EQ(stamps.next(-2.0), StampOrder::kFarBack);
+  EXPECT_EQ(stamps.next(7200.1), StampOrder::kFarAhead);
 }
 
 TEST(StampSequence, AStampFarAheadCountsOnceTheNextOneFollowsOnIt) {
@@ -54,7 +72,7 @@ TEST(StampSequence, ALimitThatChangesKeepsWhatCameBefore) {
   StampSequence stamps;
   EXPECT_EQ(stamps.next(-0.3), StampOrder::kReordered);
   stamps.setMaxReorder(0.2);
-  EXPECT_EQ(stamps.next(-0.3), StampOrder::kJumpedBack);
+  EXPECT_EQ(stamps.next(-0.3), StampOrder::kFarBack);
   EXPECT_EQ(stamps.next(0.1), StampOrder::kAdvances);
   EXPECT_EQ(stamps.setBack_s(), 0.3);
 }
@@ -68,7 +86,7 @@ TEST(StampSequence, SetBackIsTheLargestRefused) {
   EXPECT_EQ(stamps.setBack_s(), 0.3);
   stamps.next(0.1);
   EXPECT_EQ(stamps.setBack_s(), 0.0);
-  for (const double since_newest_s : {-0.3, 0.1, -0.2, -7200.0}) stamps.next(since_newest_s);
+  for (const double since_newest_s : {-0.3, 0.1, -0.2, -7200.0, -7199.9}) stamps.next(since_newest_s);
   stamps.beginDrive();
   EXPECT_EQ(stamps.setBack_s(), 0.0) << "a new drive";
   stamps.next(0.1);

@@ -100,6 +100,56 @@ TEST_F(SweepClockTest, JitterFromTheStartIsRemoved) {
   }
 }
 
+TEST_F(SweepClockTest, DriverThatBeginsInMidRevolutionDoesNotSetThePeriod) {
+  for (const double first_interval_s : {0.022, 0.03, 0.04, 0.06, 0.069}) {
+    clock.reset();
+    for (int i = 0; i < 20; ++i) {
+      turn(0.0, i == 1 ? first_interval_s : kPeriod_s);
+      clock.observeRevolution(kPeriod_s);
+      if (i > 0) EXPECT_NEAR(interval_error_s, 0.0, 1e-4) << first_interval_s << ", " << i;
+    }
+    EXPECT_NEAR(*clock.period_s(), kPeriod_s, 1e-4) << first_interval_s;
+    EXPECT_EQ(clock.outliers(), 0u) << first_interval_s;
+  }
+}
+
+TEST_F(SweepClockTest, JitterOfTheFirstTwoStampsDoesNotSetThePeriod) {
+  for (const double jitter_s : {0.005, 0.010}) {
+    for (const double period_s : {0.05, 0.1}) {
+      for (int seed = 0; seed < 200; ++seed) {
+        clock.reset();
+        random = RandomStream(static_cast<std::uint64_t>(seed));
+        for (int i = 0; i < 40; ++i) {
+          turn(jitter_s * random.normal(), period_s);
+          clock.observeRevolution(period_s);
+        }
+        ASSERT_NEAR(*clock.period_s(), period_s, 0.02 * period_s) << jitter_s << ", " << period_s << ", " << seed;
+      }
+    }
+  }
+}
+
+// Delays of a host's scheduler: seldom long. An interval that is wrong must say so.
+TEST_F(SweepClockTest, LateStampIsNotALostSweep) {
+  for (const double period_s : {0.05, 0.1}) {
+    int wrong = 0, unsaid = 0, intervals = 0;
+    for (int seed = 0; seed < 20; ++seed) {
+      clock.reset();
+      random = RandomStream(static_cast<std::uint64_t>(seed));
+      for (int i = 0; i < 600; ++i) {
+        turn(-0.005 * std::log(1.0 - random.uniform(0.0, 1.0)), period_s);
+        if (i < 40) continue;
+        ++intervals;
+        if (std::abs(interval_error_s) < 0.4 * period_s) continue;
+        ++wrong;
+        if (last.interval_sigma_s < 0.09 * period_s) ++unsaid;
+      }
+    }
+    EXPECT_LT(wrong, 0.004 * intervals) << period_s;
+    EXPECT_EQ(unsaid, 0) << period_s << ": of " << wrong;
+  }
+}
+
 TEST_F(SweepClockTest, SingleWrongStampIsLeftOut) {
   turns(20);
   for (const double error_s : {0.005, 0.015, 0.025, 0.040, 0.060, 0.090, -0.005, -0.020, -0.060, -0.090}) {

@@ -68,6 +68,18 @@ TEST(SweepCheck, RangesCutAtTenMetresAreLowVisibility) {
   EXPECT_FALSE(check.check(sweep).low_visibility);
 }
 
+TEST(SweepCheck, AFirstSweepThatIsAPartOfARevolutionIsLeftOut) {
+  SweepCheck check{SweepCheckParams()};
+  EXPECT_FALSE(check.check(Sweep()).partial_start) << "no points";
+  Sweep part = streetSweep(0);
+  keepOnly(part, [&](const Eigen::Vector3f& p) { return azimuthDeg(p) > 0.0; });
+  EXPECT_TRUE(isLeftOut(check.check(part), true));
+  EXPECT_FALSE(isLeftOut(check.check(part), true)) << "the lidar sees no more";
+  check.reset();
+  EXPECT_FALSE(check.check(streetSweep(0)).partial_start);
+  EXPECT_FALSE(check.check(part).partial_start) << "a fault";
+}
+
 TEST(SweepCheck, ASweepThatRepeatsItselfIsFrozenWithinFive) {
   SweepCheck check{SweepCheckParams()};
   check.check(streetSweep(0));

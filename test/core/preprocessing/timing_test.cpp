@@ -139,6 +139,28 @@ TEST(SweepTiming, AbsoluteFieldIsTakenRelativeToTheStamp) {
   EXPECT_NEAR(times_s[2], 0.0, 1e-5);
 }
 
+TEST(SweepTiming, AbsoluteFieldCountsFromTheStampWithoutItsJitter) {
+  std::vector<float> times_s;
+  SweepTiming timing(paramsWith("auto"));
+  double now_s = 100.0;
+  const auto firstOf = [&](double stamp_s, double stamp_error_s) {
+    const auto at = [&](double ago_s) { return static_cast<float>(now_s - ago_s); };
+    EXPECT_TRUE(
+        timing.assign(sweepWithField({at(0.1), at(0.05), at(0.0)}, stamp_s), kPeriod_s, times_s, stamp_error_s).ok());
+    now_s += kPeriod_s;
+    return times_s.front();
+  };
+  EXPECT_NEAR(firstOf(now_s, 0.0), -0.1, 1e-4);
+  for (const double jitter_s : {0.01, -0.02, 0.06, 0.005}) {
+    EXPECT_NEAR(firstOf(now_s + jitter_s, jitter_s), -0.1, 1e-4) << jitter_s;
+  }
+  constexpr double kSet_s = 0.07;  // the clock of stamps and points is set
+  now_s += kSet_s;
+  for (const double jitter_s : {0.0, 0.01, -0.02}) {
+    EXPECT_NEAR(firstOf(now_s + jitter_s, kSet_s + jitter_s), -0.1, 1e-4) << "after it " << jitter_s;
+  }
+}
+
 TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   const struct {

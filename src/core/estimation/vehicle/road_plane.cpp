@@ -17,7 +17,7 @@ constexpr double kMemory_s = 0.5;  // of the road's slope: about one oscillation
 Eigen::Vector2d RoadPlane::rollPitch(double yaw_rad, double ahead_s) const {
   // R = Rz(yaw) Ry(pitch) Rx(roll) takes e_z to the plane's normal; in axes along the heading this normal is
   // (sin pitch cos roll, -sin roll, cos pitch cos roll).
-  const Eigen::Vector2d gradient = slope + ahead_s * slope_rate_per_s;
+  const Eigen::Vector2d gradient = slope + std::clamp(ahead_s, -kMemory_s, kMemory_s) * slope_rate_per_s;
   const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
   const double along = c * gradient.x() + s * gradient.y();
   const double across = -s * gradient.x() + c * gradient.y();
