@@ -33,10 +33,11 @@ def read(path, calib, run):
         T = np.linalg.inv(T_camera_lidar) @ T @ T_camera_lidar
     if run.T_base_lidar is not None:
         T = T @ np.linalg.inv(run.T_base_lidar)
-    last = run.first_row + run.scans
-    if len(T) < last:
-        raise InputError(f"{path} has {len(T)} poses, the run needs {last}: one a scan")
-    return Trajectory(run.stamp_s, T[run.first_row:last][run.scan_of_sweep])
+    if len(T) not in (run.scans, run.drive_scans):
+        raise InputError(f"{path} has {len(T)} poses: the ground truth needs one for each of the run's {run.scans} scans"
+                         + (f", or of the drive's {run.drive_scans}" if run.drive_scans else ""))
+    first = run.first_row if len(T) == run.drive_scans else 0
+    return Trajectory(run.stamp_s, T[first:first + run.scans][run.scan_of_sweep])
 
 
 def matched(run, trajectory):

@@ -148,6 +148,7 @@ def _describe(run, described, table):
         if "lidar_in_base" in described:
             run.T_base_lidar = poses.from_xyz_rpy([float(value) for value in described["lidar_in_base"]])
         run.first_row = int(described.get("first", 0))
+        run.drive_scans = int(described.get("drive_scans", run.scans))
     except (TypeError, ValueError):
         raise InputError(f"{os.path.join(os.path.dirname(table.path), 'summary.json')}: 'run' is not as "
                          "offline_odometry writes it")

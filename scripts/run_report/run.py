@@ -75,6 +75,7 @@ class Run:
     first_row: int = 0                            # of the ground truth file, where the run began later
     drive_begin_s: Optional[float] = None         # stamp of the drive's first sweep; None: that of the run
     scans: int = 0                                # scan files that the run read
+    drive_scans: Optional[int] = None             # scans of the whole drive
     scan_of_sweep: Optional[np.ndarray] = None    # which of them each sweep is
     dropped: Optional[int] = None                 # sweeps without a usable cloud, or lost before the odometry saw them
     facts: Dict[str, str] = field(default_factory=dict)  # further rows of the table

@@ -1,5 +1,6 @@
 #include "evaluation/fail_aware_calibration.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "evaluation/alarm_statistics.hpp"
@@ -57,6 +58,15 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
   const double threshold = quantile(values, 1.0 - passed_by);
   if (!(threshold > 0.0)) return std::nullopt;
   return threshold;
+}
+
+std::size_t failuresThatCount(const std::vector<FailAwareEpisode>& episodes) {
+  const auto counts = [](const FailAwareEpisode& episode) {
+    const std::vector<std::size_t> judged = judgedSweeps(episode);
+    return episode.failed &&
+           std::any_of(judged.begin(), judged.end(), [&](std::size_t sweep) { return !episode.isBeforeAFault(sweep); });
+  };
+  return static_cast<std::size_t>(std::count_if(episodes.begin(), episodes.end(), counts));
 }
 
 std::optional<double> smallestConfidence(const std::function<bool(double)>& holds, double smallest, double largest) {

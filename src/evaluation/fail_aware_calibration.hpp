@@ -27,6 +27,9 @@ std::optional<double> quietEtaThreshold(const std::vector<FailAwareEpisode>& epi
 
 constexpr double kLargestConfidence = 0.999999;  ///< that is tried, and that can be set in flight
 
+/// Of the starts that fail those with a prediction that no later fault spoils.
+std::size_t failuresThatCount(const std::vector<FailAwareEpisode>& episodes);
+
 /// The smallest confidence at which `holds`, which must hold at every larger one, too. Found between the limits by
 /// bisection of ln(c / (1 - c)), to 0.02: near 1, to 2 % of what is missing to 1. Nothing if it does not hold at the
 /// largest.

@@ -113,6 +113,7 @@ int run(Options options) {
     return value;
   };
   const std::vector<FailAwareEpisode> as_is = replay([](MonitorParameters&) {});
+  const std::size_t count = failuresThatCount(as_is);
   const auto failed = static_cast<std::size_t>(
       std::count_if(as_is.begin(), as_is.end(), [](const FailAwareEpisode& episode) { return episode.failed; }));
   const std::optional<double> threshold = add("monitor.indicator.threshold",
@@ -137,8 +138,8 @@ int run(Options options) {
                          lateRiskByState(as_is, confidence ? withConfidence(*confidence) : as_is))) {
       notes.push_back(std::move(note));
     }
-  } else if (failed > 0 && failed < startsNeeded(options.late_ratio)) {
-    notes.push_back(kConfidence + std::string(" left as it is: ") + fewFailures(failed, options.late_ratio));
+  } else if (count > 0 && count < startsNeeded(options.late_ratio)) {
+    notes.push_back(kConfidence + std::string(" left as it is: ") + fewFailures(count, options.late_ratio));
   } else {
     confidence = add(kConfidence, confidenceForLateRatio(withConfidence, options.late_ratio),
                      "no run fails, or only after a fault (give some that do), or predictions are late whatever it is "

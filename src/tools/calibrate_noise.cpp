@@ -38,9 +38,10 @@ void requireItsTruth(const FailAwareRun& run, const std::vector<IncrementSample>
     too_large.push_back(increment.error.head<2>().norm() - kMostError_m - kMostErrorRatio * increment.distance_m);
   }
   if (too_large.empty() || quantile(too_large, 0.5) <= 0.0) return;
-  throw InputError(run.name +
-                   ": half of its motions differ from the ground truth by more than 0.1 m: it is another drive's, or "
-                   "the odometry was lost; leave the run out");
+  throw InputError(
+      run.name +
+      ": half of its motions differ from the ground truth by more than 0.1 m and 5 %: it is another drive's, or "
+      "the odometry was lost; leave the run out");
 }
 
 /// What the drives show next to nothing of stays as it was, and is said: one drive has one bias, and shows no other.

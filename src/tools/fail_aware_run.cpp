@@ -48,8 +48,9 @@ void requireOneDrive(const std::vector<MonitorInput>& log, const fs::path& path)
     if (log[i].state.odom_reset_count != log.front().state.odom_reset_count) {
       throw InputError(path.string() + ": a pose was set" + at + ": make the run without --set-pose");
     }
-    if (log[i].state.stamp_s < log[i - 1].state.stamp_s) {
-      throw InputError(path.string() + ": the stamps go back" + at +
+    const bool begins_anew = !(log[i].state.dt_s > 0.0) && log[i - 1].state.dt_s > 0.0;
+    if (begins_anew || log[i].state.stamp_s < log[i - 1].state.stamp_s) {
+      throw InputError(path.string() + ": the stamps jump" + at +
                        ", where a new drive began: make a run of each part (offline_odometry --first, --count)");
     }
   }

@@ -238,6 +238,14 @@ TEST_F(EvaluateFailAware, ARunWithAPoseThatWasSetIsRefused) {
   expectRefused(options("run"), "a pose was set at stamp 3.0");
 }
 
+TEST_F(EvaluateFailAware, ARunOfTwoDrivesIsRefused) {
+  MadeUpRun made_up;
+  made_up.sweeps = 60;
+  made_up.new_drive_at = 30;
+  made_up.write(folder_ / "run");
+  expectRefused(options("run"), "the stamps jump at stamp 3.0");
+}
+
 /// A run of a part of a drive (offline_odometry --first) is held against that part of the truth.
 TEST_F(EvaluateFailAware, ALaterPartOfADriveHasItsOwnTruth) {
   constexpr int kFirst = 7;

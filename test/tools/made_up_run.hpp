@@ -32,6 +32,7 @@ struct MadeUpRun {
   std::size_t first = 0;  ///< scan of its drive, which ends with the run
   double drive_begin_stamp_s = 0.0;
   int pose_set_at = -1;                ///< sweep with which odom moved; -1: none
+  int new_drive_at = -1;  ///< sweep with which a drive began anew
   std::vector<std::size_t> refused{};  ///< sweeps that have a scan and a true pose, and no row in the logs
 
   /// Writes FOLDER/monitor_log.csv, FOLDER/measurements.csv (the first measurement is the estimate, the second too, but
@@ -62,7 +63,7 @@ struct MadeUpRun {
       s.fusion.weights = {1.0, 1.0, 1.0};
       s.fusion.nis = {6.0, 6.0, -1.0};
       if (i > 0) {
-        s.dt_s = 0.1;
+        s.dt_s = i == new_drive_at ? 0.0 : 0.1;
         Vector6d step = Vector6d::Zero(), error = Vector6d::Zero();
         step[0] = speed_mps * s.dt_s;
         error << sigma_m * random.normal(), sigma_m * random.normal() + drift_m, sigma_up_m * random.normal(),

@@ -44,6 +44,15 @@ bool DeadReckoning::observes(const Measured& measured) const {
          measured.yaw_variance <= max_sigma_rad * max_sigma_rad;
 }
 
+// R and the yaw's variance are those of a way, from which the motion follows as way / dt_s.
+void DeadReckoning::widenForGap(double dt_s, Measured& measured) const {
+  const double lever_s2 = 0.5 * dt_s * dt_s;
+  const double along_m = params_.acceleration_mps2 * lever_s2, across_m = params_.lateral_acceleration_mps2 * lever_s2;
+  const double yaw_rad = yawAcceleration_rad_s2(measured.velocity_mps.norm()) * lever_s2;
+  measured.R.diagonal() += Eigen::Vector3d(along_m * along_m, across_m * across_m, across_m * across_m);
+  measured.yaw_variance += yaw_rad * yaw_rad;
+}
+
 // A single accurate pose between inaccurate ones does not end the dead reckoning.
 bool DeadReckoning::isObservedWith(const Measured& measured) const {
   return observes(measured) && (!active_ || observed_in_a_row_ + 1 >= params_.observed_sweeps);

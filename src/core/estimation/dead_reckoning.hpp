@@ -80,6 +80,9 @@ class DeadReckoning {
   /// Whether a measurement observes the motion on the road.
   bool observes(const Measured& measured) const;
 
+  /// A mean over dt_s becomes the motion at its end, as far as the driver's accelerations let it.
+  void widenForGap(double dt_s, Measured& measured) const;
+
   /// How far the poses up to this measurement give the velocity better than the filter: 0 to 1; dead reckoning: 0,
   /// the first sweeps of a drive: 1.
   double sureness(const Measured& measured) const;

@@ -1,5 +1,8 @@
 #include "core/estimation/increment_covariance.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/stamp_difference.hpp"
@@ -10,6 +13,7 @@ namespace {
 
 constexpr double kUnknownDistance_m = 15.0, kUnknownTurn_rad = 0.8;  // what the relocalization searches
 
+constexpr double kMostTilt_rad = 2.0 * kDegree;  // standard deviation of roll and of pitch in a sweep or a gap
 // farther from its last sweep a map of 100 m holds too little to compare
 constexpr double kComparedPlaces_m = 60.0;
 
@@ -27,6 +31,17 @@ Matrix6d measuredMotion(const Matrix6d& Q, const FusionResult& fusion) {
   const auto variances = measured.diagonal().array();
   const bool is_better = measured.allFinite() && (variances > 0.0).all() && (variances <= Q.diagonal().array()).all();
   return is_better ? measured : Q;
+}
+
+// Without a measurement the filter's roll and pitch may take any angle within its noise; the vehicle stays on the road.
+Matrix6d onTheRoad(Matrix6d Q) {
+  for (int i = 3; i < 5; ++i) {
+    const double ratio = kMostTilt_rad / std::sqrt(std::max(Q(i, i), 1e-12));
+    if (ratio >= 1.0) continue;
+    Q.row(i) *= ratio;
+    Q.col(i) *= ratio;
+  }
+  return Q;
 }
 
 Matrix6d unknownMotion() {
@@ -67,7 +82,7 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
   // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T and the
   // measurement's part K R K^T.
   Matrix6d increment = Q;
-  Matrix6d motion = state.registered ? measuredMotion(Q, fusion) : Q;
+  Matrix6d motion = state.registered ? measuredMotion(Q, fusion) : onTheRoad(Q);
   if (state.clock_jump) {  // the prediction tells nothing of it
     increment = fusion.R;
     motion = unknownMotion();

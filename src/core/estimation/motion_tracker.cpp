@@ -12,6 +12,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
+constexpr double kLongMean_s = 1.5;  // the mean over a longer gap is not the motion at its end
 
 }  // namespace
 
@@ -99,6 +100,7 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   measured.R = R_odom_body.transpose() * poseCovarianceFromState(state.fusion.R, state.fusion.z).topLeftCorner<3, 3>() *
                R_odom_body;
   measured.yaw_variance = state.fusion.R(5, 5);
+  if (previous_measured_ && state.dt_s > kLongMean_s) dead_reckoning_.widenForGap(state.dt_s, measured);
   return measured;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/estimation/doubtful_standstill.hpp"
 #include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/largest_values.hpp"
 #include "core/estimation/prediction_noise.hpp"
@@ -154,6 +155,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
   const Vector6d predicted = ukf_.state();
+  leaveOutCornersOfConvoys(inputs);
   const bool doubted = doubtPrediction(inputs);
   next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), inputs);
   if (next.fusion.has_measurement) {

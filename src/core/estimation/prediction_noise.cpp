@@ -7,6 +7,12 @@
 
 namespace fail_aware {
 
+namespace {
+
+constexpr double kLeastTilt_rad = 1e-3;  // of a sweep's motion: a variance of 0 has no inverse
+
+}  // namespace
+
 PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& motion, const FilterState& last,
                                 const PredictionInterval& interval) {
   const double dt_s = interval.dt_s;
@@ -51,6 +57,7 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
     for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - last.covariance(i, i));
   }
   noise.increment = Q + beyond;
+  for (int i = 3; i < 5; ++i) noise.increment(i, i) = std::max(noise.increment(i, i), kLeastTilt_rad * kLeastTilt_rad);
   noise.increment(5, 5) += uncertain_yaw;  // in Q it would shorten the unscented mean of every step
   return noise;
 }

@@ -18,10 +18,10 @@ constexpr double kNegligible_s = 0.5e-3;    // 15 mm at 30 m/s: less than the ve
 constexpr double kUnknownJitter_s = 3e-3;   // of a usual host, until the stamps give it
 constexpr double kLeastJitter_s = 0.05e-3;  // lower limit for any clock
 
-constexpr double kTurnNoise_s = 0.03e-3;  // per revolution, an HDL-64E on a vehicle
-constexpr double kSurePeriod = 0.01;      // relative standard deviation of a period from point times
-constexpr double kWholeRevolution = 0.7;  // a cloud after more than this part of a revolution holds all of it
-constexpr double kOtherPeriod = 0.02;     // if point times differ by this ratio twice, the spin rate has changed
+constexpr double kTurnNoise_s = 0.03e-3;   // per revolution, an HDL-64E on a vehicle
+constexpr double kSurePeriod = 0.01;       // relative standard deviation of a period from point times
+constexpr double kWholeRevolution = 0.75;  // a cloud after more than this part of a revolution holds all of it
+constexpr double kOtherPeriod = 0.02;      // if point times differ by this ratio twice, the spin rate has changed
 
 constexpr double kLeastTolerance_s = 3e-3;  // a stamp farther off the model of a quiet clock is wrong
 constexpr double kToleranceSigmas = 4.0;
@@ -34,9 +34,8 @@ constexpr double kSameSlope = 0.25;
 constexpr double kTurnsOfGap = 3.0;      // after a gap of this many revolutions the head may have restarted
 constexpr double kRightAfterAll = 0.05;  // probability that a stamp which contradicts the model is right
 constexpr double kLostLogOdds = 4.6;     // of a sweep that is not lost: 1 % are
-constexpr double kLeastLate =
-    0.01;  // probability that a stamp is late by a period and more: its errors have long tails
-constexpr double kPhaseFollowed = 0.1;  // ratio of a phase correction that is applied in one sweep
+constexpr double kLeastLate = 0.01;      // probability of a stamp late by a period: jitter has long tails
+constexpr double kPhaseFollowed = 0.1;   // ratio of a phase correction that is applied in one sweep
 
 // A whole number of revolutions, or the inverse of a whole number.
 double turnsPerCloud(double interval_s, double revolution_s) {
@@ -135,7 +134,12 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
   // A shorter interval may be that of a driver that began in mid-revolution, or jitter: then more stamps decide.
   if (!hasPeriod() && new_revolution_s_ > 0.0 && stamps_apart_s > kWholeRevolution * new_revolution_s_) {
     turns_per_cloud_ = 1.0;  // a larger value may mean a lost sweep
+    const double shorter_s = new_revolution_s_ - stamps_apart_s;
     followRevolution(new_revolution_s_);
+    if (shorter_s > kLeastTolerance_s) {  // likelier jitter; the line begins at this stamp
+      offset_s_ -= shorter_s;
+      return {wholeMicroseconds(line_.period_s()), shorter_s};
+    }
   }
   const double stamp_s = last_.time_s + since_s;
   if (!hasPeriod()) {
@@ -168,7 +172,7 @@ SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s)
 // What one turn less would change, times the root of its probability: the stamp may be late instead.
 double SweepClock::fewerTurnsSigma_s(double turns, double deviation_s) const {
   const double noise = noise_s();
-  if (turns < 2.0 || noise <= kNegligible_s) return 0.0;
+  if (turns < 2.0 || !jitter_.sigma_s() || noise <= kNegligible_s) return 0.0;
   const double late_s = deviation_s + line_.period_s();
   const double log_odds = 0.5 * (late_s * late_s - deviation_s * deviation_s) / (noise * noise) - kLostLogOdds;
   const double late_probability = std::max(kLeastLate, 1.0 / (1.0 + std::exp(log_odds)));

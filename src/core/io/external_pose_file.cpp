@@ -47,7 +47,7 @@ std::vector<ExternalPose> readExternalPoses(const std::string& path) {
     if (!std::isfinite(row.stamp_s)) throw InputError(at + "must be finite");
     if (!(std::abs(row.quaternion.norm() - 1.0) <= kUnitTolerance))
       throw InputError(at + "qx..qw is not a unit quaternion");
-    if ((row.sigmas.array() < 0.0).any()) throw InputError(at + "a sigma is negative");
+    if (!(row.sigmas.array() >= 0.0).all()) throw InputError(at + "a sigma is negative or not a number");
     ExternalPose pose;
     pose.stamp_s = row.stamp_s;
     pose.T_odom_base.translation() = row.position_m;

@@ -23,7 +23,6 @@ constexpr int kMostBackward = 100;  // sweeps in a row; then the head turns that
 constexpr double kFieldLimitPeriods = 2.5;           // the field still times two revolutions in one cloud
 constexpr double kCoarsestFieldResolution_s = 1e-3;  // of an absolute time in a float
 constexpr double kZeroTolerance = 0.1;               // of the spread: a packet's points lie on both sides of its stamp
-constexpr double kClockWasSet_s = 0.01;
 
 /// As a ratio of the sweep's period, from its start.
 double positionInSweep(StampReference reference) {
@@ -179,12 +178,13 @@ SweepTiming::Clock SweepTiming::clockOf(double first_s, double last_s, double st
   return near(stamp_s, clock_ == Clock::kStamp ? 2.0 * limit_s : limit_s) ? Clock::kStamp : Clock::kOther;
 }
 
-/// The stamp's error without what is the points' error, too: if both have one clock, and it was set, the points go on as
-/// before relative to the stamp, not to the time. `first_s`: of the points, relative to the stamp.
+/// The stamp's error without what is the points' error, too: a clock of both that was set, or a driver that counts the
+/// points' times from its jittering stamp. Then the points go on as before relative to the stamp, not to the time.
+/// `first_s`: of the points, relative to the stamp.
 double SweepTiming::jitterOf(double first_s) {
   const double jitter_s = stamp_error_s_ - set_s_;
   const double by_stamp_s = std::abs(first_s - last_first_s_), by_time_s = std::abs(first_s + jitter_s - last_first_s_);
-  if (by_stamp_s + kClockWasSet_s >= by_time_s) return jitter_s;
+  if (by_stamp_s >= by_time_s) return jitter_s;
   set_s_ = stamp_error_s_;
   return 0.0;
 }

@@ -106,7 +106,7 @@ class SweepTiming {
   StampReference last_reference_ = StampReference::kEnd;
   double last_first_s_ = 0.0;
   double stamp_error_s_ = 0.0;  ///< of this sweep
-  double set_s_ = 0.0;          ///< the part of it by which the clock of stamps and points was set
+  double set_s_ = 0.0;          ///< the part of it that is the points' error, too
   int backward_sweeps_ = 0;     ///< in a row, so far
 };
 

@@ -271,6 +271,18 @@ TEST(DeadReckoning, LongIntervalAllowsAccelerations) {
   EXPECT_TRUE(forever.isApprox(dead_reckoning.drivenCovariance(3.0, 3.0, 5.0)));
 }
 
+TEST(DeadReckoning, AMeanOverAGapDoesNotObserveTheMotion) {
+  const DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  DeadReckoning::Measured measured;
+  measured.velocity_mps.x() = 10.0;
+  measured.R = 1e-4 * Eigen::Matrix3d::Identity();
+  measured.yaw_variance = 1e-8;
+  EXPECT_TRUE(dead_reckoning.observes(measured));
+  dead_reckoning.widenForGap(4.0, measured);
+  EXPECT_FALSE(dead_reckoning.observes(measured));
+  EXPECT_NEAR(std::sqrt(measured.R(0, 0)), DeadReckoning::Params().acceleration_mps2 * 8.0, 0.01);
+}
+
 TEST(DeadReckoning, ErrorsOfAGapOfSecondsGoOn) {
   const DeadReckoning dead_reckoning{DeadReckoning::Params()};
   EXPECT_EQ(dead_reckoning.drivenLaterCovariance(3.0, 15.0), Eigen::Matrix4d::Zero());

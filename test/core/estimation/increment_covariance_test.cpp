@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
 #include "core/geometry/degree.hpp"
 
 namespace fail_aware::increment_covariance_test {
@@ -37,7 +40,7 @@ TEST(IncrementCovariance, OfAPredictionIsThatOfTheMotion) {
   state.measurement_applied = false;
   setIncrementCovariance(IncrementScale(), kMotion, known(), state);
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.01, 1e-12);
-  EXPECT_TRUE(state.motion_covariance.isApprox(kMotion, 1e-9));
+  for (const int i : {0, 1, 2, 5}) EXPECT_NEAR(state.motion_covariance(i, i), kMotion(i, i), 1e-9);
   EXPECT_FALSE(incrementOf(state).registration);
 }
 
@@ -48,6 +51,18 @@ TEST(IncrementCovariance, MeasuredMotionIsNotAPlaceInTheMap) {
   setIncrementCovariance(IncrementScale(), kMotion, known(), state);
   EXPECT_NEAR(state.motion_covariance(0, 0), 1.0 / (1.0 / 1e-2 + 1.0 / 1e-4), 1e-7);
   EXPECT_TRUE(state.registration_covariance.isApprox(blind, 1e-9));
+}
+
+TEST(IncrementCovariance, APredictionKeepsTheVehicleOnTheRoad) {
+  FilterState state = measured(0.01);
+  state.measurement_applied = false;
+  Matrix6d any_tilt = kMotion;
+  any_tilt(3, 3) = any_tilt(4, 4) = 0.02;
+  any_tilt(0, 4) = any_tilt(4, 0) = 0.01;
+  setIncrementCovariance(IncrementScale(), any_tilt, known(), state);
+  EXPECT_NEAR(std::sqrt(state.motion_covariance(4, 4)), 2.0 * kDegree, 1e-9);
+  EXPECT_GT(state.motion_covariance.eigenvalues().real().minCoeff(), 0.0);
+  EXPECT_NEAR(state.motion_covariance(0, 0), kMotion(0, 0), 1e-9);
 }
 
 TEST(IncrementCovariance, AClockJumpIsAmbiguousWhereTheMapHoldsOneOfThePlaces) {

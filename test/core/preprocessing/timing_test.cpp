@@ -161,6 +161,19 @@ TEST(SweepTiming, AbsoluteFieldCountsFromTheStampWithoutItsJitter) {
   }
 }
 
+TEST(SweepTiming, AbsoluteFieldThatSharesTheStampsJitterStaysAtTheStamp) {
+  std::vector<float> times_s;
+  SweepTiming timing(paramsWith("auto"));
+  double stamp_s = 100.0;
+  for (const double jitter_s : {0.0, 0.01, -0.02, 0.003, 0.0}) {
+    const auto at = [&](double ago_s) { return static_cast<float>(stamp_s + jitter_s - ago_s); };
+    const Sweep sweep = sweepWithField({at(0.1), at(0.05), at(0.0)}, stamp_s + jitter_s);
+    EXPECT_TRUE(timing.assign(sweep, kPeriod_s, times_s, jitter_s).ok());
+    EXPECT_NEAR(times_s.front(), -0.1, 1e-4) << jitter_s;
+    stamp_s += kPeriod_s;
+  }
+}
+
 TEST(SweepTiming, RefusesFieldsThatAreNotThisSweepsSeconds) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   const struct {
