@@ -39,7 +39,7 @@ class Estimator {
     double set_back_s = 0.0;  ///< SweepTime::set_back_s, for predict()
     bool taken() const { return order == StampOrder::kAdvances || beginsDrive(); }
     /// This stamp begins a new drive.
-    bool beginsDrive() const { return order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead; }
+    bool beginsDrive() const { return fail_aware::beginsDrive(order); }
   };
 
   explicit Estimator(const PipelineParameters& params);

@@ -44,14 +44,15 @@ std::vector<double> readFaultBegins(const fs::path& path) {
 /// The truth knows nothing of a pose that was set, or of a drive that began anew: the jump would count as an error.
 void requireOneDrive(const std::vector<MonitorInput>& log, const fs::path& path) {
   for (std::size_t i = 1; i < log.size(); ++i) {
-    const std::string at = " at stamp " + std::to_string(log[i].state.stamp_s);
-    if (log[i].state.odom_reset_count != log.front().state.odom_reset_count) {
-      throw InputError(path.string() + ": a pose was set" + at + ": make the run without --set-pose");
-    }
-    const bool begins_anew = !(log[i].state.dt_s > 0.0) && log[i - 1].state.dt_s > 0.0;
-    if (begins_anew || log[i].state.stamp_s < log[i - 1].state.stamp_s) {
-      throw InputError(path.string() + ": the stamps jump" + at +
-                       ", where a new drive began: make a run of each part (offline_odometry --first, --count)");
+    const FilterState &before = log[i - 1].state, &now = log[i].state;
+    const auto refuse = [&](const char* what, const char* remedy) {
+      throw InputError(path.string() + ": " + what + " at stamp " + std::to_string(now.stamp_s) + remedy);
+    };
+    if (now.odom_reset_count != before.odom_reset_count) refuse("a pose was set", ": make the run without --set-pose");
+    const bool begins_anew = !(now.dt_s > 0.0) && before.dt_s > 0.0;
+    if (begins_anew || now.stamp_s < before.stamp_s) {
+      refuse("the stamps jump",
+             ", where a new drive began: make a run of each part (offline_odometry --first, --count)");
     }
   }
 }

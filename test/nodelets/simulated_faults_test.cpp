@@ -215,12 +215,11 @@ TEST_P(SimulatedFaults, EverySweepHasAPoseOrAnHonestState) {
     const sensor_msgs::PointCloud2Ptr cloud = cloudOf(simulated);
     const ros::Time stamp = cloud->header.stamp;
     const StampOrder order = newest.isZero() ? StampOrder::kAdvances : stamps.next((stamp - newest).toSec());
-    const bool begins_drive = order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead;
-    if (order != StampOrder::kAdvances && !begins_drive) {
+    if (order != StampOrder::kAdvances && !beginsDrive(order)) {
       graph_->publish(cloud);  // refused; the next sweep tells
       continue;
     }
-    if (begins_drive) stamps.beginDrive();
+    if (beginsDrive(order)) stamps.beginDrive();
     newest = stamp;
     ASSERT_TRUE(graph_->drive(cloud)) << simulated.begin_s << " s";
     ++answered;

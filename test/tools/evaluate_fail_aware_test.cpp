@@ -230,17 +230,13 @@ TEST_F(EvaluateFailAware, RunsOfOneNameStayApart) {
   }
 }
 
-TEST_F(EvaluateFailAware, ARunWithAPoseThatWasSetIsRefused) {
+TEST_F(EvaluateFailAware, ARunWithASetPoseOrTwoDrivesIsRefused) {
   MadeUpRun made_up;
   made_up.sweeps = 60;
   made_up.pose_set_at = 30;
   made_up.write(folder_ / "run");
   expectRefused(options("run"), "a pose was set at stamp 3.0");
-}
-
-TEST_F(EvaluateFailAware, ARunOfTwoDrivesIsRefused) {
-  MadeUpRun made_up;
-  made_up.sweeps = 60;
+  made_up.pose_set_at = -1;
   made_up.new_drive_at = 30;
   made_up.write(folder_ / "run");
   expectRefused(options("run"), "the stamps jump at stamp 3.0");

@@ -17,6 +17,10 @@ constexpr double kWidestDriven_rad = 0.25;
 // Gaps of 8 and 12 s on eight simulated country roads: errors of 7 to 57 m and of 28 to 120 m.
 constexpr double kTurnedInAGap_rad = 0.4;
 
+Eigen::Matrix4d fromSigmas(double along_m, double across_m, double yaw_rad) {
+  return Eigen::Vector4d(along_m, across_m, 0.0, yaw_rad).cwiseAbs2().asDiagonal();
+}
+
 }  // namespace
 
 void DeadReckoning::Params::validate() const {
@@ -156,9 +160,7 @@ Eigen::Matrix4d DeadReckoning::drivenCovariance(double dt_s, double previous_dt_
   const double along_m = params_.acceleration_mps2 * per_acceleration;
   const double yaw_rad = std::min(yawAcceleration_rad_s2(speed_mps) * per_acceleration, kWidestDriven_rad);
   const double across_m = speed_mps * bounded_s * yaw_rad / 3.0;  // the turn grows with the square of the time
-  Eigen::Matrix4d added = Eigen::Matrix4d::Zero();
-  added.diagonal() << along_m * along_m, across_m * across_m, 0.0, yaw_rad * yaw_rad;
-  return added;
+  return fromSigmas(along_m, across_m, yaw_rad);
 }
 
 // The errors of speed and heading at the limit go on.
@@ -166,9 +168,7 @@ Eigen::Matrix4d DeadReckoning::drivenLaterCovariance(double dt_s, double speed_m
   const double later_s = std::max(0.0, dt_s - kLongestDriven_s);
   const double along_m = params_.acceleration_mps2 * kLongestDriven_s * later_s;
   const double yaw_rad = later_s > 0.0 ? kTurnedInAGap_rad : 0.0, across_m = speed_mps * later_s * yaw_rad;
-  Eigen::Matrix4d added = Eigen::Matrix4d::Zero();
-  added.diagonal() << along_m * along_m, across_m * across_m, 0.0, yaw_rad * yaw_rad;
-  return added;
+  return fromSigmas(along_m, across_m, yaw_rad);
 }
 
 }  // namespace fail_aware

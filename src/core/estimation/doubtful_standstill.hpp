@@ -15,8 +15,7 @@ namespace fail_aware {
 
 inline bool isDoubtfulStandstill(const std::vector<FusionInput>& inputs) {
   const auto isAnIcp = [](const FusionInput& input) {
-    return (input.name == kIcpPointToPoint || input.name == kIcpPointToPlane) && input.measurement != nullptr &&
-           input.measurement->ok();
+    return input.isOfAnIcp() && input.measurement != nullptr && input.measurement->ok();
   };
   const auto isOpen = [&](const FusionInput& input) {
     return !isAnIcp(input) ||

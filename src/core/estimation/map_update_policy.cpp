@@ -14,9 +14,7 @@ bool isThere(const FusionInput& input) {
   return input.measurement != nullptr && input.kind == FusionInput::Kind::kPose;
 }
 
-bool isAnIcp(const FusionInput& input) { return input.name == kIcpPointToPoint || input.name == kIcpPointToPlane; }
-
-bool isOfAnIcp(const FusionInput& input) { return isThere(input) && isAnIcp(input); }
+bool isOfAnIcp(const FusionInput& input) { return isThere(input) && input.isOfAnIcp(); }
 
 // There are measurements of that kind, and none of them had a reference.
 bool haveNoReference(const std::vector<FusionInput>& inputs, bool (*isOfThose)(const FusionInput&)) {
@@ -53,6 +51,7 @@ bool canBegin(const std::vector<FusionInput>& measurements) {
   const auto has_points = [](const FusionInput& input) {
     return isOfAnIcp(input) && input.measurement->status != MeasurementStatus::kTooFewPoints;
   };
+  const auto isAnIcp = [](const FusionInput& input) { return input.isOfAnIcp(); };
   return std::none_of(measurements.begin(), measurements.end(), isAnIcp) ||
          std::any_of(measurements.begin(), measurements.end(), has_points);
 }

@@ -17,6 +17,10 @@ inline constexpr double kFarAhead_s = 3600.0;
 
 enum class StampOrder { kAdvances, kSame, kReordered, kFarBack, kJumpedBack, kFarAhead, kJumpedAhead };
 
+constexpr bool beginsDrive(StampOrder order) {
+  return order == StampOrder::kJumpedBack || order == StampOrder::kJumpedAhead;
+}
+
 class StampSequence {
  public:
   void setMaxReorder(double max_reorder_s) { max_reorder_s_ = max_reorder_s; }

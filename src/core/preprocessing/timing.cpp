@@ -80,7 +80,7 @@ void SweepTimingParams::validate() const {
 
 void SweepTiming::reset() {
   clock_.reset();
-  set_s_ = 0.0;
+  shared_error_s_ = 0.0;
   held_.reset();
   backward_sweeps_ = 0;
 }
@@ -95,7 +95,7 @@ StampReference SweepTiming::referenceOr(StampReference automatic) const {
 TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
                                  std::vector<float>& times_relative_to_stamp_s, double stamp_error_s) {
   TimingResult result;
-  stamp_error_s_ = stamp_error_s;
+
   result.period_s = kUsualPeriod_s;
   if (params_.sweep_period_s > 0.0) {
     result.period_s = params_.sweep_period_s;
@@ -112,7 +112,7 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
     return result;
   }
   if (params_.source != "azimuth") {
-    result.field = assignField(sweep, result, times_relative_to_stamp_s);
+    result.field = assignField(sweep, stamp_error_s, result, times_relative_to_stamp_s);
     if (result.field == TimeField::kUsed) {
       result.status = TimingStatus::kOk;
       result.source = TimingSource::kField;
@@ -181,16 +181,17 @@ SweepTiming::Clock SweepTiming::clockOf(double first_s, double last_s, double st
 /// The stamp's error without what is the points' error, too: a clock of both that was set, or a driver that counts the
 /// points' times from its jittering stamp. Then the points go on as before relative to the stamp, not to the time.
 /// `first_s`: of the points, relative to the stamp.
-double SweepTiming::jitterOf(double first_s) {
-  const double jitter_s = stamp_error_s_ - set_s_;
+double SweepTiming::jitterOf(double first_s, double stamp_error_s) {
+  const double jitter_s = stamp_error_s - shared_error_s_;
   const double by_stamp_s = std::abs(first_s - last_first_s_), by_time_s = std::abs(first_s + jitter_s - last_first_s_);
   if (by_stamp_s >= by_time_s) return jitter_s;
-  set_s_ = stamp_error_s_;
+  shared_error_s_ = stamp_error_s;
   return 0.0;
 }
 
 /// From the sweep's times to times relative to the stamp; also sets the result's references.
-double SweepTiming::fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, TimingResult& result) {
+double SweepTiming::fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, double stamp_error_s,
+                                  TimingResult& result) {
   const double origin_s = sweep.time_field.origin_s;
   const Clock clock = clockOf(origin_s + range.first_s, origin_s + range.last_s, sweep.stamp_s, limit_s);
   const bool is_first = !clock_;
@@ -203,7 +204,7 @@ double SweepTiming::fieldOffset_s(const Sweep& sweep, const TimeRange& range, do
   }
   if (clock == Clock::kStamp) {
     const double stamp_offset_s = origin_s - sweep.stamp_s;
-    const double offset_s = stamp_offset_s + (is_first ? 0.0 : jitterOf(range.first_s + stamp_offset_s));
+    const double offset_s = stamp_offset_s + (is_first ? 0.0 : jitterOf(range.first_s + stamp_offset_s, stamp_error_s));
     result.field_reference = referenceFromSign(range.first_s + offset_s, range.last_s + offset_s);
     result.reference = referenceOr(*result.field_reference);
     return offset_s;
@@ -216,7 +217,8 @@ double SweepTiming::fieldOffset_s(const Sweep& sweep, const TimeRange& range, do
   return last_first_s_ - range.first_s;
 }
 
-TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s) {
+TimeField SweepTiming::assignField(const Sweep& sweep, double stamp_error_s, TimingResult& result,
+                                   std::vector<float>& times_s) {
   const auto refuse = [&](TimeField why, const std::string& text) {
     result.refusal =
         (sweep.time_field.name.empty() ? "the sweep's times" : "field `" + sweep.time_field.name + "`") + ": " + text;
@@ -240,7 +242,7 @@ TimeField SweepTiming::assignField(const Sweep& sweep, TimingResult& result, std
   }
 
   if (!result.period_known) result.period_s = cloudPeriod_s(sweep, *range).value_or(kUsualPeriod_s);
-  const double offset_s = fieldOffset_s(sweep, *range, limit, result);
+  const double offset_s = fieldOffset_s(sweep, *range, limit, stamp_error_s, result);
   times_s.resize(size);
   for (std::size_t i = 0; i < size; ++i) {
     const bool usable = range->contains(sweep.times_s[i]);

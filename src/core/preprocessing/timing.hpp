@@ -91,9 +91,10 @@ class SweepTiming {
   void reset();
 
  private:
-  TimeField assignField(const Sweep& sweep, TimingResult& result, std::vector<float>& times_s);
-  double fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, TimingResult& result);
-  double jitterOf(double first_s);
+  TimeField assignField(const Sweep& sweep, double stamp_error_s, TimingResult& result, std::vector<float>& times_s);
+  double fieldOffset_s(const Sweep& sweep, const TimeRange& range, double limit_s, double stamp_error_s,
+                       TimingResult& result);
+  double jitterOf(double first_s, double stamp_error_s);
   StampReference referenceOr(StampReference automatic) const;
 
   enum class Clock { kSweep, kStamp, kOther };
@@ -105,9 +106,8 @@ class SweepTiming {
   HeldTiming held_;
   StampReference last_reference_ = StampReference::kEnd;
   double last_first_s_ = 0.0;
-  double stamp_error_s_ = 0.0;  ///< of this sweep
-  double set_s_ = 0.0;          ///< the part of it that is the points' error, too
-  int backward_sweeps_ = 0;     ///< in a row, so far
+  double shared_error_s_ = 0.0;  ///< the part of the stamp's error that is the points' error, too
+  int backward_sweeps_ = 0;      ///< in a row, so far
 };
 
 }  // namespace fail_aware

@@ -15,6 +15,7 @@ struct FusionInput {
     kExternal  ///< a whole pose from elsewhere: disagrees with another input only beyond both covariances (3 sigma)
   };
 
+  bool isOfAnIcp() const { return name == kIcpPointToPoint || name == kIcpPointToPlane; }
   static constexpr bool isPartial(Kind kind) { return kind == Kind::kPartial || kind == Kind::kMotion; }
 
   std::string name;

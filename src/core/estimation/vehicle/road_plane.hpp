@@ -24,7 +24,7 @@ struct RoadPlane {
   Eigen::Vector2d slope_rate_per_s = Eigen::Vector2d::Zero();
 
   /// Roll and pitch of a body that stands flat on the plane with this heading, `ahead_s` after the newest estimate. The
-  /// slope changes for 0.5 s at most: over a gap of seconds nobody knows it.
+  /// slope is extrapolated for at most 0.5 s: how the road goes on after that is not known.
   Eigen::Vector2d rollPitch(double yaw_rad, double ahead_s = 0.0) const;
 };
 
