@@ -16,7 +16,7 @@ namespace {
 constexpr double kSilence_s = 0.5;  // without a message: the monitor or its computer has failed
 constexpr double kOldest_s = 1.0;   // an older stamp is outdated
 constexpr double kAhead_s = 0.1;    // a stamp further in the future comes from another clock
-constexpr double kWait_s = 0.5;     // for the first state after the loss of the GPS
+constexpr double kWait_s = 0.5;     // for t1 after the loss of the GPS
 enum Stop { kNone = 0, kByThePose = 1, kBlind = 2 };
 
 // SteadyTime is not moved when the system clock is set.
@@ -27,13 +27,12 @@ double since_s(const ros::SteadyTime& time) { return (ros::SteadyTime::now() - t
 class Planner {
  public:
   Planner() : node_("~"), publisher_(node_.advertise<std_msgs::String>("action", 1)) {
-    time_ = node_.subscribe<TimeToFailure>(
-        "/fail_aware_lidar_odometry/time_to_failure", 1,
-        [this](const TimeToFailure::ConstPtr& message) { last_ = *message, heard_ = ros::SteadyTime::now(); });
+    time_ = node_.subscribe<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure", 1,
+                                           [this](const TimeToFailure::ConstPtr& message) { hear(*message); });
     wheels_ = node_.subscribe<std_msgs::Bool>(
         "standing", 1, [this](const std_msgs::Bool::ConstPtr& message) { standing_ = message->data; });
     gps_ = node_.subscribe<std_msgs::Bool>("gps_lost", 1, [this](const std_msgs::Bool::ConstPtr& message) {
-      if (message->data && !gps_lost_) lost_since_ = ros::SteadyTime::now();
+      if (message->data && !gps_lost_) loseGps();
       gps_lost_ = message->data;
     });
   }
@@ -45,6 +44,22 @@ class Planner {
   }
 
  private:
+  void loseGps() {
+    lost_since_ = ros::SteadyTime::now();
+    lost_at_ = ros::Time::now();
+    t1_ = ros::Time();
+    pose_lost_ = false;
+  }
+
+  void hear(const TimeToFailure& message) {
+    last_ = message;
+    heard_ = ros::SteadyTime::now();
+    if (!gps_lost_ || message.t1.isZero()) return;
+    if (t1_.isZero()) t1_ = message.t1;
+    // from the loss of the GPS to such a t1 nobody has counted the error
+    pose_lost_ = pose_lost_ || message.t1 != t1_ || t1_ > lost_at_ + ros::Duration(kWait_s);
+  }
+
   const char* action() {
     if (!gps_lost_) {
       stop_ = kNone;
@@ -58,7 +73,8 @@ class Planner {
   Stop wantedStop() const {
     const double age_s = ros::Time::now().toSec() - last_.header.stamp.toSec();
     const bool current = age_s >= -kAhead_s && age_s <= kOldest_s;
-    if (since_s(heard_) > kSilence_s || !current || last_.state == TimeToFailure::FAILED) return kBlind;
+    const bool silent = since_s(heard_) > kSilence_s;
+    if (pose_lost_ || silent || !current || last_.state == TimeToFailure::FAILED) return kBlind;
     if (last_.state == TimeToFailure::UNKNOWN) return since_s(lost_since_) < kWait_s ? kNone : kBlind;
     return last_.state == TimeToFailure::FAILING ? kByThePose : kNone;
   }
@@ -68,7 +84,8 @@ class Planner {
   ros::Subscriber time_, wheels_, gps_;
   TimeToFailure last_;  // UNKNOWN until the first one comes
   ros::SteadyTime heard_, lost_since_;
-  bool standing_ = false, gps_lost_ = false;
+  ros::Time lost_at_, t1_;
+  bool standing_ = false, gps_lost_ = false, pose_lost_ = false;
   Stop stop_ = kNone;
 };
 

@@ -14,16 +14,22 @@ from std_msgs.msg import Bool, String
 SILENCE_S = 0.5  # without a message: the monitor or its computer has failed
 OLDEST_S = 1.0   # an older stamp is outdated
 AHEAD_S = 0.1    # a stamp further in the future comes from another clock
-WAIT_S = 0.5     # for the first state after the loss of the GPS
+WAIT_S = 0.5     # for t1 after the loss of the GPS
 NONE, BY_THE_POSE, BLIND = 0, 1, 2
 
 last, heard = TimeToFailure(), -1e9  # UNKNOWN until the first one comes
 standing, stop, lost_since = False, NONE, None
+lost_at_s, t1, pose_lost = 0.0, None, False
 
 
 def on_time(message):
-    global last, heard
+    global last, heard, t1, pose_lost
     last, heard = message, time.monotonic()
+    if lost_since is None or message.t1.is_zero():
+        return
+    t1 = t1 or message.t1
+    # from the loss of the GPS to such a t1 nobody has counted the error
+    pose_lost = pose_lost or message.t1 != t1 or t1.to_sec() > lost_at_s + WAIT_S
 
 
 def on_wheels(message):
@@ -32,14 +38,17 @@ def on_wheels(message):
 
 
 def on_gps(message):
-    global lost_since
-    lost_since = (lost_since or time.monotonic()) if message.data else None
+    global lost_since, lost_at_s, t1, pose_lost
+    if not message.data:
+        lost_since, t1, pose_lost = None, None, False
+    elif lost_since is None:
+        lost_at_s, lost_since = rospy.Time.now().to_sec(), time.monotonic()
 
 
 def wanted_stop(since):
     silent = time.monotonic() - heard > SILENCE_S
     age_s = rospy.Time.now().to_sec() - last.header.stamp.to_sec()
-    if silent or not -AHEAD_S <= age_s <= OLDEST_S or last.state == TimeToFailure.FAILED:
+    if pose_lost or silent or not -AHEAD_S <= age_s <= OLDEST_S or last.state == TimeToFailure.FAILED:
         return BLIND
     if last.state == TimeToFailure.UNKNOWN:
         return NONE if time.monotonic() - since < WAIT_S else BLIND

@@ -75,10 +75,13 @@ class _Bag:
     def topics(self, type_name):
         return sorted(topic for topic, found in self._types.items() if found == type_name)
 
-    def one(self, type_name, accept=lambda topic: True):
-        """The topic of this type; one named "odometry" before others. None: there is none."""
+    def one(self, type_name, accept=lambda topic: True, beside=None):
+        """The topic of this type: before others one in the namespace of `beside`, then one named "odometry". None: there
+        is none."""
         found = [topic for topic in self.topics(type_name) if accept(topic)]
-        return min(found, key=lambda topic: (not topic.endswith("/odometry"), topic)) if found else None
+        namespace = beside.rsplit("/", 1)[0] if beside else None
+        return min(found, default=None, key=lambda topic: (topic.rsplit("/", 1)[0] != namespace,
+                                                           not topic.endswith("/odometry"), topic))
 
     def messages(self, topic):
         """(message, time of recording in s), in order of recording."""
@@ -140,8 +143,8 @@ def _read_truth(bag, odometry_topic):
 
 
 def _read_sweeps(bag, path):
-    odometry_topic = bag.one(ODOMETRY, lambda topic: not _is_truth(topic))
     state_topic = bag.one(FILTER_STATE)
+    odometry_topic = bag.one(ODOMETRY, lambda topic: not _is_truth(topic), beside=state_topic)
     if odometry_topic is None and state_topic is None:
         raise InputError(f"{path} holds neither odometry (nav_msgs/Odometry) nor filter_state ({FILTER_STATE}); "
                          "record these topics and time_to_failure, measurement/*")
@@ -154,7 +157,7 @@ def _read_sweeps(bag, path):
     if not stamps:
         raise InputError(f"{path}: odometry and filter_state have no stamp in common")
     run = Run(source=path, kind="bag of a live run", stamp_s=np.array(stamps) * 1e-9)
-    run.monitor = _monitor(bag, run)
+    run.monitor = _monitor(bag, run, state_topic or odometry_topic)
     run.facts["recorded"] = f"{os.path.getsize(path) / 1e6:.1f} MB"
     if states:
         _take_states(run, [states[stamp] for stamp in stamps])
@@ -166,8 +169,8 @@ def _read_sweeps(bag, path):
     return run
 
 
-def _monitor(bag, run):
-    topic = bag.one(TIME_TO_FAILURE)
+def _monitor(bag, run, beside):
+    topic = bag.one(TIME_TO_FAILURE, beside=beside)
     if topic is None:
         return None
     messages = [m for m, _ in bag.messages(topic) if m.header.stamp.to_nsec() > 0]

@@ -157,15 +157,17 @@ BagSweepSource::BagSweepSource(const std::vector<std::string>& paths, const std:
     return std::make_pair(first(a), a->path) < std::make_pair(first(b), b->path);
   });
   std::string reason;
+  bool is_readable = false;
   for (const auto& part : parts_) {
     for (rosbag::View::iterator at = part->view.begin(); at != part->view.end(); ++at) {
       const sensor_msgs::PointCloud2ConstPtr cloud = cloudAt(at, reason);
       if (!cloud) continue;
-      lidar_frame_ = withoutSlash(cloud->header.frame_id);
-      return;
+      is_readable = true;
+      lidar_frame_ = withoutSlash(cloud->header.frame_id);  // the first that is not empty: as in the live graph
+      if (!lidar_frame_.empty()) return;
     }
   }
-  throw InputError(names + ": no message on " + topic_ + " can be read (" + reason + ")");
+  if (!is_readable) throw InputError(names + ": no message on " + topic_ + " can be read (" + reason + ")");
 }
 
 BagSweepSource::Mounting BagSweepSource::lidarInBase(const std::string& base_frame) const {

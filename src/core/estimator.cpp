@@ -64,7 +64,8 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
 
 void Estimator::takeSetPose(bool motion_known) {
   const FilterState& state = filter_.state();
-  if (!pose_setting_.pending() || (state.dt_s > 0.0 && !motion_known)) return;
+  const bool is_first = !(state.dt_s > 0.0);  // no motion that could move the pose to this estimate
+  if (!pose_setting_.pending() || (is_first ? !pose_setting_.isAt(state) : !motion_known)) return;
   pose_set_.refused = pose_setting_.outdated(state);
   if (!pose_set_.refused.empty()) return;
   const PoseSetting::AtEstimate set = pose_setting_.take(filter_.stateAsDriven(), T_base_cog_);

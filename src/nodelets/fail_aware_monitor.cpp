@@ -110,7 +110,8 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   bool onStartRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     monitor_->serve();
     response.success = true;
-    response.message = "serves as the localisation from the next sweep on whose motion is observed";
+    response.message =
+        "serves as the localisation from the next sweep on (if no motion is known: the first whose motion is observed)";
     return true;
   }
 

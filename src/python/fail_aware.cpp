@@ -6,6 +6,7 @@
 
 #include <sys/types.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -59,6 +60,24 @@ Eigen::MatrixXd matrix(const py::object& object, const char* name, ssize_t size)
   return result;
 }
 
+/// Times of a clock count from the first of them, so that 32 bits keep their resolution.
+void setTimes(const py::array_t<double>& times_s, Sweep& sweep) {
+  constexpr double kLargestOwnTime_s = 2.0;  // times within a sweep are smaller
+  const double* const begin = times_s.data();
+  const double* const end = begin + times_s.size();
+  double first_s = std::numeric_limits<double>::infinity(), largest_s = 0.0;
+  std::for_each(begin, end, [&](double time_s) {
+    if (!std::isfinite(time_s)) return;
+    first_s = std::min(first_s, time_s);
+    largest_s = std::max(largest_s, std::abs(time_s));
+  });
+  if (largest_s > kLargestOwnTime_s) sweep.time_field.origin_s = first_s;
+  sweep.times_s.reserve(static_cast<std::size_t>(times_s.size()));
+  std::for_each(begin, end, [&](double time_s) {
+    sweep.times_s.push_back(static_cast<float>(time_s - sweep.time_field.origin_s));
+  });
+}
+
 Sweep sweepOf(const py::object& points_xyz, double stamp, const py::object& point_times, const py::object& rings) {
   if (!std::isfinite(stamp)) throw py::value_error("stamp: must be finite");
   Sweep sweep;
@@ -70,8 +89,7 @@ Sweep sweepOf(const py::object& points_xyz, double stamp, const py::object& poin
     sweep.points_lidar[static_cast<std::size_t>(i)] = Eigen::Map<const Eigen::Vector3f>(points.data(i));
   }
   if (!point_times.is_none()) {
-    const py::array_t<float> times = numbers<float>(point_times, "point_times", count, 0);
-    sweep.times_s.assign(times.data(), times.data() + count);
+    setTimes(numbers<double>(point_times, "point_times", count, 0), sweep);
   }
   if (!rings.is_none()) {
     const py::array_t<double> numbers_of_rings = numbers<double>(rings, "rings", count, 0);
@@ -210,12 +228,20 @@ PYBIND11_MODULE(fail_aware, module) {
           "One revolution; sweeps come in the order of their stamps.\n"
           "points_xyz: (N, 3) float32 or float64, m, sensor frame; points that are not finite or (0, 0, 0) are left "
           "out.\n"
-          "stamp: s. point_times: (N,), s from any instant of the sweep. rings: (N,), laser number, 0 = lowest beam.\n"
+          "stamp: s. point_times: (N,), s from any instant of the sweep, or of a clock (float64). rings: (N,), laser "
+          "number,\n"
+          "0 = lowest beam.\n"
           "Releases the GIL. Raises ValueError for other shapes and types.")
-      .def("start_redundant", &Odometry::startRedundant, py::arg("from_stamp") = std::numeric_limits<double>::lowest(),
-           "t1: from the next sweep that is not before from_stamp (s) and whose motion is observed, the odometry "
-           "serves as\n"
-           "the localisation, and the time to failure counts the error since then.")
+      .def(
+          "start_redundant",
+          [](Odometry& odometry, double from_stamp) {
+            if (std::isnan(from_stamp)) throw py::value_error("from_stamp: must not be NaN");
+            odometry.startRedundant(from_stamp);
+          },
+          py::arg("from_stamp") = std::numeric_limits<double>::lowest(),
+          "t1: from the next sweep that is not before from_stamp (s) and whose motion is observed, the odometry "
+          "serves as\n"
+          "the localisation, and the time to failure counts the error since then.")
       .def("stop_redundant", &Odometry::stopRedundant,
            "Another localisation serves again: no t1; the state is UNKNOWN until start_redundant.")
       .def(

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -80,7 +81,9 @@ std::vector<JudgedRun> judgeRuns(Options& options) {
 
 std::vector<JudgedRun> readJudgedRuns(const std::vector<std::string>& files) {
   std::vector<JudgedRun> all;
+  std::set<std::string> known;
   for (const std::string& file : files) {
+    if (!known.insert(fs::weakly_canonical(file).string()).second) throw InputError(file + ": given twice");
     std::vector<JudgedRun> runs = readEpisodeFile(file);
     for (JudgedRun& run : runs) {
       if (!all.empty() &&
@@ -97,6 +100,7 @@ std::vector<JudgedRun> readJudgedRuns(const std::vector<std::string>& files) {
 std::string verdict(const Json& report) {
   std::string text = std::to_string(report["episodes"].get<std::size_t>()) + " starts, " +
                      std::to_string(report["failing"].get<std::size_t>()) + " fail";
+  if (report["episodes"] == 0) return text + ": the run is too short, or no motion was observed in it";
   char number[48];
   if (report["missed_ratio"].is_number()) {
     std::snprintf(number, sizeof(number), "; missed %.1f %%", 100.0 * report["missed_ratio"].get<double>());

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iostream>
 #include <limits>
 #include <optional>
@@ -220,12 +221,11 @@ void writeCsv(const fs::path& path, const Trajectories& in, const AbsoluteTrajec
   std::ofstream file = createFile(path);
   file << "time_s,distance_m,truth_x_m,truth_y_m,truth_z_m,estimate_x_m,estimate_y_m,estimate_z_m,error_m,"
           "error_aligned_m\n";
-  file.precision(10);
   const std::vector<double> distances_m = distancesAlong(in.truth);
   const Pose T_start_truth = in.truth.front().inverse();
   const Pose T_start_estimate = in.estimate.front().inverse();
   for (std::size_t i = 0; i < in.truth.size(); ++i) {
-    file << in.stamps_s[i] << ',' << distances_m[i];
+    file << std::setprecision(17) << in.stamps_s[i] << std::setprecision(10) << ',' << distances_m[i];
     const Eigen::Vector3d truth = T_start_truth * in.truth[i].translation();
     const Eigen::Vector3d estimate = T_start_estimate * in.estimate[i].translation();
     for (const double value : {truth.x(), truth.y(), truth.z(), estimate.x(), estimate.y(), estimate.z(),

@@ -218,6 +218,7 @@ int run(const Options& options) {
   const double first_stamp_s = runOver(*drive, static_cast<std::size_t>(last - options.scans.first), poses,
                                        options.redundant_at_s, pipeline, results);
   for (const std::string& warning : results.warnings()) warn(warning);
+  for (const std::string& warning : poses.warnings()) warn(warning);
   if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) warn(contradiction);
 
   results.write();

@@ -2,13 +2,18 @@
 // (io/external_pose_file.hpp).
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "core/estimation/stamp_order.hpp"
 #include "core/io/external_pose_file.hpp"
+#include "core/io/input_error.hpp"
 #include "core/odometry_pipeline.hpp"
 
 namespace fail_aware {
@@ -30,6 +35,12 @@ class PoseQueue {
     for (; next_ < poses_.size() && poses_[next_].stamp_s <= stamp_s; ++next_) take(poses_[next_]);
   }
 
+  /// Whether one of them has such a stamp.
+  bool isWithin(double first_s, double last_s) const {
+    return std::any_of(poses_.begin(), poses_.end(),
+                       [&](const ExternalPose& pose) { return pose.stamp_s >= first_s && pose.stamp_s <= last_s; });
+  }
+
  private:
   std::vector<ExternalPose> poses_;
   std::size_t next_ = 0;
@@ -41,14 +52,21 @@ class PosesFromOutside {
   PosesFromOutside(const PoseFiles& files, OdometryPipeline& pipeline)
       : pipeline_(pipeline), tolerance_s_(files.tolerance_s) {
     for (const std::string& path : files.external) {
-      sources_.push_back({std::filesystem::path(path).stem().string(), PoseQueue(path)});
+      const std::string name = std::filesystem::path(path).stem().string();
+      const auto has_name = [&](const Source& source) { return source.name == name; };
+      if (std::any_of(sources_.begin(), sources_.end(), has_name)) {
+        throw InputError("--external-poses: two files are named " + name + ", and a source is named after its file");
+      }
+      sources_.push_back({name, PoseQueue(path)});
       pipeline_.addSource(sources_.back().name, tolerance_s_);
     }
     if (!files.set.empty()) set_.emplace(files.set);
   }
 
-  /// Call before the sweep with this stamp.
+  /// Call before each sweep, with its stamp. One that is far ahead is most likely wrong: it gets none.
   void offer(double stamp_s) {
+    first_stamp_s_ = std::min(first_stamp_s_, stamp_s);
+    if (stamp_s - std::exchange(last_stamp_s_, stamp_s) > kFarAhead_s) return;
     for (Source& source : sources_) {
       source.poses.until(stamp_s + tolerance_s_, [&](const ExternalPose& pose) {
         const std::string refused = pipeline_.offer(source.name, pose);
@@ -60,6 +78,19 @@ class PosesFromOutside {
       const std::string refused = pipeline_.setPose(pose);
       if (!refused.empty()) warn("--set-pose", pose, refused);
     });
+  }
+
+  /// For the user, at the end: files whose stamps are none of the drive's.
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> found;
+    const auto add = [&](const std::string& name, const PoseQueue& poses) {
+      if (poses.isWithin(first_stamp_s_ - tolerance_s_, last_stamp_s_ + tolerance_s_)) return;
+      found.push_back(name + ": no pose has the stamp of a sweep; the sweeps' are from " +
+                      std::to_string(first_stamp_s_) + " to " + std::to_string(last_stamp_s_) + " s");
+    };
+    for (const Source& source : sources_) add(source.name, source.poses);
+    if (set_) add("--set-pose", *set_);
+    return found;
   }
 
  private:
@@ -77,6 +108,8 @@ class PosesFromOutside {
   double tolerance_s_;
   std::vector<Source> sources_;
   std::optional<PoseQueue> set_;
+  double first_stamp_s_ = std::numeric_limits<double>::infinity();
+  double last_stamp_s_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace fail_aware

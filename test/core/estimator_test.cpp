@@ -93,6 +93,24 @@ TEST_F(EstimatorTest, PoseIsSetWithTheNextSweep) {
   EXPECT_EQ(estimator.takePoseSet().refused, "") << "told once";
 }
 
+TEST_F(EstimatorTest, PoseOfAnotherInstantWaitsForAMotion) {
+  Pose far = Pose::Identity();
+  far.translation().x() = 500.0;
+  EXPECT_EQ(estimator.setPose({kClock_s - 0.5, far, 0.01 * Matrix6d::Identity()}), "");
+  sweep(0.0, kClock_s);
+  EXPECT_FALSE(estimator.takePoseSet().done) << "how far the vehicle drove since then is not known";
+  bool done = false;
+  for (double t = 0.1; t < 0.45; t += 0.1) {
+    sweep(t, kClock_s + t);
+    if (!estimator.takePoseSet().done) continue;
+    done = true;
+    const Pose T_odom_base = estimator.state().T_odom_cog * params.vehicle.T_base_cog().inverse();
+    EXPECT_NEAR(T_odom_base.translation().x(), 500.0 + kSpeed_mps * (t + 0.5), 0.5);
+    break;
+  }
+  EXPECT_TRUE(done);
+}
+
 TEST_F(EstimatorTest, ExternalPosesJoinTheFusion) {
   estimator.addSource("gps", 0.06);
   EXPECT_NE(estimator.offer("other", ExternalPose()), "");

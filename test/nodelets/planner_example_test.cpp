@@ -31,6 +31,9 @@ class PlannerExample : public testing::TestWithParam<const char*> {
              gps_lost_.getNumSubscribers() == 1 && !action_.empty();
     })) << "not up";
     publish(standing_, true);
+    publish(gps_lost_, false);
+    ASSERT_EQ(await("own localisation"), "own localisation");
+    t1_ = ros::Time::now();
     publish(gps_lost_, true);
   }
 
@@ -54,6 +57,7 @@ class PlannerExample : public testing::TestWithParam<const char*> {
     message.state = state;
     message.horizon = 60.0;
     message.time_to_failure = time_s;
+    if (state != TimeToFailure::UNKNOWN) message.t1 = t1_;
     publisher_.publish(message);
     ros::WallDuration(0.02).sleep();
   }
@@ -87,6 +91,7 @@ class PlannerExample : public testing::TestWithParam<const char*> {
   ros::Publisher publisher_, standing_, gps_lost_;
   ros::Subscriber subscriber_;
   std::string action_;
+  ros::Time t1_;
 };
 
 TEST_P(PlannerExample, DoesWhatTheContractSays) {
@@ -131,6 +136,19 @@ TEST_P(PlannerExample, AsksOnlyFromTheLossOfTheGpsOn) {
   EXPECT_EQ(reaction("own localisation", TimeToFailure::OK, 60.0), "own localisation") << "the GPS is back";
   publish(gps_lost_, true);
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive") << "at the next loss";
+}
+
+TEST_P(PlannerExample, AT1ThatNobodyAskedForEndsTheUseOfThePose) {
+  ASSERT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  t1_ += ros::Duration(0.1);
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0), "stop blind") << "the odometry began anew";
+  EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop blind") << "though it stands";
+  publish(gps_lost_, false);
+  ASSERT_EQ(await("own localisation"), "own localisation");
+  publish(gps_lost_, true);
+  t1_ = ros::Time::now() + ros::Duration(2.0);
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0), "stop blind") << "t1 came too late";
+  EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop blind");
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, PlannerExample, testing::Values("planner_cpp", "planner_python"));

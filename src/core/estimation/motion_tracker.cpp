@@ -99,6 +99,9 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   }
   measured.R = R_odom_body.transpose() * poseCovarianceFromState(state.fusion.R, state.fusion.z).topLeftCorner<3, 3>() *
                R_odom_body;
+  // While the speed is not known, a little of an error of the height would be taken for metres per second.
+  measured.R.topRightCorner<2, 1>().setZero();
+  measured.R.bottomLeftCorner<1, 2>().setZero();
   measured.yaw_variance = state.fusion.R(5, 5);
   if (previous_measured_ && state.dt_s > kLongMean_s) dead_reckoning_.widenForGap(state.dt_s, measured);
   return measured;

@@ -111,6 +111,7 @@ OdometryCovariance::Confirmation OdometryCovariance::takeRegistration(const Odom
   const bool measured = increment.registration.has_value(), restarted = increment.map_update == MapUpdate::kRestart;
   const Matrix6d D = positiveSemidefinite(in_map);
   Confirmation next = confirmation_;
+  next.measured = measured;
   next.alone_in_a_row = measured && increment.alone ? std::min(confirmation_.alone_in_a_row + 1, kConfirmedAlone) : 0;
   const bool confirmed = measured && (increment.confirmed || next.alone_in_a_row == kConfirmedAlone);
   if (confirmed) next.open_sweeps = kConfirmed;
@@ -158,6 +159,7 @@ DriftRate OdometryCovariance::rate() const {
   rate.covariance = symmetric(Matrix6d(stays * step.motion * stays.transpose())) + step.lasting;
   rate.speed_share = std::clamp(stays(0, 0), 0.0, 1.0);
   rate.on_weak_stretch = rateOnWeakStretch();
+  rate.open = confirmation_.open_sweeps != kConfirmed;
   return rate;
 }
 
@@ -201,10 +203,10 @@ void OdometryCovariance::mark(const Pose& T_odom_mark) {
   T_odom_mark_.reset();
   if (!isFinite(T_odom_mark)) return;
   T_odom_mark_ = T_odom_mark;
-  // The pose is right by definition, so the map is off by -d. Unless d is open since a predicted pose: what the measured
-  // pose has to do with the map from before is not known.
+  // The pose is right by definition, so the map is off by -d. Unless it was measured and d is open since a predicted
+  // pose: what the measured pose has to do with the map from before is not known.
   const Eigen::Matrix3d R_mark_odom = T_odom_mark.linear().transpose();
-  const bool open = confirmation_.open_sweeps != kConfirmed;
+  const bool open = confirmation_.open_sweeps != kConfirmed && confirmation_.measured;
   const Matrix6d D =
       open ? Matrix6d::Zero().eval() : symmetric(rotateCovariance(since_start_.inMap(), R_mark_odom)).eval();
   Vector6d d_speed = since_start_.C.block<6, 1>(kInMap, kSpeed);

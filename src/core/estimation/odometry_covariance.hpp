@@ -40,6 +40,7 @@ struct DriftRate {
   Matrix6d covariance = Matrix6d::Zero();  ///< of one sweep
   double speed_share = 0.0;                ///< as in Along
   Along on_weak_stretch;                   ///< if the registration hardly knew the way along the road
+  bool open = false;                       ///< since a predicted pose: a registration may take the error back
 };
 
 class OdometryCovariance {
@@ -78,6 +79,7 @@ class OdometryCovariance {
   struct Confirmation {
     int open_sweeps = kConfirmed;  ///< since a predicted pose; kConfirmed: a pose was confirmed since
     int alone_in_a_row = 0;        ///< registered sweeps that one source alone measured
+    bool measured = false;         ///< the newest sweep
   };
 
   Confirmation takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map, DriftStep& step) const;

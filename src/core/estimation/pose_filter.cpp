@@ -212,9 +212,10 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
 bool PoseFilter::mustSearchAgain() {
   if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
   if (state_.motion_status == MotionStatus::kDeadReckoning) {
+    const bool slow = std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
     const bool found = guessed_sweeps_ == 0 && state_.speed_error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
-    guessed_sweeps_ = found ? kSpeedKnown : guessed_sweeps_ + 1;
-    return guessed_sweeps_ >= search_after_sweeps_ && std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
+    guessed_sweeps_ = found && !slow ? kSpeedKnown : guessed_sweeps_ + 1;  // one that stood may have driven off
+    return guessed_sweeps_ >= search_after_sweeps_ && slow;
   }
   return std::exchange(guessed_sweeps_, kSpeedKnown) >= kManyGuessed;
 }

@@ -30,6 +30,11 @@ std::string PoseSetting::offer(const ExternalPose& pose, std::optional<double> l
   return "";
 }
 
+bool PoseSetting::isAt(const FilterState& state) const {
+  constexpr double kSame_s = 0.02;
+  return !(pending_->stamp_s > 0.0) || std::abs(pending_->stamp_s - state.stamp_s) <= kSame_s;
+}
+
 std::string PoseSetting::outdated(const FilterState& state) {
   if (!isTooFar(*pending_, state.stamp_s)) return "";
   pending_.reset();

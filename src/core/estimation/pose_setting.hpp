@@ -28,6 +28,8 @@ class PoseSetting {
   std::string offer(const ExternalPose& pose, std::optional<double> last_stamp_s);
 
   bool pending() const { return pending_.has_value(); }
+  /// The waiting pose is valid at this estimate as it is.
+  bool isAt(const FilterState& state) const;
   void clear() { pending_.reset(); }
 
   /// Returns why the waiting pose cannot be applied at this estimate (it is then dropped); empty: it can.

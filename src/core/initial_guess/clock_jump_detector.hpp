@@ -63,6 +63,8 @@ class ClockJumpDetector {
     Pose T_odom_cog = Pose::Identity();
   };
   static std::vector<double> otherTimes_s(const Interval& interval, double usual_s);
+  static std::vector<double> allTimes_s(const Interval& interval, double usual_s);
+  bool isMisfit(const Place& place) const;
   static Place placeFrom(const Pose& T_odom_cog, const Fit& fit);
   bool isRight(const Place& place, double reach_m, double clearly_m, const std::optional<Place>& by_the_stamps,
                const Pose& T_odom_cog_predicted) const;

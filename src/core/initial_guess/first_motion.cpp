@@ -10,6 +10,10 @@ namespace fail_aware {
 
 namespace {
 
+// In place of standstill_ratio in a sweep in which the vehicle surely stands. A tunnel without a niche has 0.03, and all of
+// it meets at standstill, too.
+constexpr double kSureRatio = 0.04;
+
 // A Kalman update: along `axis` (of length 1, in odom) the true position differs from the measured one by `offset_m`,
 // with standard deviation `sigma_m`.
 void addPosition(const Eigen::Vector3d& axis, double offset_m, double sigma_m, Measurement& measurement) {
@@ -36,7 +40,8 @@ void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Pa
   if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
   const Eigen::Vector3d forward = guess.T_odom_cog_previous.linear().col(0);
   const double distance_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());
-  if (std::abs(distance_m) > params.standstill_m || measurement.min_information_ratio > params.standstill_ratio) return;
+  const double least_ratio = guess.surely_standing ? kSureRatio : params.standstill_ratio;
+  if (std::abs(distance_m) > params.standstill_m || measurement.min_information_ratio > least_ratio) return;
   const double sigma_m = params.max_speed_mps * guess.dt_s;
   measurement.covariance.topLeftCorner<3, 3>() += sigma_m * sigma_m * forward * forward.transpose();
   measurement.degenerate_directions = std::min(measurement.degenerate_directions + 1, 6);

@@ -13,9 +13,9 @@ namespace fail_aware {
 /// points above the ground; surfaces alone may hold too little information.
 void addSearchedMotion(const InitialGuess& guess, Measurement& measurement);
 
-/// Inflates the covariance along the track while the speed is unknown. Objects that look alike in every sweep (a
-/// vehicle ahead, edges drawn by single beams) fit best at standstill: with little information the sigma of the
-/// distance is that of the largest speed.
+/// Inflates the covariance along the track while the speed is unknown, unless the vehicle surely stands. Objects that
+/// look alike in every sweep (a vehicle ahead, edges drawn by single beams) fit best at standstill: with little
+/// information the sigma of the distance is that of the largest speed.
 void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement);
 
 }  // namespace fail_aware

@@ -50,17 +50,17 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
     return std::nullopt;
   }
   const double since_first_s = secondsBetween(map.first().time_s, time_s);
-  double places_met = 0.0;
-  const std::optional<Vector6d> twist_cog =
-      first_motion_.findTwist(sweep, scan.T_cog_lidar, since_first_s, &places_met);
-  if (!twist_cog) return std::nullopt;
+  const std::optional<MotionInitialization::Found> motion = first_motion_.find(sweep, scan.T_cog_lidar, since_first_s);
+  if (!motion) return std::nullopt;
   InitialGuess found = guess;
-  found.twist_cog = *twist_cog;
+  found.twist_cog = motion->twist_cog;
+  found.surely_standing = motion->surely_standing;
+
   found.twist_found = InitialGuess::Found::kFirstMotion;
   // from the first sweep: the last estimate may be a prediction at standstill
-  found.T_odom_cog = map.first().T_odom_cog * expSe3(*twist_cog * since_first_s);
+  found.T_odom_cog = map.first().T_odom_cog * expSe3(motion->twist_cog * since_first_s);
   const double step_m = first_motion_.params().step_mps * since_first_s;
-  found.searched_sigma_m = (places_met >= kSurePlaces ? MotionInitialization::kFineStep : 1.0) * step_m;
+  found.searched_sigma_m = (motion->places_met >= kSurePlaces ? MotionInitialization::kFineStep : 1.0) * step_m;
   found.covariance.topRows<2>().setZero();
   found.covariance.leftCols<2>().setZero();
   found.covariance.topLeftCorner<2, 2>().diagonal().setConstant(step_m * step_m);
@@ -122,6 +122,7 @@ InitialGuessResolver::Better InitialGuessResolver::refineDeskew(const Registrati
 void InitialGuessResolver::reset() {
   first_motion_.reset();
   first_time_s_.reset();
+
   clock_jump_detector_.reset();
 }
 

@@ -34,6 +34,7 @@ struct InitialGuess {
   Vector6d twist_cog = Vector6d::Zero();  ///< m/s and rad/s
   Found twist_found = Found::kNothing;    ///< otherwise twist_cog is the prediction's
   double searched_sigma_m = 0.0;          ///< sigma of the position from the search for the first motion; 0: no search
+  bool surely_standing = false;           ///< the search for the first motion found that the vehicle stands
   bool clock_jump_suspected = false;      ///< the pose follows another interval than the stamps'
   bool lost = false;                      ///< tracking is lost after a gap
   Pose T_odom_cog_previous = Pose::Identity();  ///< the last estimate
@@ -78,6 +79,7 @@ class InitialGuessResolver {
 
   MotionInitialization first_motion_;
   std::optional<double> first_time_s_;  ///< time of the sweep that first_motion_ holds
+
   Relocalization relocalization_;
   ClockJumpDetector clock_jump_detector_;
   DeskewRefinement deskew_refinement_;

@@ -13,7 +13,7 @@
 // - At a true standstill the beams hit the same spots, so that nearly everything meets within centimetres. If standstill
 //   fits best but not that well, another speed that stands out of all the others is taken.
 // Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
-// first_motion.hpp inflates the covariance in this case (`standstill_ratio`).
+// first_motion.hpp inflates the covariance in this case (`standstill_ratio`), unless the vehicle surely stands.
 // Failure: nullopt. Cost: about 150 ms, on the second sweep, and where the search starts again (estimation/pose_filter).
 #pragma once
 
@@ -74,11 +74,14 @@ class MotionInitialization {
   /// The sweep that later ones are compared with. Points are used as they are: pass a sweep that is not deskewed.
   void setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar);
 
-  /// The twist of the centre of gravity (m/s, rad/s; forward speed and yaw rate only) between the first sweep and this
-  /// one, dt_s later. Returns nullopt before setFirst(), or if no above-ground point meets the first sweep at any
-  /// speed. `places_met`: the number of cells whose above-ground points meet the first sweep at the result.
-  std::optional<Vector6d> findTwist(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double dt_s,
-                                    double* places_met = nullptr) const;
+  struct Found {
+    Vector6d twist_cog = Vector6d::Zero();  ///< m/s, rad/s; forward speed and yaw rate only
+    double places_met = 0.0;                ///< number of cells whose above-ground points meet the first sweep
+    bool surely_standing = false;           ///< the vehicle stands: nearly every cell meets the first sweep
+  };
+  /// The motion of the centre of gravity between the first sweep and this one, dt_s later. Returns nullopt before
+  /// setFirst(), or if no above-ground point meets the first sweep at any speed.
+  std::optional<Found> find(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double dt_s) const;
 
   void reset();
 

@@ -8,16 +8,18 @@ namespace fail_aware {
 namespace {
 
 constexpr double kLeastKept = 1e-3;  // of a speed's error: all but nothing
+constexpr double kBlinded_s = 0.28;  // three sweeps at 10 Hz, as silence (silence.hpp); stamps jitter
 // Between the niches of simulated tunnels. Where niches are in view, 0.4 m/s are forgotten at 1.6 /s; with that growth three
 // of six failures behind four mouths are stopped in time, with this one all six.
 constexpr double kTunnelSpeedSigma_mps = 0.5, kTunnelSpeedForgotten_per_s = 0.3;
 
 }  // namespace
 
-bool IncrementRate::update(const Matrix6d& increment_covariance, double dt_s) {
+bool IncrementRate::update(const Matrix6d& increment_covariance, double dt_s, bool open) {
   const Eigen::Matrix3d block = horizontalBlock(increment_covariance);
   if (!std::isfinite(dt_s) || dt_s <= 0.0 || !isHorizontalCovariance(block)) return false;
-  increments_.push_back({block, dt_s});
+  while (!open && !increments_.empty() && increments_.back().open) increments_.pop_back();
+  increments_.push_back({block, dt_s, open});
   double total_s = 0.0;
   for (const Increment& increment : increments_) total_s += increment.dt_s;
   while (increments_.size() > 1 && total_s - increments_.front().dt_s >= window_s_) {
@@ -28,18 +30,28 @@ bool IncrementRate::update(const Matrix6d& increment_covariance, double dt_s) {
 }
 
 std::optional<Eigen::Matrix3d> IncrementRate::rate() const {
-  if (increments_.empty()) return std::nullopt;
+  const bool blinded = isBlinded();
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   double total_s = 0.0;
   for (const Increment& increment : increments_) {
+    if (increment.open && !blinded) continue;
     sum += increment.covariance;
     total_s += increment.dt_s;
   }
+  if (total_s == 0.0) return std::nullopt;
   return Eigen::Matrix3d(sum / total_s);
 }
 
+// For at least kBlinded_s, or there is nothing else.
+bool IncrementRate::isBlinded() const {
+  double open_s = 0.0;
+  std::size_t sweeps = 0;
+  for (auto it = increments_.rbegin(); it != increments_.rend() && it->open; ++it, ++sweeps) open_s += it->dt_s;
+  return open_s >= kBlinded_s || sweeps == increments_.size();
+}
+
 void GrowthRate::add(const DriftRate& rate, const SpeedChange& speed, double dt_s) {
-  if (!increments_.update(rate.covariance, dt_s)) return;
+  if (!increments_.update(rate.covariance, dt_s, rate.open)) return;
   const double forgotten_per_s = -std::log(std::max(speed.kept, kLeastKept)) / dt_s;
   // d variance / dt = noise - 2 forgotten variance
   const double noise = (speed.variance_now - speed.variance_before) / dt_s + 2.0 * forgotten_per_s * speed.variance_now;

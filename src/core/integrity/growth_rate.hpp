@@ -1,7 +1,8 @@
 // How the accumulated covariance grows if the last sweeps go on: averages for the prediction (covariance_predictor.hpp).
 //
-// Of the increments the mean over a window in time. Of the speed's error (dead_reckoning.hpp) medians over 5 sweeps: a
-// single blinded sweep says nothing of the future.
+// Of the increments the mean over a window in time, of the speed's error (dead_reckoning.hpp) medians over 5 sweeps. A
+// single blinded sweep says nothing of the future: sweeps whose error a registration may take back count from 0.3 s on,
+// and no longer once one has.
 // The speed's error wanders: measurements take a part of it back in each sweep, and as much is made anew. In a tunnel it
 // is 0.4 m/s, and of another sign every 0.6 s.
 // On a weak stretch ahead (registration/look_ahead.hpp) the growth is assumed to be that of a simulated tunnel.
@@ -25,8 +26,8 @@ class IncrementRate {
   explicit IncrementRate(double window_s) : window_s_(window_s) {}
 
   /// `increment_covariance`: of one sweep's motion, about the previous body's axes. False: ignored (not a covariance,
-  /// or dt not > 0).
-  bool update(const Matrix6d& increment_covariance, double dt_s);
+  /// or dt not > 0). `open`: DriftRate::open.
+  bool update(const Matrix6d& increment_covariance, double dt_s, bool open = false);
   /// (x, y, yaw) about the body's axes: m^2/s, m rad/s, rad^2/s. Nothing before the first increment.
   std::optional<Eigen::Matrix3d> rate() const;
   void reset() { increments_.clear(); }
@@ -35,7 +36,9 @@ class IncrementRate {
   struct Increment {
     Eigen::Matrix3d covariance;
     double dt_s;
+    bool open;
   };
+  bool isBlinded() const;
   double window_s_;
   std::deque<Increment> increments_;
 };

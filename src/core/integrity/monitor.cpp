@@ -44,14 +44,14 @@ FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)
 
 void FailAwareMonitor::start() {
   stop();
-  start_pending_ = true;
+  requested_ = last_ && last_->motion_known ? Start::kWithNextSweep : Start::kOnceObserved;
 }
 
 void FailAwareMonitor::stop() {
   indicator_.stop();
   hysteresis_.reset();
   shortest_time_.reset();
-  start_pending_ = false;
+  requested_ = Start::kNot;
   t1_stamp_s_ = -1.0;
 }
 
@@ -61,11 +61,10 @@ void FailAwareMonitor::reset() {
   growth_rate_.reset();
   covariance_.reset();
   motion_ = Motion();
-  last_measured_ = false;
   intervals_s_.clear();
   error_unbounded_ = false;
-  T_odom_cog_.reset();
-  start_pending_ = serving;
+  last_.reset();
+  if (serving) requested_ = Start::kOnceObserved;
 }
 
 void FailAwareMonitor::setLimits(const MonitorParameters& params) {
@@ -98,7 +97,7 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
   add(condition.time_field_refused, kReasonTimeFieldRefused);
   add(condition.no_answer, kReasonNoAnswer);
   add(condition.dropped_before > 0, kReasonDroppedSweeps);
-  add(start_pending_, kReasonMotionUnknown);
+  add(startPending(), kReasonMotionUnknown);
   if (first) return reasons;
   add(state.fusion.valid_inputs == 0, kReasonNoMeasurement);
   add(!state.measurement_applied, kReasonPredictionOnly);
@@ -143,17 +142,16 @@ std::optional<double> failureOrder(const TimeToFailure& time, const MonitorOutpu
 
 // From a predicted to a measured pose the increment takes back the prediction's error: that is no motion.
 void FailAwareMonitor::keepMotion(const FilterState& state) {
-  const bool from_prediction = state.measurement_applied && !last_measured_ && motion_.dt_s > 0.0;
+  const bool from_prediction = state.measurement_applied && !(last_ && last_->measured) && motion_.dt_s > 0.0;
   if (!from_prediction && !state.clock_jump) motion_ = {state.T_previous_now, state.dt_s};
-  last_measured_ = state.measurement_applied || !(state.dt_s > 0.0);
 }
 
-void FailAwareMonitor::begin(const FilterState& state) {
-  start_pending_ = false;
+void FailAwareMonitor::begin(const FilterState& state, const Pose& T_odom_mark) {
+  requested_ = Start::kNot;
   indicator_.start(state.time_s());
-  covariance_.mark(state.T_odom_cog);
+  covariance_.mark(T_odom_mark);
   error_unbounded_ = false;
-  T_odom_mark_ = state.T_odom_cog;
+  T_odom_mark_ = T_odom_mark;
   t1_stamp_s_ = state.stamp_s;
 }
 
@@ -169,23 +167,31 @@ void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& outpu
 }
 
 bool FailAwareMonitor::isWhereItWas(const FilterState& state) const {
-  return !T_odom_cog_ || isSamePlace(state.T_odom_cog, *T_odom_cog_);
+  return !last_ || isSamePlace(state.T_odom_cog, last_->T_odom_cog);
+}
+
+// No state was lost in between; a filter that began anew counts from 0.
+bool FailAwareMonitor::follows(const FilterState& state) const {
+  if (!last_) return true;
+  if (state.odom_reset_count < odom_reset_count_) return false;
+  return !(state.dt_s > 0.0) || isSamePlace(state.T_odom_cog * state.T_previous_now.inverse(), last_->T_odom_cog);
 }
 
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   keepMotion(state);
-  const bool pose_set = state.odom_reset_count != odom_reset_count_;
+  const bool pose_set = state.odom_reset_count > odom_reset_count_;
   if (pose_set) {
     covariance_.enterOdom();
     if (indicator_.started()) start();
   }
+  const bool states_lost = !pose_set && !follows(state);
   odom_reset_count_ = state.odom_reset_count;
-  bool states_lost = false;
-  if (T_odom_cog_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
-  if (T_odom_cog_ && state.dt_s > 0.0) {
+  const bool all_observed = state.motionObserved() && state.dt_s <= kLongInterval_s && !states_lost;
+  if (requested_ == Start::kWithNextSweep && !pose_set && !all_observed) begin(state, last_->T_odom_cog);
+  if (last_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
+  error_unbounded_ = error_unbounded_ || states_lost;
+  if (last_ && state.dt_s > 0.0) {
     const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
-    states_lost = !pose_set && !isSamePlace(T_odom_previous, *T_odom_cog_);
-    error_unbounded_ = error_unbounded_ || states_lost;
     const double speed_variance_before = covariance_.speedVariance();
     const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
     error_unbounded_ = error_unbounded_ || !added;
@@ -196,8 +202,9 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     }
   }
   growth_rate_.lookAhead(condition.ahead);
-  T_odom_cog_ = state.T_odom_cog;
-  if (start_pending_ && state.motionObserved()) begin(state);
+  const bool motion_known = state.motion_status != MotionStatus::kUnknown;
+  last_ = Last{state.T_odom_cog, state.measurement_applied || !(state.dt_s > 0.0), motion_known};
+  if (startPending() && (state.motionObserved() || (pose_set && motion_known))) begin(state, state.T_odom_cog);
   if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
     indicator_.update(state.time_s(), state.sigma_yaw_rad, motion_.speed_mps());
   }

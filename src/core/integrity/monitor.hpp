@@ -1,8 +1,9 @@
 // The fail-aware monitor of one sweep (paper, section "Fail-Aware Odometry System"): eta with its time to failure, the
 // covariance's time to failure, their combination, state and reasons. What the FailAwareMonitor nodelet holds.
 //
-// t1, when the odometry begins to serve as the localisation, is the first sweep after start() whose motion is observed:
-// before, the error has no bound that later sweeps would not lower. Until then times are unknown; `standby` says what
+// t1, when the odometry begins to serve as the localisation, is the first sweep after start(). If its motion is not
+// observed, or a gap is before it, the error since the sweep before counts. If no motion is known at start(), t1 is the
+// first sweep whose motion is observed: before, the error has no bound. Until t1 times are unknown; `standby` says what
 // they would be if t1 were now.
 // Failure: an increment that cannot be added (pose, covariance or interval not finite), or states that were lost (this one
 // does not begin where the last one ended), leave the error without a bound: FAILED (COVARIANCE_LIMIT) until the next t1,
@@ -60,14 +61,14 @@ class FailAwareMonitor {
  public:
   explicit FailAwareMonitor(const MonitorParameters& params);
 
-  /// t1 = the stamp of the next update() whose motion is observed. An earlier t1 ends now, and its state with it. Once
-  /// it serves, a pose set from outside (FilterState::odom_reset_count) is a new t1.
+  /// t1 = the stamp of the next update(), or of the next one whose motion is observed, see above. An earlier t1 ends now,
+  /// and its state with it. Once it serves, a pose set from outside (FilterState::odom_reset_count) is a new t1.
   void start();
   /// No t1 any more: the state is UNKNOWN, and standby is given again.
   void stop();
-  bool started() const { return indicator_.started() || start_pending_; }
-  /// Asked for, but the motion has not been observed since.
-  bool startPending() const { return start_pending_; }
+  bool started() const { return indicator_.started() || startPending(); }
+  /// Asked for, but not begun: no sweep came, or no motion is known.
+  bool startPending() const { return requested_ != Start::kNot; }
 
   /// Limits that may change in flight: predictor, thresholds, disagreement_m, min_information_ratio. What was estimated
   /// stays.
@@ -89,8 +90,9 @@ class FailAwareMonitor {
  private:
   std::uint32_t reasonsFor(const FilterState& state, const SweepCondition& condition) const;
   bool isAfterGap(double dt_s);
+  bool follows(const FilterState& state) const;
   void keepMotion(const FilterState& state);
-  void begin(const FilterState& state);
+  void begin(const FilterState& state, const Pose& T_odom_mark);
   CovarianceGrowth growth(const FilterState& state, const DriftState& since_mark, const Pose& T_odom_mark) const;
   void addStandby(const FilterState& state, MonitorOutput& output) const;
 
@@ -111,10 +113,15 @@ class FailAwareMonitor {
     double speed_mps() const { return dt_s > 0.0 ? T_previous_now.translation().norm() / dt_s : 0.0; }
   };
   Motion motion_;
-  bool last_measured_ = false;
-  std::optional<Pose> T_odom_cog_;  ///< of the last update()
-  bool error_unbounded_ = false;    ///< since t1 an increment could not be added, or states were lost
-  bool start_pending_ = false;
+  struct Last {
+    Pose T_odom_cog = Pose::Identity();
+    bool measured = false;  ///< or the first
+    bool motion_known = false;
+  };
+  std::optional<Last> last_;      ///< of the last update()
+  bool error_unbounded_ = false;  ///< since t1 an increment could not be added, or states were lost
+  enum class Start { kNot, kWithNextSweep, kOnceObserved };
+  Start requested_ = Start::kNot;
 };
 
 }  // namespace fail_aware

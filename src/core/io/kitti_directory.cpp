@@ -36,7 +36,8 @@ std::vector<fs::path> scansIn(const fs::path& folder) {
   std::vector<fs::path> scans;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->path().extension() == ".bin") scans.push_back(it->path());
+    const bool hidden = it->path().filename().string().front() == '.';
+    if (!hidden && it->path().extension() == ".bin") scans.push_back(it->path());
   }
   return scans;
 }
@@ -190,6 +191,9 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   const fs::path root(directory);
   std::error_code error;
   if (!fs::is_directory(root, error)) throw InputError(directory + ": no such directory");
+  if (fs::exists(root / kKittiUnfinished, error)) {
+    throw InputError(directory + ": its drive was not written to its end; remove the folder and write it again");
+  }
 
   std::vector<fs::path> scans;
   for (const fs::path& folder : {root / "velodyne", root / "velodyne_points" / "data", root}) {
@@ -206,8 +210,8 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   const fs::path timestamps = root / "velodyne_points" / "timestamps.txt";
   if (fs::exists(root / "times.txt", error)) {
     kitti.stamps_s_ = readScanTimes(root / "times.txt", scans.size());
-  } else if (!numbers.empty() && scans.front().parent_path() == timestamps.parent_path() / "data" &&
-             fs::exists(timestamps, error)) {
+  } else if (scans.front().parent_path() == timestamps.parent_path() / "data" && fs::exists(timestamps, error)) {
+    if (numbers.empty()) throw InputError(timestamps.string() + ": the scans in data/ must have numbers as names");
     kitti.stamps_s_ = readTimestamps(timestamps, numbers);
   } else {
     for (std::size_t i = 0; i < scans.size(); ++i) {

@@ -28,6 +28,9 @@
 
 namespace fail_aware {
 
+/// A file in the folder of a drive that was not written to its end.
+inline constexpr const char* kKittiUnfinished = "unfinished";
+
 struct KittiDirectoryParams {
   double nominal_period_s = kUsualPeriod_s;  ///< used without times.txt
   void validate() const;

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/io/input_error.hpp"
+#include "core/io/kitti_directory.hpp"
 #include "core/io/output_file.hpp"
 
 namespace fail_aware {
@@ -39,6 +40,7 @@ KittiWriter::KittiWriter(const std::string& directory) : directory_(directory) {
   }
   fs::create_directories(root / "velodyne", error);
   if (error) throw InputError(directory + ": cannot be made: " + error.message());
+  writeText(root / kKittiUnfinished, "");
 }
 
 void KittiWriter::add(const Sweep& sweep, const Pose& T_world_lidar, const Pose& T_world_base, double true_stamp_s) {
@@ -77,6 +79,7 @@ void KittiWriter::finish() {
     base.push_back({pose.stamp_s, orthonormalized(base_poses_.front().T.inverse() * pose.T)});
   }
   writeTumTrajectory((root / "ground_truth_tum.txt").string(), base);
+  fs::remove(root / kKittiUnfinished);
 }
 
 }  // namespace fail_aware

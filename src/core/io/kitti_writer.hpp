@@ -4,6 +4,7 @@
 //   times.txt, poses.txt (lidar frame, first pose identity), ground_truth_tum.txt (base_link), calib.txt: finish()
 // calib.txt has Tr = identity: poses.txt is in the lidar frame, not in a camera's.
 //
+// Until finish() the folder has the file `unfinished`, and the reader refuses it.
 // Failure: InputError if the folder cannot be made or already has scans; std::runtime_error if writing fails.
 #pragma once
 

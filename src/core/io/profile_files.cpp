@@ -46,16 +46,19 @@ bool isCfg(const fs::path& folder) {
 }  // namespace
 
 std::string findCfg() {
-  // Installed: PREFIX/lib/libNAME.so (or a program that contains the code, PREFIX/lib/PACKAGE/NAME) with
-  // PREFIX/share/PACKAGE/cfg.
+  // Installed: PREFIX/lib/libNAME.so (or what contains the code: a program PREFIX/lib/PACKAGE/NAME, the Python module
+  // PREFIX/lib/python3/dist-packages/NAME.so) with PREFIX/share/PACKAGE/cfg. Of a program in PATH dladdr knows the name
+  // only.
   Dl_info here{};
   dladdr(reinterpret_cast<const void*>(&findCfg), &here);
   std::error_code error;
-  fs::path folder = fs::canonical(here.dli_fname == nullptr ? "" : here.dli_fname, error).parent_path();
-  for (int levels = 0; levels < 2; ++levels) {
-    folder = folder.parent_path();
-    const fs::path installed = folder / "share" / "fail_aware_lidar_odometry" / "cfg";
-    if (isCfg(installed)) return installed.string();
+  for (const std::string code : {here.dli_fname == nullptr ? "" : here.dli_fname, "/proc/self/exe"}) {
+    fs::path folder = fs::canonical(code, error).parent_path();
+    for (int levels = 0; levels < 3; ++levels) {
+      folder = folder.parent_path();
+      const fs::path installed = folder / "share" / "fail_aware_lidar_odometry" / "cfg";
+      if (isCfg(installed)) return installed.string();
+    }
   }
   if (isCfg(FAIL_AWARE_SOURCE_CFG)) return FAIL_AWARE_SOURCE_CFG;
   throw InputError("the package's cfg folder was not found; give it with --cfg");

@@ -30,6 +30,18 @@ TEST(PoseSetting, IsMovedToTheEstimateAndUsedUp) {
   EXPECT_GT(set.covariance(1, 1) + set.covariance(0, 0), 0.02) << "the heading's error over the way";
 }
 
+TEST(PoseSetting, IsAtTheEstimateByItsStamp) {
+  PoseSetting setting;
+  FilterState state;
+  state.stamp_s = 5.0;
+  for (const auto& [stamp_s, is_at] : {std::pair(0.0, true), {4.99, true}, {5.01, true}, {4.9, false}, {5.1, false}}) {
+    ExternalPose pose;
+    pose.stamp_s = stamp_s;
+    ASSERT_EQ(setting.offer(pose, state.stamp_s), "");
+    EXPECT_EQ(setting.isAt(state), is_at) << stamp_s;
+  }
+}
+
 TEST(PoseSetting, WithoutAStampItHoldsAtTheEstimate) {
   PoseSetting setting;
   EXPECT_EQ(setting.offer(poseAt(0.0, 0.0), 100.0), "");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace fail_aware::clock_jump_detector_test {
@@ -16,11 +17,12 @@ Pose at(double x_m) {
   return T;
 }
 
-// A world in which everything stands at its place once: within 0.2 m of the car's place a sweep fits there, and
+// A world in which everything stands at its place once: within reach_m of the car's place a sweep fits there, and
 // elsewhere its road does.
 struct World {
   double ratio_elsewhere = 0.75, ratio_here = 0.95;
   double information_elsewhere = 0.015, information_here = 0.1;
+  double reach_m = 0.2;
   int degenerate_directions = 0;
   int fits = 0;
 
@@ -28,7 +30,7 @@ struct World {
     return [this, car_x_m](const Pose& T) {
       ++fits;
       Measurement found;
-      const bool here = std::abs(T.translation().x() - car_x_m) < 0.2;
+      const bool here = std::abs(T.translation().x() - car_x_m) < reach_m;
       found.T_odom_cog = here ? clock_jump_detector_test::at(car_x_m) : T;
       found.inlier_ratio = here ? ratio_here : ratio_elsewhere;
       found.status = found.inlier_ratio > 0.0 ? MeasurementStatus::kOk : MeasurementStatus::kNotConverged;
@@ -82,6 +84,29 @@ TEST(ClockJumpDetector, ClockSetAheadAndBackKeepsThePose) {
 TEST(ClockJumpDetector, AClockThatIsSetBackByLessThanAnInterval) {
   Car car;
   car.expectHere(car.drive(kPeriod_s, 0.03));
+}
+
+TEST(ClockJumpDetector, ClockSetWhileSweepsAreLostKeepsThePose) {
+  // 0.5 s back; 1 s ahead
+  for (const auto& [driven_s, dt_s] : {std::pair(0.8, 0.3), std::pair(0.6, 1.6)}) {
+    Car car;
+    car.world.reach_m = 0.5;
+    car.expectHere(car.drive(driven_s, dt_s));
+    EXPECT_FALSE(car.drive(kPeriod_s, kPeriod_s));
+  }
+  Car far;
+  far.world.reach_m = 0.5;
+  EXPECT_FALSE(far.drive(2.5, 0.3)) << "22 m";
+  Car usual;
+  usual.world.reach_m = 0.5;
+  usual.world.ratio_elsewhere = 0.9;
+  EXPECT_FALSE(usual.drive(0.8, 0.3)) << "as much fits as ever";
+  Car slow;
+  ClockJumpDetector::Interval interval = slow.interval(0.3);
+  interval.twist_cog *= 0.1;
+  slow.world.fits = 0;
+  EXPECT_FALSE(slow.check.findOther(interval, slow.world.at(1e3)));
+  EXPECT_LE(slow.world.fits, 2) << "registration reaches as far";
 }
 
 TEST(ClockJumpDetector, SweepsThatAreLostAreLost) {
@@ -205,6 +230,7 @@ TEST(ClockJumpDetector, NearerStartWinsForOnePlace) {
 TEST(ClockJumpDetector, TheDriverMayHaveBrakedInALongInterval) {
   for (const double braked_mps2 : {2.5, 10.0}) {
     Car car;
+    car.world.ratio_elsewhere = 0.9;  // much fits there, too
     const ClockJumpDetector::Interval interval = car.interval(kPeriod_s, 0.4);
     const double x_m = car.x_m + kSpeed_mps * 0.6 - 0.5 * braked_mps2 * 0.36;
     const auto fit = [&](const Pose& T) {

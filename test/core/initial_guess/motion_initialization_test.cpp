@@ -26,18 +26,18 @@ MotionInitialization::Params testParams() {
   return params;
 }
 
-std::optional<Vector6d> twistFound(const SyntheticDrive& drive, const MotionInitialization::Params& params,
-                                   double dt_s = 0.1) {
+std::optional<MotionInitialization::Found> twistFound(const SyntheticDrive& drive,
+                                                      const MotionInitialization::Params& params, double dt_s = 0.1) {
   MotionInitialization initialization(params, kMinRange_m);
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
-  return initialization.findTwist(drive.sweep(dt_s, 2), drive.T_cog_lidar, dt_s);
+  return initialization.find(drive.sweep(dt_s, 2), drive.T_cog_lidar, dt_s);
 }
 
-void expectTwist(const std::optional<Vector6d>& twist, double speed_mps, double yaw_rate_rps) {
-  ASSERT_TRUE(twist.has_value());
-  EXPECT_NEAR((*twist)[0], speed_mps, 0.7);
-  EXPECT_NEAR((*twist)[5], yaw_rate_rps, 0.06);
-  for (const int i : {1, 2, 3, 4}) EXPECT_EQ((*twist)[i], 0.0);
+void expectTwist(const std::optional<MotionInitialization::Found>& found, double speed_mps, double yaw_rate_rps) {
+  ASSERT_TRUE(found.has_value());
+  EXPECT_NEAR(found->twist_cog[0], speed_mps, 0.7);
+  EXPECT_NEAR(found->twist_cog[5], yaw_rate_rps, 0.06);
+  for (const int i : {1, 2, 3, 4}) EXPECT_EQ(found->twist_cog[i], 0.0);
 }
 
 TEST(MotionInitialization, FindsSpeedBehindACar) {
@@ -78,15 +78,34 @@ CorrectedSweep hedgesAndPoles(double moved_m, int poles = 16, unsigned rough = 0
 TEST(MotionInitialization, PolesDecideBetweenHedges) {
   MotionInitialization initialization(testParams(), kMinRange_m);
   initialization.setFirst(hedgesAndPoles(0.0), Pose::Identity());
-  expectTwist(initialization.findTwist(hedgesAndPoles(2.7), Pose::Identity(), 0.1), 27.0, 0.0);
+  expectTwist(initialization.find(hedgesAndPoles(2.7), Pose::Identity(), 0.1), 27.0, 0.0);
 }
 
 /// Eight poles cannot outvote the hedges, which fit best at standstill. But they do not fit as at a true standstill.
 TEST(MotionInitialization, AStandstillThatFitsBadlyIsNone) {
   MotionInitialization initialization(testParams(), kMinRange_m);
   initialization.setFirst(hedgesAndPoles(0.0, 8, 1), Pose::Identity());
-  expectTwist(initialization.findTwist(hedgesAndPoles(2.7, 8, 2), Pose::Identity(), 0.1), 27.0, 0.0);
-  expectTwist(initialization.findTwist(hedgesAndPoles(0.0, 8, 2), Pose::Identity(), 0.1), 0.0, 0.0);
+  expectTwist(initialization.find(hedgesAndPoles(2.7, 8, 2), Pose::Identity(), 0.1), 27.0, 0.0);
+  expectTwist(initialization.find(hedgesAndPoles(0.0, 8, 2), Pose::Identity(), 0.1), 0.0, 0.0);
+}
+
+TEST(MotionInitialization, IsSureOfAStandstillWhereNearlyAllMeets) {
+  SyntheticDrive drive;
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
+  const auto standing =
+      initialization.find(drive.sweep(0.1, 1), drive.T_cog_lidar, 0.1);  // the beams hit the same spots
+  ASSERT_TRUE(standing);
+  EXPECT_TRUE(standing->surely_standing);
+  drive.twist_cog = planarTwist(8.0, 0.0);
+  const auto driving = twistFound(drive, testParams());
+  ASSERT_TRUE(driving);
+  EXPECT_FALSE(driving->surely_standing);
+  MotionInitialization amid_hedges(testParams(), kMinRange_m);
+  amid_hedges.setFirst(hedgesAndPoles(0.0, 8, 1), Pose::Identity());
+  const auto hedges = amid_hedges.find(hedgesAndPoles(2.7, 8, 2), Pose::Identity(), 0.1);
+  ASSERT_TRUE(hedges);
+  EXPECT_FALSE(hedges->surely_standing) << "hedges meet at standstill, too";
 }
 
 TEST(MotionInitialization, FindsStandstillAndReverse) {
@@ -103,9 +122,9 @@ TEST(MotionInitialization, SearchesUpToItsLimits) {
   drive.twist_cog = planarTwist(6.0, 0.7);
   expectTwist(twistFound(drive, params), 6.0, 0.7);
   params.max_yaw_rate_rps = 0.5;
-  const std::optional<Vector6d> cut = twistFound(drive, params);
+  const auto cut = twistFound(drive, params);
   ASSERT_TRUE(cut.has_value());
-  EXPECT_LE((*cut)[5], 0.5 + 1e-9);
+  EXPECT_LE(cut->twist_cog[5], 0.5 + 1e-9);
   params = testParams();
   params.max_speed_mps = 9.0;
   drive.twist_cog = planarTwist(9.0, 0.0);
@@ -121,10 +140,10 @@ TEST(MotionInitialization, TimeScalesTheMotion) {
 TEST(MotionInitialization, FindsNothingWithoutAFirstSweep) {
   MotionInitialization initialization(testParams(), kMinRange_m);
   const SyntheticDrive drive;
-  EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
+  EXPECT_FALSE(initialization.find(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
   initialization.reset();
-  EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
+  EXPECT_FALSE(initialization.find(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.1).has_value());
 }
 
 TEST(MotionInitialization, FindsNothingWhereNothingStands) {
@@ -134,7 +153,7 @@ TEST(MotionInitialization, FindsNothingWhereNothingStands) {
   EXPECT_FALSE(twistFound(drive, testParams()).has_value());
   MotionInitialization initialization(testParams(), kMinRange_m);
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
-  EXPECT_FALSE(initialization.findTwist(CorrectedSweep(), drive.T_cog_lidar, 0.1).has_value());
+  EXPECT_FALSE(initialization.find(CorrectedSweep(), drive.T_cog_lidar, 0.1).has_value());
 }
 
 TEST(MotionInitialization, FindsNothingWhereTheSweepsDoNotOverlap) {
@@ -143,7 +162,7 @@ TEST(MotionInitialization, FindsNothingWhereTheSweepsDoNotOverlap) {
   elsewhere.scene = {wall(-20.0, 15.0, 20.0, 15.0, 4.0)};
   MotionInitialization initialization(testParams(), kMinRange_m);
   initialization.setFirst(here.sweep(0.0, 1), here.T_cog_lidar);
-  EXPECT_FALSE(initialization.findTwist(elsewhere.sweep(0.1, 2), elsewhere.T_cog_lidar, 0.1).has_value());
+  EXPECT_FALSE(initialization.find(elsewhere.sweep(0.1, 2), elsewhere.T_cog_lidar, 0.1).has_value());
 }
 
 TEST(MotionInitialization, LooksNoFartherThanItsRange) {
@@ -160,7 +179,7 @@ TEST(MotionInitialization, FindsNothingWithoutTimeBetween) {
   const SyntheticDrive drive;
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
   for (const double dt_s : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_FALSE(initialization.findTwist(drive.sweep(0.0, 2), drive.T_cog_lidar, dt_s).has_value()) << dt_s;
+    EXPECT_FALSE(initialization.find(drive.sweep(0.0, 2), drive.T_cog_lidar, dt_s).has_value()) << dt_s;
   }
 }
 

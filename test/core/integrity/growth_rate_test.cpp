@@ -86,5 +86,28 @@ TEST(GrowthRate, OneBlindedSweepSaysNothingOfTheFuture) {
   EXPECT_FALSE(growth_rate.known());
 }
 
+TEST(GrowthRate, WhatARegistrationTookBackIsNotTheFuture) {
+  GrowthRate growth_rate(3.0);
+  const auto rateAfter = [&](double variance, bool open) {
+    DriftRate rate = rateOf(variance, 0.0);
+    rate.open = open;
+    growth_rate.add(rate, {}, kPeriod_s);
+    CovarianceGrowth growth;
+    growth_rate.describe(kWeak, growth);
+    return growth.rate(0, 0);
+  };
+  for (int i = 0; i < 40; ++i) rateAfter(0.01, false);
+  EXPECT_NEAR(rateAfter(1.0, true), 0.1, 1e-9) << "one sweep";
+  EXPECT_NEAR(rateAfter(1.0, true), 0.1, 1e-9);
+  EXPECT_GT(rateAfter(1.0, true), 1.0) << "0.3 s";
+  EXPECT_GT(rateAfter(1.0, true), 1.0);
+  EXPECT_NEAR(rateAfter(0.01, false), 0.1, 1e-9) << "measured again";
+  EXPECT_NEAR(rateAfter(1.0, true), 0.1, 1e-9) << "a single one again";
+  growth_rate.reset();
+  EXPECT_NEAR(rateAfter(1.0, true), 10.0, 1e-9) << "nothing else is known";
+  growth_rate.reset();
+  EXPECT_FALSE(growth_rate.known());
+}
+
 }  // namespace
 }  // namespace fail_aware::growth_rate_test

@@ -174,6 +174,95 @@ TEST(FailAwareMonitor, T1WaitsUntilTheMotionIsObserved) {
   EXPECT_LT(drive(monitor, road, 1).sigma_x_m, 2.0 * road.sigma_m) << "what was before t1 does not count";
 }
 
+/// A sweep that nothing measures.
+FilterState blindedSweep(Road& road) {
+  FilterState state = road.next();
+  state.motion_covariance.setZero();
+  state.motion_covariance.diagonal().head<2>().setConstant(0.01);
+  state.registered = state.measurement_applied = state.fusion.confirmed = false;
+  state.motion_status = MotionStatus::kDeadReckoning;
+  return state;
+}
+
+TEST(FailAwareMonitor, RequestWhileBlindCountsWhatFollows) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  drive(monitor, road, 40);
+  monitor.update(blindedSweep(road), {});
+  monitor.start();
+  FilterState state = blindedSweep(road);
+  MonitorOutput output = monitor.update(state, {});
+  EXPECT_EQ(output.t1_stamp_s, state.stamp_s) << "the request's, not that of the first measurement";
+  EXPECT_NEAR(output.sigma_x_m, 0.1, 0.03) << "this step's error counts";
+  for (int i = 0; i < 100; ++i) output = monitor.update(blindedSweep(road), {});
+  EXPECT_EQ(output.state, FailAwareState::kFailed);
+  EXPECT_GT(output.sigma_x_m, 0.9);
+  EXPECT_GT(drive(monitor, road, 40).sigma_x_m, 0.9) << "no measurement tells what was lost";
+}
+
+TEST(FailAwareMonitor, RequestInAGapCountsTheGap) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  drive(monitor, road, 40);
+  monitor.start();
+  FilterState state = road.next();
+  state.dt_s = 5.0;
+  state.registered = false;
+  state.motion_covariance = 4.0 * Matrix6d::Identity();
+  EXPECT_NEAR(monitor.update(state, {}).sigma_x_m, 2.0, 0.1);
+}
+
+TEST(FailAwareMonitor, APoseSetWhileBlindIsT1AtOnce) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  monitor.start();
+  drive(monitor, road, 40);
+  for (int i = 0; i < 20; ++i) monitor.update(blindedSweep(road), {});
+  FilterState state = blindedSweep(road);
+  state.odom_reset_count = 1;
+  EXPECT_EQ(monitor.update(state, {}).t1_stamp_s, state.stamp_s);
+  for (int i = 0; i < 100; ++i) {
+    state = blindedSweep(road);
+    state.odom_reset_count = 1;
+    monitor.update(state, {});
+  }
+  state = road.next();
+  state.odom_reset_count = 1;
+  EXPECT_GT(monitor.update(state, {}).sigma_x_m, 0.9) << "what was blind since then counts";
+}
+
+TEST(FailAwareMonitor, AFilterThatBeganAnewLostStates) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  monitor.start();
+  FilterState state;
+  for (int i = 0; i < 40; ++i) {
+    state = road.next();
+    state.odom_reset_count = 1;
+    monitor.update(state, {});
+  }
+  const MonitorOutput output = drive(monitor, road, 1);
+  EXPECT_EQ(output.state, FailAwareState::kFailed);
+  EXPECT_NE(output.reasons & kReasonDroppedSweeps, 0u);
+  EXPECT_NE(output.t1_stamp_s, state.stamp_s + kDt_s);
+}
+
+TEST(FailAwareMonitor, OneUnmeasuredSweepCostsNoStop) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  road.sigma_m = 0.001;
+  road.sigma_yaw_step_rad = 1e-5;
+  monitor.start();
+  const MonitorOutput before = drive(monitor, road, 60);
+  MonitorOutput output = monitor.update(blindedSweep(road), {});
+  EXPECT_EQ(output.state, FailAwareState::kDegraded) << "PREDICTION_ONLY";
+  output = drive(monitor, road, 60);
+  EXPECT_EQ(output.state, FailAwareState::kOk);
+  EXPECT_NEAR(output.time_to_failure_covariance.seconds, before.time_to_failure_covariance.seconds, 10.0);
+  for (int i = 0; i < 5; ++i) output = monitor.update(blindedSweep(road), {});
+  EXPECT_GE(output.state, FailAwareState::kFailing) << "0.5 s";
+}
+
 TEST(FailAwareMonitor, StandbySaysWhatServingFromNowOnWouldGive) {
   FailAwareMonitor standby(independentSweeps()), serving(independentSweeps());
   Road road;
@@ -211,11 +300,6 @@ TEST(FailAwareMonitor, ASecondStartLeavesNothingOfTheFirst) {
 
   monitor.start();
   EXPECT_TRUE(monitor.startPending());
-  FilterState blind = road.next();
-  blind.motion_status = MotionStatus::kDeadReckoning;
-  const MonitorOutput waiting = monitor.update(blind, {});
-  EXPECT_EQ(waiting.state, FailAwareState::kUnknown);
-  EXPECT_EQ(waiting.t1_stamp_s, -1.0);
   EXPECT_TRUE(monitor.horizontalCovarianceOdom().isZero());
   const MonitorOutput served = drive(monitor, road, 1);
   EXPECT_LT(served.protection_level_m, 0.6);
