@@ -10,9 +10,9 @@ namespace fail_aware {
 
 namespace {
 
-// In place of standstill_ratio in a sweep in which the vehicle surely stands. A tunnel without a niche has 0.03, and all of
-// it meets at standstill, too.
-constexpr double kSureRatio = 0.04;
+// In place of standstill_ratio in a sweep in which the vehicle surely stands. A tunnel without a niche has up to 0.04, and
+// all of it meets at standstill, too.
+constexpr double kSureRatio = 0.06;
 
 // A Kalman update: along `axis` (of length 1, in odom) the true position differs from the measured one by `offset_m`,
 // with standard deviation `sigma_m`.
