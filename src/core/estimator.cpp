@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/estimation/increment_covariance.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/stamp_difference.hpp"
 

@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/io/input_error.hpp"

@@ -6,6 +6,7 @@
 
 #include "../support/independent_drift.hpp"
 #include "../support/synthetic_tunnel.hpp"
+#include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/odometry_pipeline.hpp"
 

@@ -21,6 +21,7 @@
 #include "bridge/monitor_message_conversion.hpp"
 #include "bridge/odometry_conversion.hpp"
 #include "core/estimation/external_pose.hpp"
+#include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/pose_setting.hpp"
 #include "core/integrity/monitor.hpp"
 #include "core/pipeline_parameters.hpp"

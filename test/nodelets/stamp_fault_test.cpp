@@ -9,7 +9,6 @@ namespace {
 
 TimingResult azimuthTiming(StampReference reference) {
   TimingResult timing;
-  timing.status = TimingStatus::kOk;
   timing.source = TimingSource::kAzimuth;
   timing.reference = reference;
   timing.period_s = 0.05;

@@ -257,14 +257,13 @@ std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double 
   speed.acceleration_mps2 = acceleration;
   speed.speed_mps = middle_mps + 0.5 * acceleration * span_s;
   const Score here = scoreAt(middle_mps, acceleration);
-  speed.correlation = here.correlation;
   const double opposite = scoreAt(-middle_mps, -acceleration).energy;
   const double mirrored = std::max(0.0, opposite / std::max(here.energy, kSmallestEnergy));
   speed.sigma_mps = std::hypot(params_.speed_sigma_mps, params_.mirrored_sigma_mps * mirrored);
   // The result's own sigma is not part of the tolerance: the next results share all sweeps but one, and the filter
   // would follow them all.
   const double tolerance_mps = kGateSigmas * std::hypot(expected_sigma_mps, params_.speed_sigma_mps);
-  if (speed.correlation < params_.min_correlation || std::abs(speed.speed_mps - expected_mps) > tolerance_mps) {
+  if (here.correlation < params_.min_correlation || std::abs(speed.speed_mps - expected_mps) > tolerance_mps) {
     last_.reset();
     return std::nullopt;
   }

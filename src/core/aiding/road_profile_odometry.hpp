@@ -18,7 +18,6 @@
 // Cost: about 2 ms per sweep; a search over all speeds about 30 ms, one near the last speed about 5 ms.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -71,7 +70,6 @@ class RoadProfileOdometry {
     double speed_mps = 0.0;  ///< at the newest sweep's stamp
     double acceleration_mps2 = 0.0;
     double sigma_mps = 0.0;
-    double correlation = 0.0;
   };
 
   explicit RoadProfileOdometry(const Params& params) : params_(params) {}

@@ -1,6 +1,5 @@
 #include "core/estimation/dead_reckoning.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 

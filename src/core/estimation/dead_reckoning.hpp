@@ -106,8 +106,6 @@ class DeadReckoning {
   /// Of the last finished sweep, along the vehicle. Zero unless active.
   SpeedError speedError() const { return active_ ? SpeedError{std::max(0.0, S_(0, 0)), kept_} : SpeedError(); }
 
-  Eigen::Matrix3d velocityCovariance() const { return S_.topLeftCorner<3, 3>(); }
-
  private:
   double yawAcceleration_rad_s2(double speed_mps) const;
   Motion predict(const Motion& before, double dt_s);

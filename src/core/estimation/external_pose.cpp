@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/estimation/largest_values.hpp"
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
 

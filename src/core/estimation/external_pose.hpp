@@ -13,7 +13,6 @@
 #include <optional>
 #include <string>
 
-#include "core/estimation/largest_values.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/types/measurement.hpp"
 #include "core/types/sweep_prediction.hpp"

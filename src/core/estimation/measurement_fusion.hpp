@@ -31,7 +31,6 @@
 // Cost: O(n) 6x6 eigendecompositions, about 15 us for three inputs.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/estimation/measurement_agreement.hpp"

@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/estimation/doubtful_standstill.hpp"
 #include "core/estimation/increment_covariance.hpp"
-#include "core/estimation/largest_values.hpp"
 #include "core/estimation/prediction_noise.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
-#include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"

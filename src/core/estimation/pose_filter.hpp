@@ -11,12 +11,10 @@
 // estimate is the prediction, and the state says so. Cost: about 50 us a sweep.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/estimation/consistency_monitor.hpp"
 #include "core/estimation/dead_reckoning.hpp"
-#include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/map_update_policy.hpp"
 #include "core/estimation/measurement_fusion.hpp"
 #include "core/estimation/motion_tracker.hpp"
@@ -26,7 +24,6 @@
 #include "core/geometry/pose.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/fusion_input.hpp"
-#include "core/types/odometry_increment.hpp"
 #include "core/types/sweep_prediction.hpp"
 #include "core/types/sweep_time.hpp"
 

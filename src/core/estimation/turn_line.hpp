@@ -8,7 +8,6 @@
 // Failure: none. Cost: under 1 us per stamp.
 #pragma once
 
-#include <cstddef>
 #include <deque>
 #include <optional>
 

@@ -1,6 +1,5 @@
 #include "core/geometry/rotation.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace fail_aware {

@@ -184,8 +184,8 @@ void CorrelativeSearch::Params::validate() const { requireWithin("max_shift_m", 
 
 bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                              const Pose& T_odom_cog_predicted, const Matrix6d& covariance,
-                             std::optional<Found>& found) const {
-  found.reset();
+                             std::optional<Pose>& T_odom_cog) const {
+  T_odom_cog.reset();
   const std::vector<Eigen::Vector2d> points =
       aboveGroundPoints(points_cog, T_odom_cog_predicted.linear(), params_.range_m);
   if (points.empty()) return false;
@@ -209,9 +209,9 @@ bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, con
   // the first of the best, so that the choice among equal ones does not depend on the library
   const Candidate& best = *std::min_element(refined.begin(), refined.end(), better);
   if (best.ratio < params_.min_ratio) return true;
-  found = Found{T_odom_cog_predicted, best.ratio};
-  found->T_odom_cog.translation().head<2>() += best.shift_m;
-  found->T_odom_cog.linear() =
+  T_odom_cog = T_odom_cog_predicted;
+  T_odom_cog->translation().head<2>() += best.shift_m;
+  T_odom_cog->linear() =
       Eigen::AngleAxisd(best.turn_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix() * T_odom_cog_predicted.linear();
   return true;
 }

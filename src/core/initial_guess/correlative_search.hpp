@@ -6,8 +6,7 @@
 // where a nearest-point search ends at the wrong hedge.
 //
 // Frames: points in the frame of the centre of gravity, poses in odom; z, roll and pitch stay at the prediction.
-// Failure: too few points above the ground (find() returns false), or too few of them fit at any pose (`found` is
-// empty).
+// Failure: too few points above the ground (find() returns false), or too few of them fit at any pose (no pose).
 // Cost: 20 to 60 ms.
 #pragma once
 
@@ -39,17 +38,12 @@ class CorrelativeSearch {
     void validate() const;
   };
 
-  struct Found {
-    Pose T_odom_cog = Pose::Identity();
-    double ratio = 0.0;  ///< of above-ground points that fit: min_ratio ... 1
-  };
-
   explicit CorrelativeSearch(const Params& params) : params_(params) {}
 
   /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw); it sets the search range. False: too few points
   /// above the ground.
   bool find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map, const Pose& T_odom_cog_predicted,
-            const Matrix6d& covariance, std::optional<Found>& found) const;
+            const Matrix6d& covariance, std::optional<Pose>& T_odom_cog) const;
 
  private:
   Params params_;

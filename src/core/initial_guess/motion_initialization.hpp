@@ -22,7 +22,6 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
-#include "core/map/above_ground_points.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/types/corrected_sweep.hpp"
 

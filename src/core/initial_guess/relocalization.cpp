@@ -80,11 +80,11 @@ bool Relocalization::isNeeded(const Matrix6d& covariance) const {
 std::optional<Pose> Relocalization::find(const RegistrationCloud& cloud, const VoxelMap& map,
                                          const Pose& T_odom_cog_predicted, const Matrix6d& covariance,
                                          const Gap& gap) const {
-  std::optional<CorrelativeSearch::Found> place;
+  std::optional<Pose> place;
   if (params_.search.enabled && search_.find(cloud.map_points_cog, map, T_odom_cog_predicted,
                                              covariance + steered(gap, T_odom_cog_predicted.linear()), place)) {
     if (place) {
-      const Measurement narrowed = narrowing_.align(cloud.point_points_cog, map, place->T_odom_cog, covariance);
+      const Measurement narrowed = narrowing_.align(cloud.point_points_cog, map, *place, covariance);
       return narrowed.ok() ? confirmedBy(usual_, cloud, map, narrowed, covariance) : std::nullopt;
     }
     if (gap.duration_s > kShortGap_s) return std::nullopt;

@@ -11,7 +11,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "core/initial_guess/correlative_search.hpp"
 #include "core/preprocessing/registration_cloud.hpp"

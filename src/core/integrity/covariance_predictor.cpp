@@ -33,7 +33,7 @@ CovariancePredictor::CovariancePredictor(const Params& params)
 
 CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth) const {
   CovariancePrediction prediction;
-  if (!isUsable(growth)) return {TimeToFailure::reached(), TimeToFailure::reached(), kLargestRadius_m, 1.0};
+  if (!isUsable(growth)) return {TimeToFailure::reached(), TimeToFailure::reached(), kLargestRadius_m};
   GrowingCovariance growing(growth);
   const auto horizontal = [&](const GrowingCovariance::Matrix& covariance) {
     return Eigen::Matrix2d(covariance.topLeftCorner<2, 2>() + growth.transient);
@@ -42,13 +42,12 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
     return exceedance(horizontal(covariance), params_.alert_limit_m, params_.degrees_of_freedom);
   };
   prediction.radius_m = std::min(radius_(horizontal(growing.now())), kLargestRadius_m);
-  prediction.failed_probability = failed(growing.now());
   struct Sought {
     TimeToFailure& time;
     double probability;
     bool found;
   };
-  const double p = prediction.failed_probability;
+  const double p = failed(growing.now());
   Sought all[] = {{prediction.time_to_failure, p + (1.0 - params_.confidence) * (1.0 - p), false},
                   {prediction.time_to_alarm, 1.0 - params_.alarm_confidence, false}};
   for (Sought& sought : all) {

@@ -21,9 +21,8 @@ namespace fail_aware {
 
 struct CovariancePrediction {
   TimeToFailure time_to_failure;
-  TimeToFailure time_to_alarm;      ///< later, or the same
-  double radius_m = 0.0;            ///< the radius now with `confidence`
-  double failed_probability = 0.0;  ///< that the error is past the limit now
+  TimeToFailure time_to_alarm;  ///< later, or the same
+  double radius_m = 0.0;        ///< the radius now with `confidence`
 };
 
 class CovariancePredictor {

@@ -25,7 +25,6 @@
 // Cost: O(1).
 #pragma once
 
-#include <cstddef>
 #include <deque>
 #include <optional>
 

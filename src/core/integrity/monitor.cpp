@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
-#include "core/estimation/pose_filter.hpp"
+#include "core/estimation/increment_covariance.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 

@@ -79,9 +79,6 @@ class FailAwareMonitor {
   /// Whether the state's pose is that of the last update(): odom was not moved between them. True before the first.
   bool isWhereItWas(const FilterState& state) const;
 
-  /// The covariance of T_odom_cog since the first sweep (FusionUkf publishes its own, from the start pose's on), geometry/pose.hpp's convention.
-  const Matrix6d& odometryCovariance() const { return covariance_.covariance(); }
-
   /// The covariance of (x, y) accumulated since t1, m^2, about odom's axes; zero before t1.
   Eigen::Matrix2d horizontalCovarianceOdom() const;
 

@@ -10,7 +10,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/preprocessing/point_times.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
 
 namespace fail_aware {

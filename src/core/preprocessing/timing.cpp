@@ -108,25 +108,21 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
 
   if (params_.source == "none" || sweep.empty()) {
     times_relative_to_stamp_s.clear();
-    result.status = sweep.empty() ? TimingStatus::kEmptySweep : TimingStatus::kOff;
     return result;
   }
   if (params_.source != "azimuth") {
     result.field = assignField(sweep, stamp_error_s, result, times_relative_to_stamp_s);
     if (result.field == TimeField::kUsed) {
-      result.status = TimingStatus::kOk;
       result.source = TimingSource::kField;
       return result;
     }
     if (held_.apply(sweep, times_relative_to_stamp_s)) {
-      result.status = TimingStatus::kOk;
       result.source = TimingSource::kHeld;
       result.reference = last_reference_;
       return result;
     }
     if (params_.source == "field") {
       times_relative_to_stamp_s.clear();
-      result.status = TimingStatus::kNoField;
       if (result.refusal.empty()) {
         result.refusal = result.field == TimeField::kAbsent
                              ? "the cloud has no times, and sensor.timing.source is field"
@@ -137,7 +133,6 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
   }
   timesByAzimuth(params_, sweep.points_lidar, positionInSweep(result.reference), result.period_s,
                  times_relative_to_stamp_s);
-  result.status = TimingStatus::kOk;
   result.source = TimingSource::kAzimuth;
   return result;
 }

@@ -1,6 +1,5 @@
 #include "core/preprocessing/vertical_reference.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>

@@ -1,7 +1,6 @@
 // Integer coordinates of a cubic voxel, packed into 64 bits.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 

@@ -1,6 +1,5 @@
 #include "core/registration/beam_bias_estimator.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "plane_pairs.hpp"

@@ -1,7 +1,6 @@
 #include "core/registration/icp_point_to_plane.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "core/parameters/check.hpp"

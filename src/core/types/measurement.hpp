@@ -1,9 +1,7 @@
 // The pose that a measurement algorithm finds for one sweep (paper, section "Measurements Algorithms and Data Fusion").
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
-#include <string>
 
 #include "core/geometry/pose.hpp"
 #include "core/types/information_ahead.hpp"

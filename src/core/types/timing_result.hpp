@@ -7,17 +7,11 @@
 
 namespace fail_aware {
 
-/// Where the points' times come from; kHeld: as in earlier sweeps (preprocessing/held_timing.hpp).
+/// Where the points' times come from; kHeld: as in earlier sweeps (preprocessing/held_timing.hpp). kNone: `source` is none,
+/// the sweep is empty, or `source` is field and the field is not usable (TimingResult::field).
 enum class TimingSource { kNone, kField, kAzimuth, kHeld };
 /// The instant of the sweep that its stamp means.
 enum class StampReference { kStart, kMid, kEnd };
-
-enum class TimingStatus {
-  kOk,
-  kOff,         ///< `source` is none
-  kEmptySweep,  ///< no point
-  kNoField      ///< `source` is field, but the field is not usable: see TimingResult::field
-};
 
 /// Whether the driver's time field was used, and why not.
 enum class TimeField {
@@ -35,7 +29,6 @@ const char* toString(StampReference reference);
 const char* toString(TimeField field);
 
 struct TimingResult {
-  TimingStatus status = TimingStatus::kOff;
   TimeField field = TimeField::kNotRead;
   TimingSource source = TimingSource::kNone;
   StampReference reference = StampReference::kEnd;
@@ -45,7 +38,7 @@ struct TimingResult {
   std::size_t outliers = 0;                         ///< points without a usable time: NaN
   std::string refusal;  ///< why the field is refused, for people (a missing one only if `source` is field); else empty
 
-  bool ok() const { return status == TimingStatus::kOk; }
+  bool ok() const { return source != TimingSource::kNone; }
   /// The field was refused, and no earlier sweep shows how to time this one.
   bool guessed() const { return !refusal.empty() && source != TimingSource::kHeld; }
 };

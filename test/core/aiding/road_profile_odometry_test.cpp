@@ -47,7 +47,6 @@ TEST(RoadProfileOdometry, FindsSpeedBehindACar) {
     const std::optional<RoadProfileOdometry::Speed> speed = drive(relief, tunnel, speed_mps, 20);
     ASSERT_TRUE(speed.has_value()) << speed_mps;
     EXPECT_NEAR(speed->speed_mps, speed_mps, 0.4);
-    EXPECT_GT(speed->correlation, RoadProfileOdometry::Params().min_correlation);
     EXPECT_GT(speed->sigma_mps, 0.0);
   }
 }

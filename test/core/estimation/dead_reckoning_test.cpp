@@ -162,7 +162,7 @@ TEST(DeadReckoning, FollowsAnUnsureSpeedThatChanges) {
       ASSERT_NEAR(motion.velocity_mps.x(), true_mps, 1.5) << i;
     }
   }
-  EXPECT_LT(std::sqrt(dead_reckoning.velocityCovariance()(0, 0)), 0.7);
+  EXPECT_LT(std::sqrt(dead_reckoning.speedError().variance_m2_s2), 0.7);
   EXPECT_NEAR(motion.acceleration_mps2.x(), 1.5, 0.8);
 }
 
@@ -173,7 +173,7 @@ TEST(DeadReckoning, AnUnknownSpeedTakesTheFirstMeasurement) {
   DeadReckoning::Motion motion = motionOf(0.0);
   for (int i = 0; i < 50; ++i) motion = dead_reckoning.filter(motion, kDt_s, &nothing);
   EXPECT_EQ(motion.velocity_mps.x(), 0.0);
-  EXPECT_GT(std::sqrt(dead_reckoning.velocityCovariance()(0, 0)), 15.0) << "not a confident standstill";
+  EXPECT_GT(std::sqrt(dead_reckoning.speedError().variance_m2_s2), 15.0) << "not a confident standstill";
   motion = dead_reckoning.filter(motion, kDt_s, &found);
   EXPECT_NEAR(motion.velocity_mps.x(), 20.0, 0.2);
 }

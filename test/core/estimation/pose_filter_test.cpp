@@ -12,6 +12,7 @@
 
 #include "../../support/poses.hpp"
 #include "../parameters/error_of.hpp"
+#include "core/estimation/increment_covariance.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 

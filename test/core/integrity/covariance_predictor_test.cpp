@@ -251,7 +251,6 @@ TEST(CovariancePredictor, UnusableInputBoundsNoError) {
     EXPECT_EQ(p.time_to_failure.status, Status::kReached);
     EXPECT_EQ(p.time_to_alarm.status, Status::kReached);
     EXPECT_EQ(p.radius_m, 1e6);
-    EXPECT_EQ(p.failed_probability, 1.0);
   }
 }
 
@@ -348,7 +347,6 @@ TEST(CovariancePredictor, TimeIsConditionedOnSurvival) {
   const CovariancePrediction p = CovariancePredictor(params).predict(growth);
   const auto failed = [](double variance) { return std::erfc(0.6 / std::sqrt(2.0 * variance)); };
   const double now = failed(0.09);
-  EXPECT_NEAR(p.failed_probability, now, 1e-3);
   const double then = failed(0.09 + 0.02 * p.time_to_failure.seconds);
   EXPECT_NEAR((then - now) / (1.0 - now), 0.1, 1e-3);
   EXPECT_NEAR(failed(0.09 + 0.02 * p.time_to_alarm.seconds), 0.5, 2e-3);

@@ -97,7 +97,6 @@ TEST(FailAwareMonitor, BeforeTheStartTimesAreUnknown) {
     EXPECT_EQ(output.sigma_x_m, 0.0);
     EXPECT_NEAR(output.stamp_s, 50.0 + kDt_s * i, 1e-9);
   }
-  EXPECT_GT(monitor.odometryCovariance()(0, 0), 0.0) << "but the odometry's covariance grows from the first sweep";
 }
 
 TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
@@ -118,7 +117,6 @@ TEST(FailAwareMonitor, StartMakesTheNextUpdateT1) {
   EXPECT_EQ(later.t1_stamp_s, at_start.stamp_s);
   EXPECT_TRUE(later.time_to_failure_indicator.isKnown());
   EXPECT_NEAR(later.sigma_x_m, 0.01 * std::sqrt(30.0), 1e-6);
-  EXPECT_GT(monitor.odometryCovariance()(0, 0), later.sigma_x_m * later.sigma_x_m);
 
   monitor.start();  // anew
   EXPECT_EQ(drive(monitor, road, 1).sigma_x_m, 0.0);
@@ -618,7 +616,6 @@ TEST(FailAwareMonitor, ResetForgetsTheDriveAndKeepsServing) {
   drive(monitor, road, 50);
   monitor.reset();
   EXPECT_TRUE(monitor.started());
-  EXPECT_TRUE(monitor.odometryCovariance().isZero());
   Road again;  // stamps go back
   const MonitorOutput first = drive(monitor, again, 1);
   EXPECT_EQ(first.state, FailAwareState::kUnknown);
@@ -676,7 +673,6 @@ TEST(FailAwareMonitor, WhateverComesInNoNanComesOut) {
         if (i == fault_at) condition.min_information_ratio = kNan;
         expectFinite(monitor.update(state, condition));
       }
-      EXPECT_TRUE(monitor.odometryCovariance().allFinite());
     }
   }
 }
