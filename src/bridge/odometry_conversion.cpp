@@ -11,12 +11,6 @@ struct Twist {
   Matrix6d covariance;
 };
 
-Twist unknownTwist() {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(kUnknownSpeed_mps), Eigen::Vector3d::Constant(kUnknownRate_rps);
-  return {Vector6d::Zero(), sigmas.cwiseAbs2().asDiagonal()};
-}
-
 Twist twistOf(const FilterState& state, const Pose& T_base_cog) {
   const Pose T_cog_base = T_base_cog.inverse();
   const Pose T_increment = T_base_cog * state.T_previous_now * T_cog_base;
@@ -24,7 +18,7 @@ Twist twistOf(const FilterState& state, const Pose& T_base_cog) {
   const Matrix6d covariance = covarianceAfterOffset(about_base, T_base_cog * state.T_previous_now, T_cog_base);
   const std::optional<Vector6d> twist = twistFromIncrement(T_increment, state.dt_s);
   const std::optional<Matrix6d> twist_covariance = twistCovariance(covariance, T_increment, state.dt_s);
-  if (!twist || !twist_covariance) return unknownTwist();
+  if (!twist || !twist_covariance) return {Vector6d::Zero(), isotropicCovariance(kUnknownSpeed_mps, kUnknownRate_rps)};
   return {*twist, *twist_covariance};
 }
 

@@ -14,10 +14,8 @@ Estimator::Estimator(const PipelineParameters& params)
               params.profile.history, params.profile.fusion),
       odometry_covariance_(params.profile.monitor.drift),
       clock_(params.sensor.timing.sweep_period_s) {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(params.profile.filter.initial_sigma_m),
-      Eigen::Vector3d::Constant(params.profile.filter.initial_sigma_deg * kDegree);
-  start_covariance_ = sigmas.cwiseAbs2().asDiagonal();
+  const PoseFilter::Params& filter = params.profile.filter;
+  start_covariance_ = isotropicCovariance(filter.initial_sigma_m, filter.initial_sigma_deg * kDegree);
   reset();
 }
 

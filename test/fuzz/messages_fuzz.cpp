@@ -216,8 +216,7 @@ std::optional<ExternalPose> externalPose(const geometry_msgs::PoseWithCovariance
 }
 
 Measurement externalMeasurement(const ExternalPose& pose, const SweepPrediction& prediction, const Pose& T_base_cog) {
-  const std::optional<Vector6d> twist =
-      twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
+  const std::optional<Vector6d> twist = twistFromIncrement(prediction.T_previous_now(), prediction.dt_s);
   const Measurement measurement = fail_aware::externalMeasurement(pose, prediction.stamp_s, prediction.T_odom_cog,
                                                                   twist.value_or(Vector6d::Zero()), T_base_cog);
   promise(finite(measurement.T_odom_cog), "a measurement is finite");

@@ -58,10 +58,7 @@ Measurement aboveGroundMeasurement(const AboveGroundPose& pose) {
   measurement.status = MeasurementStatus::kOk;
   measurement.T_odom_cog = pose.T_odom_cog;
   measurement.covariance = kUnobservedVariance * Matrix6d::Identity();
-  constexpr int kObserved[] = {0, 1, 5};  // x, y, yaw
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) measurement.covariance(kObserved[i], kObserved[j]) = pose.covariance(i, j);
-  }
+  setHorizontalBlock(pose.covariance, measurement.covariance);
   return measurement;
 }
 

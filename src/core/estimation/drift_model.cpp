@@ -39,8 +39,6 @@ Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
   return variances;
 }
 
-DriftModel::DriftModel(const Params& params) : params_(params) { params_.validate(); }
-
 Vector6d DriftModel::walkVariances(double distance_m) const {
   const double tilt = squared(params_.tilt_per_root_metre_deg * kDegree) * distance_m;
   Vector6d variances;

@@ -57,8 +57,7 @@ class DriftModel {
     void validate() const;
   };
 
-  /// Throws ParameterError.
-  explicit DriftModel(const Params& params);
+  explicit DriftModel(const Params& params) : params_(params) {}
 
   /// Variances that the way of one sweep adds to the pose and to the map alike.
   Vector6d walkVariances(double distance_m) const;

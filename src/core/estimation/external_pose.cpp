@@ -88,8 +88,7 @@ std::optional<ExternalPose> ExternalPoseSource::takeNearest(double stamp_s) {
 std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
   if (!prediction.motionKnown()) return std::nullopt;
   const std::optional<ExternalPose> pose = takeNearest(prediction.stamp_s);
-  const std::optional<Vector6d> twist =
-      twistFromIncrement(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog, prediction.dt_s);
+  const std::optional<Vector6d> twist = twistFromIncrement(prediction.T_previous_now(), prediction.dt_s);
   if (!pose || !twist) return std::nullopt;
   return externalMeasurement(*pose, prediction.stamp_s, prediction.T_odom_cog, *twist, T_base_cog);
 }

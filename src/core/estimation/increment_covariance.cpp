@@ -44,12 +44,6 @@ Matrix6d onTheRoad(Matrix6d Q) {
   return Q;
 }
 
-Matrix6d unknownMotion() {
-  Vector6d sigmas;
-  sigmas << Eigen::Vector3d::Constant(kUnknownDistance_m), Eigen::Vector3d::Constant(kUnknownTurn_rad);
-  return sigmas.cwiseAbs2().asDiagonal();
-}
-
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
@@ -85,7 +79,7 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
   Matrix6d motion = state.registered ? measuredMotion(Q, fusion) : onTheRoad(Q);
   if (state.clock_jump) {  // the prediction tells nothing of it
     increment = fusion.R;
-    motion = unknownMotion();
+    motion = isotropicCovariance(kUnknownDistance_m, kUnknownTurn_rad);
   } else if (!isAsPredicted(state)) {
     const Matrix6d K = solutionOf(Q + fusion.R, Q).transpose();
     const Matrix6d left = Matrix6d::Identity() - K;

@@ -65,9 +65,8 @@ void MotionTracker::remember(const Sweep& sweep) {
   // the first motion was found over more than one interval and is not the motion of the last one
   const bool knows_motion = prediction.motionKnown() || previous_measured_;
   if (state.measurement_applied && knows_motion && state.dt_s > 0.0 && std::isfinite(middle_s)) {
-    const Pose T_previous_now = prediction.motionKnown()
-                                    ? prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog
-                                    : state.T_previous_now;  // the motion that the search found
+    const Pose T_previous_now = prediction.motionKnown() ? prediction.T_previous_now()
+                                                         : state.T_previous_now;  // the motion that the search found
     T_odom_cog = T_odom_cog * expSe3(logSe3(T_previous_now) * (middle_s / state.dt_s));
     newest_middle_s_ = middle_s;
   }

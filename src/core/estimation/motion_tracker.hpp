@@ -25,7 +25,8 @@ class MotionTracker {
  public:
   /// The derivatives are limited to these.
   struct Limits {
-    double max_speed_mps = 80.0, max_yaw_rate_rps = 3.0;
+    double max_speed_mps = 80.0;    ///< no car on a road is faster
+    double max_yaw_rate_rps = 3.0;  ///< half a turn a second
   };
   /// A finished sweep.
   struct Sweep {

@@ -74,17 +74,14 @@ PoseFilter::PoseFilter(const Params& params, const VehicleModel& model, const Mo
     : params_(params),
       model_(model),
       fusion_(fusion),
-      motion_({params.max_speed_mps, params.max_yaw_rate_rps}, params.dead_reckoning, history,
-              RoadPlaneEstimator(model.vehicle())),
+      motion_(params.limits, params.dead_reckoning, history, RoadPlaneEstimator(model.vehicle())),
       consistency_(params.consistency) {
   reset(Pose::Identity());
 }
 
 void PoseFilter::reset(const Pose& T_odom_cog) {
-  Vector6d sigmas;
-  sigmas.head<3>().setConstant(params_.initial_sigma_m);
-  sigmas.tail<3>().setConstant(params_.initial_sigma_deg * kDegree);
-  ukf_.reset(vectorFromPose(T_odom_cog), sigmas.cwiseAbs2().asDiagonal());
+  ukf_.reset(vectorFromPose(T_odom_cog),
+             isotropicCovariance(params_.initial_sigma_m, params_.initial_sigma_deg * kDegree));
   motion_.reset({params_.initial_speed_sigma_mps, kInitialAcross_mps, kInitialAcross_mps}, kInitialYawRate_rad_s);
   started_ = false;
   consistency_.clear();

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
+#include "core/moving_median.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -46,14 +46,13 @@ void TurnLine::add(double turn, double stamp_s, double noise_s) {
 }
 
 std::optional<double> TurnLine::medianInterval_s() const {
-  std::vector<double> intervals_s;
+  MovingMedian intervals_s(kStamps);
   for (std::size_t i = 1; i < stamps_.size(); ++i) {
     const double interval_s = secondsBetween(stamps_[i - 1].stamp_s, stamps_[i].stamp_s);
-    if (interval_s >= kShortestTurn_s && interval_s <= kLongestTurn_s) intervals_s.push_back(interval_s);
+    if (interval_s >= kShortestTurn_s && interval_s <= kLongestTurn_s) intervals_s.add(interval_s);
   }
   if (intervals_s.size() < kIntervals) return std::nullopt;
-  std::sort(intervals_s.begin(), intervals_s.end());
-  return intervals_s[intervals_s.size() / 2];
+  return intervals_s.median();
 }
 
 /// Counts back from the newest stamp.

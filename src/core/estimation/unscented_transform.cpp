@@ -8,13 +8,15 @@
 
 namespace fail_aware {
 
-UnscentedWeights unscentedWeights(const UnscentedParams& params) {
+UnscentedWeights unscentedWeights() {
   constexpr double kDimension = 6.0;
-  const double scale = params.alpha * params.alpha * kDimension;  // N + lambda
+  constexpr double kAlpha = 0.1;  // spread of the sigma points, more local towards 0; 0.1 keeps the weights accurate
+  constexpr double kBeta = 2.0;   // suits Gaussian distributions
+  const double scale = kAlpha * kAlpha * kDimension;  // N + lambda
   UnscentedWeights weights;
   weights.spread = std::sqrt(scale);
   weights.mean_centre = (scale - kDimension) / scale;
-  weights.covariance_centre = weights.mean_centre + 1.0 - params.alpha * params.alpha + params.beta;
+  weights.covariance_centre = weights.mean_centre + 1.0 - kAlpha * kAlpha + kBeta;
   weights.other = 0.5 / scale;
   return weights;
 }

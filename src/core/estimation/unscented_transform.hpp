@@ -14,12 +14,6 @@
 
 namespace fail_aware {
 
-struct UnscentedParams {
-  /// spread of the sigma points, more local towards 0; 0.1 keeps the weights accurate
-  double alpha = 0.1;
-  double beta = 2.0;  ///< 2 suits Gaussian distributions
-};
-
 struct UnscentedWeights {
   double spread = 0.0;  ///< sqrt(N + lambda)
   double mean_centre = 0.0;
@@ -27,7 +21,7 @@ struct UnscentedWeights {
   double other = 0.0;  ///< weight of every other point, in mean and covariance
 };
 
-UnscentedWeights unscentedWeights(const UnscentedParams& params = {});
+UnscentedWeights unscentedWeights();
 
 /// Of states (x, y, z, roll, pitch, yaw): the last three wrap. Its counterpart: stateDifference().
 Vector6d stateSum(const Vector6d& a, const Vector6d& step);

@@ -8,6 +8,8 @@ namespace fail_aware {
 
 namespace {
 
+constexpr int kHorizontal[] = {0, 1, 5};  // x, y, yaw
+
 // V with t = V rho for SE(3): V = I + b W + c W^2, b = (1 - cos t)/t^2, c = (t - sin t)/t^3.
 Eigen::Matrix3d leftJacobianSo3(const Eigen::Vector3d& w) {
   const double theta2 = w.squaredNorm();
@@ -85,6 +87,26 @@ Matrix6d rotateCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& R) 
   A.topLeftCorner<3, 3>() = R;
   A.bottomRightCorner<3, 3>() = R;
   return A * covariance * A.transpose();
+}
+
+Eigen::Matrix3d horizontalBlock(const Matrix6d& covariance) {
+  Eigen::Matrix3d block;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) block(i, j) = covariance(kHorizontal[i], kHorizontal[j]);
+  }
+  return block;
+}
+
+void setHorizontalBlock(const Eigen::Matrix3d& block, Matrix6d& covariance) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) covariance(kHorizontal[i], kHorizontal[j]) = block(i, j);
+  }
+}
+
+Matrix6d isotropicCovariance(double sigma_m, double sigma_rad) {
+  Vector6d sigmas;
+  sigmas << Eigen::Vector3d::Constant(sigma_m), Eigen::Vector3d::Constant(sigma_rad);
+  return sigmas.cwiseAbs2().asDiagonal();
 }
 
 Pose orthonormalized(const Pose& T) {

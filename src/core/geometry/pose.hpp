@@ -38,6 +38,13 @@ Matrix6d covarianceAfterOffset(const Matrix6d& covariance_ab, const Pose& T_a_b,
 /// Rotates a covariance into another frame of axes: blockdiag(R, R) C blockdiag(R, R)^T.
 Matrix6d rotateCovariance(const Matrix6d& covariance, const Eigen::Matrix3d& R);
 
+/// The (x, y, yaw) block of a pose's covariance; its other elements stay.
+Eigen::Matrix3d horizontalBlock(const Matrix6d& covariance);
+void setHorizontalBlock(const Eigen::Matrix3d& block, Matrix6d& covariance);
+
+/// The same standard deviation along all axes, another about all axes.
+Matrix6d isotropicCovariance(double sigma_m, double sigma_rad);
+
 /// The pose with the nearest rotation matrix, so that products of thousands of poses stay rigid.
 Pose orthonormalized(const Pose& T);
 

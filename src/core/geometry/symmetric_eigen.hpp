@@ -21,7 +21,8 @@ typename Matrix::PlainObject symmetric(const Matrix& C) {
   return 0.5 * plain + 0.5 * plain.transpose();
 }
 
-/// The eigenvalues only, in half the time.
+/// The eigenvalues only, in half the time. Of 2x2 by the closed formula (its upper triangle is read).
 Vector6d symmetricEigenvalues(const Matrix6d& C);
+Eigen::Vector2d symmetricEigenvalues(const Eigen::Matrix2d& C);
 
 }  // namespace fail_aware

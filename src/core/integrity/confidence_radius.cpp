@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric_eigen.hpp"
+
 namespace fail_aware {
 
 namespace {
-
-constexpr int kBisections = 40;
 
 // Of a circle with scale 1, of the squared radius.
 double circleExceedance(double squared, double degrees_of_freedom) {
@@ -29,9 +29,8 @@ double exceedance(double ratio, double radius, double degrees_of_freedom) {
 
 // Standard deviations along the axes, the larger first.
 Eigen::Vector2d axesOf(const Eigen::Matrix2d& covariance) {
-  const double mean = 0.5 * (covariance(0, 0) + covariance(1, 1));
-  const double half = std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
-  return Eigen::Vector2d(std::max(mean + half, 0.0), std::max(mean - half, 0.0)).cwiseSqrt();
+  const Eigen::Vector2d variances = symmetricEigenvalues(covariance);
+  return Eigen::Vector2d(std::max(variances[1], 0.0), std::max(variances[0], 0.0)).cwiseSqrt();
 }
 
 }  // namespace
@@ -42,12 +41,8 @@ ConfidenceRadius::ConfidenceRadius(double probability, double degrees_of_freedom
                                 : std::sqrt(-2.0 * std::log1p(-probability));  // the largest
   for (int i = 0; i <= kTable; ++i) {
     const double ratio = static_cast<double>(i) / kTable;
-    double low = 0.0, high = circle * (1.0 + 1e-9);
-    for (int k = 0; k < kBisections; ++k) {
-      const double middle = 0.5 * (low + high);
-      (exceedance(ratio, middle, n) > 1.0 - probability ? low : high) = middle;
-    }
-    sigmas_[static_cast<std::size_t>(i)] = high;
+    const auto inside = [&](double radius) { return exceedance(ratio, radius, n) > 1.0 - probability; };
+    sigmas_[static_cast<std::size_t>(i)] = endOf(inside, circle * (1.0 + 1e-9));
   }
 }
 

@@ -27,6 +27,17 @@ class ConfidenceRadius {
   std::array<double, kTable + 1> sigmas_{};  ///< by the ratio of the smaller sigma to the larger
 };
 
+/// Where `below` ends between 0 and `high`, by bisection: the upper end of the last interval.
+template <class Below>
+double endOf(const Below& below, double high) {
+  double low = 0.0;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (below(middle) ? low : high) = middle;
+  }
+  return high;
+}
+
 /// Probability that a horizontal error is farther than `radius`.
 double exceedance(const Eigen::Matrix2d& covariance, double radius, double degrees_of_freedom = 0.0);
 

@@ -25,15 +25,6 @@ bool isUsable(const CovarianceGrowth::WeakStretch& weak) {
 
 }  // namespace
 
-Eigen::Matrix3d horizontalBlock(const Matrix6d& covariance) {
-  constexpr int kIndex[3] = {0, 1, 5};
-  Eigen::Matrix3d block;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) block(i, j) = covariance(kIndex[i], kIndex[j]);
-  }
-  return block;
-}
-
 bool isHorizontalCovariance(const Eigen::Matrix3d& C) {
   if (!C.allFinite() || C.cwiseAbs().maxCoeff() > kLargestEntry || C.diagonal().minCoeff() < 0.0) return false;
   const Eigen::Vector3d inverse_scale = C.diagonal().cwiseMax(kSmallestVariance).cwiseSqrt().cwiseInverse();

@@ -16,9 +16,6 @@
 
 namespace fail_aware {
 
-/// The (x, y, yaw) block of a pose covariance.
-Eigen::Matrix3d horizontalBlock(const Matrix6d& covariance);
-
 /// Up to rounding; bounded, so that no sum of such covariances overflows.
 bool isHorizontalCovariance(const Eigen::Matrix3d& C);
 

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kMaxSteps = 100000.0;
 constexpr double kLargestRadius_m = 1e6;
-constexpr int kBisections = 40;
 
 }  // namespace
 
@@ -66,12 +65,8 @@ CovariancePrediction CovariancePredictor::predict(const CovarianceGrowth& growth
       if (sought.found || most < sought.probability) continue;
       if (!at_end) at_end = failed(next);
       if (*at_end < sought.probability) continue;
-      double low = 0.0, high = step_s;
-      for (int i = 0; i < kBisections; ++i) {
-        const double middle = 0.5 * (low + high);
-        (failed(growing.after(middle)) < sought.probability ? low : high) = middle;
-      }
-      sought.time = TimeToFailure::fromSeconds(t + high, params_.horizon_s);
+      const auto before = [&](double dt_s) { return failed(growing.after(dt_s)) < sought.probability; };
+      sought.time = TimeToFailure::fromSeconds(t + endOf(before, step_s), params_.horizon_s);
       sought.found = true;
     }
     growing.advance(next);

@@ -26,7 +26,7 @@ void FailureThresholds::validate() const {
   requireNotNegative("failing_s", failing_s);
   requireParameter(std::isfinite(degraded_s) && degraded_s >= failing_s, "degraded_s", degraded_s,
                    "finite and >= failing_s");
-  requireAtMost("degraded_s", degraded_s, kLargestParameter);
+  requireWithin("degraded_s", degraded_s, failing_s, kLargestParameter);
 }
 
 double FailureThresholds::failingWithin_s(double speed_mps) const {

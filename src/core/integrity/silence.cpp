@@ -11,7 +11,7 @@ void SilenceParams::validate() const {
   requireWithin("stale_sweeps", stale_sweeps, 1.0, 20.0);
   requireWithin("min_period_s", min_period_s, 0.001, kLongestPeriod_s);
   requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
-  requireAtMost("max_period_s", max_period_s, kLongestPeriod_s);
+  requireWithin("max_period_s", max_period_s, min_period_s, kLongestPeriod_s);
 }
 
 double staleAfter_s(const SilenceParams& params, double period_s) {

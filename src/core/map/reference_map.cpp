@@ -12,7 +12,7 @@ constexpr std::size_t kReservedVoxels = std::size_t{1} << 18;
 }  // namespace
 
 void ReferenceMap::Params::validate() const {
-  requireWithin("sweeps", sweeps, 0, 1000);
+  requireWithin("sweeps", sweeps, 0, 1);
   requireWithin("range_m", range_m, 0.1, 2000.0);
 }
 
@@ -21,25 +21,19 @@ ReferenceMap::ReferenceMap(const Params& params) : params_(params), map_(params.
 }
 
 void ReferenceMap::add(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog) {
-  if (params_.sweeps == 0) {
-    map_.insert(points_cog, T_odom_cog);
-    // what lies beyond the range is trimmed every few metres, so that the trimming costs little a sweep
-    constexpr double kTrimEvery_m = 5.0;
-    if ((T_odom_cog.translation() - trimmed_at_odom_).norm() > kTrimEvery_m) {
-      trimmed_at_odom_ = T_odom_cog.translation();
-      map_.removeFartherThan(params_.range_m + kTrimEvery_m, trimmed_at_odom_);
-    }
-    return;
+  const bool local_map = params_.sweeps == 0;
+  if (!local_map) map_.clear();
+  map_.insert(points_cog, T_odom_cog);
+  // what lies beyond the range is trimmed every few metres, so that the trimming costs little a sweep
+  constexpr double kTrimEvery_m = 5.0;
+  if (local_map && (T_odom_cog.translation() - trimmed_at_odom_).norm() > kTrimEvery_m) {
+    trimmed_at_odom_ = T_odom_cog.translation();
+    map_.removeFartherThan(params_.range_m + kTrimEvery_m, trimmed_at_odom_);
   }
-  recent_.push_back({points_cog, T_odom_cog});
-  if (recent_.size() > static_cast<std::size_t>(params_.sweeps)) recent_.pop_front();
-  map_.clear();
-  for (const Placed& placed : recent_) map_.insert(placed.points_cog, placed.T_odom_cog);
 }
 
 void ReferenceMap::clear() {
   map_.clear();
-  recent_.clear();
   trimmed_at_odom_.setZero();
 }
 

@@ -1,10 +1,9 @@
-// The reference of the two ICPs: the last corrected sweeps, placed by the filter's estimates, as one voxel map.
+// The reference of the two ICPs: corrected sweeps, placed by the filter's estimates, as one voxel map.
 //
 // `sweeps` = 1 is the article's registration of consecutive sweeps; 0 keeps everything within `range_m` (local map).
-// Cost: one insertion (voxel_map.hpp) a sweep; with a finite number > 1 the map is built anew from the sweeps kept.
+// Cost: one insertion (voxel_map.hpp) a sweep.
 #pragma once
 
-#include <deque>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
@@ -35,13 +34,8 @@ class ReferenceMap {
   const VoxelMap& map() const { return map_; }
 
  private:
-  struct Placed {
-    std::vector<Eigen::Vector3f> points_cog;
-    Pose T_odom_cog;
-  };
   Params params_;
   VoxelMap map_;
-  std::deque<Placed> recent_;
   Eigen::Vector3d trimmed_at_odom_ = Eigen::Vector3d::Zero();
 };
 

@@ -32,15 +32,6 @@ inline void requireWithin(const char* name, double value, double low, double hig
   requireParameter(false, name, value, rule.str().c_str());
 }
 
-/// For a field whose lower limit is another parameter and is checked under that parameter's name.
-inline void requireAtMost(const char* name, double value, double high) {
-  requireParameter(std::isfinite(value), name, value, "finite");
-  if (value <= high) return;
-  std::ostringstream rule;
-  rule << "<= " << high;
-  requireParameter(false, name, value, rule.str().c_str());
-}
-
 inline void requireFiniteNumbers(const char* name, const std::vector<double>& values, std::size_t count) {
   const bool finite = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
   if (values.size() == count && finite) return;

@@ -65,9 +65,9 @@ void RegistrationCloudBuilder::Params::validate() const {
                    "> min_range_m and <= 1000");
   requireWithin("map_voxel_m", map_voxel_m, 0.01, 100.0);
   requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m");
-  requireAtMost("plane_voxel_m", plane_voxel_m, 100.0);
+  requireWithin("plane_voxel_m", plane_voxel_m, map_voxel_m, 100.0);
   requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m");
-  requireAtMost("point_voxel_m", point_voxel_m, 100.0);
+  requireWithin("point_voxel_m", point_voxel_m, map_voxel_m, 100.0);
   requireWithin("min_points", min_points, 1, 1e9);
 }
 

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "core/geometry/rotation.hpp"
+#include "core/geometry/symmetric_eigen.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {
@@ -34,9 +35,8 @@ struct Place {
 
   /// Of the weakest direction.
   double ratio() const {
-    const double half = 0.5 * (information(0, 0) - information(1, 1));
-    const double weakest = 0.5 * information.trace() - std::hypot(half, information(0, 1));
-    return std::clamp((weakest - by_chance) / std::max(information.trace(), 1e-9), 0.0, 0.5);
+    return std::clamp((symmetricEigenvalues(information)[0] - by_chance) / std::max(information.trace(), 1e-9), 0.0,
+                      0.5);
   }
 };
 

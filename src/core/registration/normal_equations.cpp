@@ -89,10 +89,9 @@ Observed observedOf(const NormalEquations& equations, const ObservabilityParams&
 HorizontalRatios horizontalRatios(const NormalEquations& equations) {
   const double weight = weightOf(equations);
   if (!(weight > 0.0)) return {};
-  const Eigen::Matrix2d horizontal = informationOf(equations).topLeftCorner<2, 2>() / weight;
-  const double mean = 0.5 * horizontal.trace();
-  const double spread = std::hypot(0.5 * (horizontal(0, 0) - horizontal(1, 1)), horizontal(0, 1));
-  return {std::clamp(mean - spread, 0.0, 1.0), std::clamp(mean + spread, 0.0, 1.0)};
+  const Eigen::Vector2d ratios =
+      symmetricEigenvalues(Eigen::Matrix2d(informationOf(equations).topLeftCorner<2, 2>() / weight));
+  return {std::clamp(ratios[0], 0.0, 1.0), std::clamp(ratios[1], 0.0, 1.0)};
 }
 
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params) {

@@ -29,9 +29,7 @@ void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPred
   builder_.build(sweep, T_cog_lidar, scan.cloud, beam_bias_estimator_.bias());
   scan.T_cog_lidar = T_cog_lidar;
   scan.twist_cog.setZero();
-  if (prediction.dt_s > 0.0) {
-    scan.twist_cog = logSe3(prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog) / prediction.dt_s;
-  }
+  if (prediction.dt_s > 0.0) scan.twist_cog = logSe3(prediction.T_previous_now()) / prediction.dt_s;
   scan.usable = static_cast<int>(scan.cloud.map_points_cog.size()) >= builder_.params().min_points;
 }
 

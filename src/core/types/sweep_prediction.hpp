@@ -23,6 +23,7 @@ struct SweepPrediction {
 
   bool motionKnown() const { return motion_status != MotionStatus::kUnknown; }
   double time_s() const { return stamp_s - stamp_error_s; }
+  Pose T_previous_now() const { return T_odom_cog_previous.inverse() * T_odom_cog; }
 };
 
 }  // namespace fail_aware

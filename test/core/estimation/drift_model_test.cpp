@@ -67,9 +67,9 @@ TEST(DriftModel, ParametersAreChecked) {
   const auto refused = [](const std::function<void(DriftModel::Params&)>& change) {
     DriftModel::Params params;
     change(params);
-    EXPECT_THROW(DriftModel{params}, ParameterError);
+    EXPECT_THROW(params.validate(), ParameterError);
   };
-  EXPECT_NO_THROW(DriftModel{DriftModel::Params()});
+  EXPECT_NO_THROW(DriftModel::Params().validate());
   refused([](DriftModel::Params& p) { p.map_length_m = -1.0; });
   refused([](DriftModel::Params& p) { p.registration_ratio = -0.1; });
   refused([](DriftModel::Params& p) { p.position_per_root_metre_m = -1.0; });

@@ -92,7 +92,7 @@ double worstPredictionInBraking(double middle_s, double told_middle_s) {
     SweepPrediction prediction;
     EXPECT_TRUE(filter.predict(100.0 + kDt_s * i, prediction));
     const double t_s = kDt_s * i, driven_m = distance_m(t_s) - distance_m(t_s - kDt_s);
-    double predicted_m = (prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog).translation().x();
+    double predicted_m = prediction.T_previous_now().translation().x();
     if (i > 30) worst_m = std::max(worst_m, std::abs(predicted_m - driven_m));
     if (!prediction.motionKnown()) predicted_m = driven_m;  // searched for
     const double x_m = distance_m(t_s + middle_s) - predicted_m * middle_s / kDt_s;
@@ -616,7 +616,7 @@ TEST(PoseFilter, WhatNextToNothingFitsTellsNoSpeed) {
     SweepPrediction prediction;
     const auto predictedStep = [&] {
       EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
-      return (prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog).translation().x();
+      return prediction.T_previous_now().translation().x();
     };
     for (int i = 0; i < 5; ++i) {
       predictedStep();
@@ -662,7 +662,7 @@ TEST(PoseFilter, WhereTheSpeedIsHeldTheTurnIsFollowed) {
       correctByBoth(filter, measured(T), 0.1);
     }
     EXPECT_TRUE(filter.predict(drive.stamp(++sweep), prediction));
-    const Pose T_previous_next = prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog;
+    const Pose T_previous_next = prediction.T_previous_now();
     EXPECT_NEAR(T_previous_next.translation().head<2>().norm(), 1.4, 0.1) << "the speed is held";
     return rpyFromRotation(T_previous_next.linear()).z();
   };

@@ -18,12 +18,10 @@ Matrix6d withAngles(const Eigen::Matrix3d& position) {
 }
 
 TEST(UnscentedTransform, MeanWeightsSumToOne) {
-  for (const double alpha : {1e-3, 0.1, 0.5, 1.0}) {
-    const UnscentedWeights weights = unscentedWeights({alpha, 2.0});
-    EXPECT_NEAR(weights.mean_centre + 12.0 * weights.other, 1.0, 1e-9);
-    EXPECT_NEAR(weights.spread * weights.spread * 2.0 * weights.other, 1.0, 1e-12);
-    EXPECT_NEAR(weights.covariance_centre - weights.mean_centre, 3.0 - alpha * alpha, 1e-9);
-  }
+  const UnscentedWeights weights = unscentedWeights();
+  EXPECT_NEAR(weights.mean_centre + 12.0 * weights.other, 1.0, 1e-9);
+  EXPECT_NEAR(weights.spread * weights.spread * 2.0 * weights.other, 1.0, 1e-12);
+  EXPECT_NEAR(weights.covariance_centre - weights.mean_centre, 3.0 - 0.1 * 0.1, 1e-9);
 }
 
 TEST(UnscentedTransform, LinearMapsAreExact) {
@@ -36,16 +34,14 @@ TEST(UnscentedTransform, LinearMapsAreExact) {
   F(3, 4) = -0.6;
   F(0, 5) = 3.0;
   const Vector6d mean = vector6(1.0, -200.0, 3.0, 0.1, 0.2, -0.1), shift = vector6(0.1, 0.2, 0.3, 0.1, 0.0, -0.2);
-  for (const double alpha : {1e-3, 0.1, 1.0}) {
-    const UnscentedWeights weights = unscentedWeights({alpha, 2.0});
-    SigmaPoints points = sigmaPoints(mean, C, weights);
-    for (Vector6d& point : points) point = F * point + shift;
-    Vector6d mapped_mean;
-    Matrix6d mapped_C;
-    unscentedMoments(points, weights, mapped_mean, mapped_C);
-    EXPECT_LT((mapped_mean - (F * mean + shift)).norm(), 1e-7);
-    EXPECT_LT((mapped_C - F * C * F.transpose()).norm(), 1e-7);
-  }
+  const UnscentedWeights weights = unscentedWeights();
+  SigmaPoints points = sigmaPoints(mean, C, weights);
+  for (Vector6d& point : points) point = F * point + shift;
+  Vector6d mapped_mean;
+  Matrix6d mapped_C;
+  unscentedMoments(points, weights, mapped_mean, mapped_C);
+  EXPECT_LT((mapped_mean - (F * mean + shift)).norm(), 1e-7);
+  EXPECT_LT((mapped_C - F * C * F.transpose()).norm(), 1e-7);
 }
 
 TEST(UnscentedTransform, QuadraticMeanIsExact) {
@@ -73,7 +69,7 @@ TEST(UnscentedTransform, AnglesAreAveragedOnTheCircle) {
   mean[5] = M_PI - 0.01;
   Matrix6d C = Matrix6d::Identity();
   C(5, 5) = 0.04;
-  const UnscentedWeights weights = unscentedWeights({1.0, 2.0});
+  const UnscentedWeights weights = unscentedWeights();
   SigmaPoints points = sigmaPoints(mean, C, weights);
   for (Vector6d& point : points) point[5] = wrapAngle(point[5] + 0.03);
   Vector6d mapped_mean;

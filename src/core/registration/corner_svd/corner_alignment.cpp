@@ -183,10 +183,7 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
   Matrix6d& covariance = measurement.covariance;
   covariance.setZero();
   covariance.block<3, 3>(2, 2) = params_.unobserved_inflation * predicted_covariance.block<3, 3>(2, 2);
-  constexpr int kPlanar[3] = {0, 1, 5};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) covariance(kPlanar[i], kPlanar[j]) = 0.5 * (planar(i, j) + planar(j, i));
-  }
+  setHorizontalBlock(symmetric(planar), covariance);
   measurement.degenerate_directions = 3;
   measurement.rms_residual_m = std::sqrt(squares_m2 / corners);
   // Information of good_corners in all directions at the mean weight; in one horizontal direction it is their summed

@@ -79,7 +79,7 @@ std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distan
 void CornerExtractor::Params::validate() const {
   requireParameter(std::isfinite(max_range_m) && max_range_m > min_range_m, "max_range_m", max_range_m,
                    "finite and > min_range_m");
-  requireAtMost("max_range_m", max_range_m, 1000.0);
+  requireWithin("max_range_m", max_range_m, min_range_m, 1000.0);
   requireParameter(max_range_m / cell_m <= 5000.0, "cell_m", cell_m, ">= max_range_m / 5000");
   requireParameter(min_beams_per_cell >= 1 && min_beams_per_cell <= 64, "min_beams_per_cell", min_beams_per_cell,
                    "in [1, 64]");
