@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "core/parameters/validate.hpp"
+
 namespace fail_aware {
 
 namespace {
@@ -66,7 +68,7 @@ PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
   readParameters(node, "profile", parameters.profile, MissingKeys::kKeep);
   readParameters(node, "vehicle", parameters.vehicle);
   readParameters(node, "sensor", parameters.sensor);
-  parameters.validate();
+  validate(parameters);
   return parameters;
 }
 

@@ -9,7 +9,7 @@
 #include "core/estimator.hpp"
 #include "core/local_map_registration.hpp"
 #include "core/parallel.hpp"
-#include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 #include "core/preprocessing/sweep_check.hpp"
 #include "core/preprocessing/sweep_corrector.hpp"
 #include "core/registration/corner_svd/corner_svd.hpp"
@@ -31,7 +31,7 @@ class Stopwatch {
 };
 
 PipelineParameters validated(const PipelineParameters& params) {
-  params.validate();
+  validate(params);
   return params;
 }
 

@@ -12,6 +12,7 @@
 #include "core/estimation/vehicle/vehicle_model.hpp"
 #include "core/estimation/vehicle/vehicle_parameters.hpp"
 #include "core/integrity/monitor.hpp"
+#include "core/parameters/mounting.hpp"
 #include "core/preprocessing/azimuth_correction.hpp"
 #include "core/preprocessing/correction.hpp"
 #include "core/preprocessing/sweep_check.hpp"
@@ -36,9 +37,8 @@ struct SensorParameters {
     v("vertical_angle", self.vertical_angle);
     v("azimuth", self.azimuth);
     v("check", self.check);
-    v("lidar_in_base", self.lidar_in_base);
+    v("lidar_in_base", self.lidar_in_base, requireMounting);
   }
-  void validate() const;
   Pose T_base_lidar() const;
   /// `timing` for points with corrected azimuth: in corrected azimuths the sweep begins at a different angle.
   SweepTimingParams correctedTiming() const;
@@ -54,7 +54,7 @@ struct VehicleFileParameters {
     v("dynamics", self.dynamics);
     v("cog_in_base", self.cog_in_base);
   }
-  void validate() const;
+  void checkRules() const { requireFiniteNumbers("cog_in_base", cog_in_base, 3); }
   Pose T_base_cog() const;
 };
 
@@ -80,7 +80,6 @@ struct ProfileParameters {
     v("fusion", self.fusion);
     v("monitor", self.monitor);
   }
-  void validate() const;
 };
 
 struct PipelineParameters {
@@ -95,7 +94,6 @@ struct PipelineParameters {
     v("vehicle", self.vehicle);
     ProfileParameters::visit(self.profile, v);
   }
-  void validate() const;
 };
 
 }  // namespace fail_aware

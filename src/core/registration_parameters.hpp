@@ -61,7 +61,7 @@ struct RegistrationParameters {
     v("corner_reference", self.corner_reference);
     v("corner_alignment", self.corner_alignment);
   }
-  void validate() const;
+  void checkRules() const;
 
   RegistrationScanBuilder::Params scan() const {
     return {cloud, beam_bias, icp_point_to_plane, deskew_refinement.enabled};

@@ -44,7 +44,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     ros::NodeHandle& private_node = getPrivateNodeHandle();
     FailAwareMonitorNodeletParams params;
     readPrivateParameters(private_node, params, FailAwareMonitorTuning());
-    params.validate();
+    validate(params);
     const PipelineParameters pipeline = readPipelineParameters(node);
     const FailAwareMonitorTuning tuning{pipeline.profile.monitor};
     T_base_cog_ = pipeline.vehicle.T_base_cog();

@@ -14,7 +14,7 @@ struct FailAwareMonitorNodeletParams {
     v("start_redundant", self.start_redundant);
     SilenceParams::visit(self.silence, v);
   }
-  void validate() const { silence.validate(); }
+  void checkRules() const { silence.checkRules(); }
 };
 
 }  // namespace fail_aware

@@ -54,7 +54,7 @@ class FusionUkfNodelet : public GraphNodelet {
     ros::NodeHandle& private_node = getPrivateNodeHandle();
     FusionUkfNodeletParams params;
     readPrivateParameters(private_node, params, FusionUkfTuning(), {"extra_sources."});
-    params.validate();
+    validate(params);
     const PipelineParameters pipeline = readPipelineParameters(node);
     const FusionUkfTuning tuning{params, pipeline.profile.registration, pipeline.profile.fusion};
     T_base_cog_ = pipeline.vehicle.T_base_cog();

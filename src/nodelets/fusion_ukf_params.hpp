@@ -31,32 +31,23 @@ struct FusionUkfNodeletParams {
     v("base_frame", self.base_frame);
     v("publish_tf", self.publish_tf);
     v("lidar_in_base_source", self.lidar_in_base_source);
-    v("deadline_s", self.deadline_s);
-    v("late_deadline_s", self.late_deadline_s);
-    v("first_deadline_s", self.first_deadline_s);
-    v("queue_size", self.queue_size);
-    v("max_reorder_s", self.max_reorder_s);
-    v("absent_after_sweeps", self.absent_after_sweeps);
-    v("path_max_poses", self.path_max_poses);
-    v("path_spacing_m", self.path_spacing_m);
-    v("trajectory_max_poses", self.trajectory_max_poses);
+    v("deadline_s", self.deadline_s, within(0.01, 600.0));
+    v("late_deadline_s", self.late_deadline_s, within(0.01, 600.0));
+    v("first_deadline_s", self.first_deadline_s, within(0.01, 600.0));
+    v("queue_size", self.queue_size, within(1, topics::kMaxWaiting));
+    v("max_reorder_s", self.max_reorder_s, requireNotNegative);
+    v("absent_after_sweeps", self.absent_after_sweeps, within(1, 1000));
+    v("path_max_poses", self.path_max_poses, within(1, 100000));
+    v("path_spacing_m", self.path_spacing_m, requireNotNegative);
+    v("trajectory_max_poses", self.trajectory_max_poses, within(1, 10000000));
     v("trajectory_file", self.trajectory_file);
   }
-  void validate() const {
+  void checkRules() const {
     if (odom_frame.empty() || base_frame.empty()) throw ParameterError("odom_frame, base_frame: must not be empty");
     if (odom_frame == base_frame) throw ParameterError("odom_frame = " + odom_frame + ": must not be base_frame, too");
     if (lidar_in_base_source != "tf" && lidar_in_base_source != "parameter") {
       throw ParameterError("lidar_in_base_source: must be tf or parameter, not " + lidar_in_base_source);
     }
-    requireWithin("deadline_s", deadline_s, 0.01, 600.0);
-    requireWithin("late_deadline_s", late_deadline_s, 0.01, 600.0);
-    requireWithin("first_deadline_s", first_deadline_s, 0.01, 600.0);
-    requireWithin("queue_size", queue_size, 1, topics::kMaxWaiting);
-    requireNotNegative("max_reorder_s", max_reorder_s);
-    requireWithin("absent_after_sweeps", absent_after_sweeps, 1, 1000);
-    requireWithin("path_max_poses", path_max_poses, 1, 100000);
-    requireNotNegative("path_spacing_m", path_spacing_m);
-    requireWithin("trajectory_max_poses", trajectory_max_poses, 1, 10000000);
     if (trajectory_file.empty()) throw ParameterError("trajectory_file: must not be empty");
   }
 };

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "bridge/parameter_server.hpp"
-#include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 #include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "pose_message.hpp"
@@ -29,12 +29,11 @@ constexpr BuiltIn kBuiltIn[] = {{kIcpPointToPoint, FusionInput::Kind::kPose},
 
 }  // namespace
 
-void ExtraSourceParams::validate() const {
+void ExtraSourceParams::checkRules() const {
   if (topic.empty()) throw ParameterError("topic: must name a topic");
   if (type != kPoseMeasurement && type != kPoseWithCovariance) {
     throw ParameterError("type = " + type + ": must be " + kPoseMeasurement + " or " + kPoseWithCovariance);
   }
-  requireNotNegative("tolerance_s", tolerance_s);
 }
 
 std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle& private_node) {
@@ -51,7 +50,7 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
         throw ParameterError("is the name of one of the package's own measurements");
       }
       fromMap(sources[name], values, MissingKeys::kKeep);
-      sources[name].validate();
+      validate(sources[name]);
     } catch (const ParameterError& error) {
       throw ParameterError("extra_sources/" + name + ": " + error.what());
     }

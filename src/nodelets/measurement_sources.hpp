@@ -40,9 +40,9 @@ struct ExtraSourceParams {
   static void visit(Self& self, Visitor&& v) {
     v("topic", self.topic);
     v("type", self.type);
-    v("tolerance_s", self.tolerance_s);
+    v("tolerance_s", self.tolerance_s, requireNotNegative);
   }
-  void validate() const;
+  void checkRules() const;
 };
 
 /// Throws ParameterError, naming the source.

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/parameters/parameter_map.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware {
 
@@ -57,7 +58,7 @@ Tuning tunedBy(const Config& request, const Tuning& current) {
   }
   Tuning tuning = current;
   fromMap(tuning, wanted);
-  tuning.validate();
+  validate(tuning);
   return tuning;
 }
 

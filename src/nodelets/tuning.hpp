@@ -2,6 +2,7 @@
 // fields of the parameter structs. A test compares names, types and defaults.
 #pragma once
 
+#include "core/parameters/validate.hpp"
 #include "core/pipeline_parameters.hpp"
 #include "fusion_ukf_params.hpp"
 
@@ -28,10 +29,10 @@ struct FusionUkfTuning {
     v("agreement_distance_m", self.fusion.agreement_distance_m);
     v("agreement_yaw_deg", self.fusion.agreement_yaw_deg);
   }
-  void validate() const {
-    node.validate();
-    registration.validate();
-    fusion.validate();
+  void checkRules() const {
+    validate(node);
+    validate(registration);
+    validate(fusion);
   }
 };
 
@@ -49,10 +50,10 @@ struct FailAwareMonitorTuning {
     v("disagreement_m", self.monitor.disagreement_m);
     v("min_information_ratio", self.monitor.min_information_ratio);
   }
-  void validate() const {
-    monitor.predictor.validate();
-    monitor.thresholds.validate();
-    monitor.validate();
+  void checkRules() const {
+    validate(monitor.predictor);
+    validate(monitor.thresholds);
+    validate(monitor);
   }
 };
 
@@ -69,7 +70,7 @@ struct IcpPointToPointTuning {
     v("kernel_m", self.icp.kernel_m);
     v("min_inlier_ratio", self.icp.min_inlier_ratio);
   }
-  void validate() const { icp.validate(); }
+  void checkRules() const { validate(icp); }
 };
 
 struct IcpPointToPlaneTuning {
@@ -85,7 +86,7 @@ struct IcpPointToPlaneTuning {
     v("max_distance_m", self.icp.max_distance_m);
     v("kernel_m", self.icp.kernel_m);
   }
-  void validate() const { icp.validate(); }
+  void checkRules() const { validate(icp); }
 };
 
 struct CornerSvdTuning {
@@ -98,7 +99,7 @@ struct CornerSvdTuning {
     v("max_residual_m", self.alignment.max_residual_m);
     v("min_baseline_m", self.alignment.min_baseline_m);
   }
-  void validate() const { alignment.validate(); }
+  void checkRules() const { validate(alignment); }
 };
 
 }  // namespace fail_aware

@@ -6,6 +6,7 @@
 
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware {
 
@@ -30,7 +31,7 @@ double tyreForce(double stiffness, double slip_rad, double limit_n) {
 }  // namespace
 
 void VehicleDrive::Params::validate() const {
-  vehicle.validate();
+  fail_aware::validate(vehicle);
   speed.validate();
   requireWithin("start_speed_mps", start_speed_mps, -1.0, 60.0);
   requireWithin("friction", friction, 0.1, 1.5);

@@ -48,7 +48,6 @@ struct Parameters {
     v("faults", self.faults);
     v("wait_for_subscriber", self.wait_for_subscriber);
   }
-  void validate() const { simulation.validate(); }
 };
 
 std::vector<Fault> faultsOf(const std::string& text, double drive_s) {

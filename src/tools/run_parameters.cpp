@@ -1,5 +1,6 @@
 #include "run_parameters.hpp"
 
+#include "core/parameters/validate.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
@@ -7,7 +8,7 @@ namespace fail_aware {
 SensorParameters sensorOfRun(const std::filesystem::path& run) {
   PipelineParameters params;
   loadYaml((run / "parameters.yaml").string(), params, MissingKeys::kKeep);
-  params.validate();
+  validate(params);
   return params.sensor;
 }
 

@@ -15,6 +15,7 @@
 #include "../support/synthetic_street.hpp"
 #include "core/odometry_pipeline.hpp"
 #include "core/parameters/parameter_map.hpp"
+#include "core/parameters/validate.hpp"
 #include "parameters/error_of.hpp"
 
 namespace fail_aware::extreme_parameters {
@@ -102,7 +103,7 @@ TEST(ExtremeParameters, EveryDriveEndsAndIsFinite) {
       std::vector<Field> taken;
       const auto offer = [&](double value) {
         field = static_cast<Field>(value);
-        if (errorOf([&] { params.validate(); }) == kNoError) taken.push_back(field);
+        if (errorOf([&] { validate(params); }) == kNoError) taken.push_back(field);
       };
       for (int exponent = -12; exponent <= 9; ++exponent) {
         for (const double sign : {-1.0, 1.0}) offer(sign * std::pow(10.0, exponent));

@@ -10,6 +10,7 @@
 
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/parameter_map.hpp"
+#include "core/parameters/validate.hpp"
 #include "parameters/error_of.hpp"
 
 namespace fail_aware::pipeline_parameters_test {
@@ -18,7 +19,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string refusal(const PipelineParameters& params) {
-  return errorOf([&] { params.validate(); });
+  return errorOf([&] { validate(params); });
 }
 
 /// What is said of one assignment "key=value".
@@ -32,8 +33,8 @@ bool startsWith(const std::string& text, const std::string& start) { return text
 
 TEST(PipelineParameters, TheDefaultsAreValid) {
   EXPECT_EQ(refusal(PipelineParameters()), kNoError);
-  EXPECT_NO_THROW(ProfileParameters().validate());
-  EXPECT_NO_THROW(RegistrationParameters().validate());
+  EXPECT_NO_THROW(validate(ProfileParameters()));
+  EXPECT_NO_THROW(validate(RegistrationParameters()));
 }
 
 TEST(PipelineParameters, KeysAreUnique) {
@@ -115,7 +116,7 @@ TEST(PipelineParameters, AStructAloneNamesWhatItKnows) {
   RegistrationParameters registration;
   registration.icp_point_to_plane.observability.min_information_ratio = -1.0;
   try {
-    registration.validate();
+    validate(registration);
     FAIL();
   } catch (const ParameterError& error) {
     EXPECT_TRUE(startsWith(error.what(), "icp_point_to_plane.observability.min_information_ratio = -1"))
@@ -132,7 +133,7 @@ TEST(PipelineParameters, ASweepBeginsWhereTheHeadsOwnZeroSays) {
   sensor.timing.start_azimuth_deg = 360.0;
   sensor.azimuth.angle_deg = 10.0;
   EXPECT_NEAR(sensor.correctedTiming().start_azimuth_deg, 10.0, 1e-12);
-  EXPECT_NO_THROW(sensor.correctedTiming().validate());
+  EXPECT_NO_THROW(validate(sensor.correctedTiming()));
 }
 
 TEST(PipelineParameters, TheLidarsAnglesAreRadians) {

@@ -1,5 +1,6 @@
 // Yaml of any bytes -> parameters: refused by name, or a set that keeps its rules.
 #include "core/parameters/parameter_map.hpp"
+#include "core/parameters/validate.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 #include "core/pipeline_parameters.hpp"
 #include "fuzz_support.hpp"
@@ -11,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const YamlParameters yaml = parseYaml(std::string(reinterpret_cast<const char*>(data), size), "input");
     PipelineParameters parameters;
     fromMap(parameters, yaml.values, MissingKeys::kKeep);
-    parameters.validate();
+    validate(parameters);
     // What was taken reads back to itself.
     PipelineParameters again;
     fromMap(again, parseYaml(formatYaml(toList(parameters)), "output").values, MissingKeys::kRefuse);

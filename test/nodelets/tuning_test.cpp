@@ -15,6 +15,7 @@
 #include "../../src/nodelets/reconfiguration.hpp"
 #include "core/integrity/silence.hpp"
 #include "core/io/profile_files.hpp"
+#include "core/parameters/validate.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware::tuning_test {
@@ -42,9 +43,9 @@ TEST(Tuning, DeadlinesThatRosCannotHoldAreRefused) {
         &FusionUkfNodeletParams::first_deadline_s}) {
     FusionUkfNodeletParams params;
     params.*deadline = 600.0;
-    EXPECT_NO_THROW(params.validate());
+    EXPECT_NO_THROW(validate(params));
     params.*deadline = 1e10;
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   }
 }
 
@@ -68,7 +69,7 @@ void expectUsableBounds(const std::vector<std::string>& tied) {
       if (std::find(tied.begin(), tied.end(), name) != tied.end()) continue;
       Tuning tuning;
       fromMap(tuning, ParameterMap{{name, value}}, MissingKeys::kKeep);
-      EXPECT_NO_THROW(tuning.validate()) << name;
+      EXPECT_NO_THROW(validate(tuning)) << name;
     }
   }
 }
@@ -138,7 +139,7 @@ void expectEveryRequestRefusedOrValid() {
     } catch (const ParameterError&) {
       ++refused;
     }
-    ASSERT_NO_THROW(current.validate());
+    ASSERT_NO_THROW(validate(current));
     for (const auto& [name, value] : toMap(current)) {
       const double* number = std::get_if<double>(&value);
       ASSERT_TRUE(number == nullptr || std::isfinite(*number)) << name;

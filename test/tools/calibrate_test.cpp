@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/geometry/degree.hpp"
+#include "core/parameters/validate.hpp"
 #include "made_up_runs_test.hpp"
 
 namespace fail_aware::calibrate_test {
@@ -124,7 +125,7 @@ TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
   const ProfileParameters fitted = fittedProfile();
   EXPECT_EQ(fitted.monitor.predictor.confidence, 0.5);
   EXPECT_EQ(fitted.monitor.predictor.alarm_confidence, 0.5);
-  EXPECT_NO_THROW(fitted.monitor.validate());
+  EXPECT_NO_THROW(validate(fitted.monitor));
 }
 
 TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {

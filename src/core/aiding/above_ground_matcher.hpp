@@ -55,7 +55,6 @@ class AboveGroundMatcher {
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.reference.enabled);
     }
-    void validate() const {}  ///< only `enabled` can be set
   };
 
   /// `planes`: which pairs count, and how much.

@@ -53,8 +53,7 @@ double parabolaPeak(double left, double middle, double right) {
 
 }  // namespace
 
-void RoadProfileOdometry::Params::validate() const {
-  requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
+void RoadProfileOdometry::Params::checkRules() const {
   requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
 }
 

@@ -27,6 +27,7 @@
 
 #include "core/aiding/road_surface.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/preprocessing/voxel_key.hpp"
 #include "core/types/corrected_sweep.hpp"
 
@@ -60,10 +61,10 @@ class RoadProfileOdometry {
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("min_speed_mps", self.min_speed_mps);
+      v("min_speed_mps", self.min_speed_mps, within(-100.0, 100.0));
       v("max_speed_mps", self.max_speed_mps);
     }
-    void validate() const;
+    void checkRules() const;
   };
 
   struct Speed {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -17,13 +16,6 @@ constexpr int kYoungMap = 2;         // sweeps
 constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from the interval's uncertainty
 
 }  // namespace
-
-void ConsistencyMonitor::Params::validate() const {
-  requirePositive("persistent_disagreement_m", persistent_disagreement_m);
-  requireNotNegative("persistent_innovation_m", persistent_innovation_m);
-  requireWithin("fitting_ratio", fitting_ratio, 0.0, 1.0);
-  requireNotNegative("max_yaw_innovation_deg", max_yaw_innovation_deg);
-}
 
 void ConsistencyMonitor::clear() {
   lost_motion_.clear();

@@ -23,6 +23,7 @@
 #include "core/estimation/fitting_ratio.hpp"
 #include "core/estimation/lost_motion.hpp"
 #include "core/moving_median.hpp"
+#include "core/parameters/check.hpp"
 #include "core/types/motion_doubt.hpp"
 
 namespace fail_aware {
@@ -39,12 +40,11 @@ class ConsistencyMonitor {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("persistent_disagreement_m", self.persistent_disagreement_m);
-      v("persistent_innovation_m", self.persistent_innovation_m);
-      v("fitting_ratio", self.fitting_ratio);
-      v("max_yaw_innovation_deg", self.max_yaw_innovation_deg);
+      v("persistent_disagreement_m", self.persistent_disagreement_m, requirePositive);
+      v("persistent_innovation_m", self.persistent_innovation_m, requireNotNegative);
+      v("fitting_ratio", self.fitting_ratio, within(0.0, 1.0));
+      v("max_yaw_innovation_deg", self.max_yaw_innovation_deg, requireNotNegative);
     }
-    void validate() const;
   };
 
   struct Sweep {

@@ -5,7 +5,6 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -21,12 +20,6 @@ Eigen::Matrix4d fromSigmas(double along_m, double across_m, double yaw_rad) {
 }
 
 }  // namespace
-
-void DeadReckoning::Params::validate() const {
-  requireNotNegative("acceleration_mps2", acceleration_mps2);
-  requireNotNegative("lateral_acceleration_mps2", lateral_acceleration_mps2);
-  requireNotNegative("yaw_acceleration_rad_s2", yaw_acceleration_rad_s2);
-}
 
 void DeadReckoning::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s) {
   S_.setZero();

@@ -18,6 +18,7 @@
 #include <algorithm>
 
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/types/speed_error.hpp"
 
 namespace fail_aware {
@@ -48,11 +49,10 @@ class DeadReckoning {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("acceleration_mps2", self.acceleration_mps2);
-      v("lateral_acceleration_mps2", self.lateral_acceleration_mps2);
-      v("yaw_acceleration_rad_s2", self.yaw_acceleration_rad_s2);
+      v("acceleration_mps2", self.acceleration_mps2, requireNotNegative);
+      v("lateral_acceleration_mps2", self.lateral_acceleration_mps2, requireNotNegative);
+      v("yaw_acceleration_rad_s2", self.yaw_acceleration_rad_s2, requireNotNegative);
     }
-    void validate() const;
   };
 
   struct Motion {

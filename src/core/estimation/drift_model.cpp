@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -16,19 +15,6 @@ constexpr double kNewMapTilt_rad_per_m = 0.09;  // 0.1 deg where the position is
 double squared(double value) { return value * value; }
 
 }  // namespace
-
-void DriftModel::Params::validate() const {
-  requireWithin("map_length_m", map_length_m, 0.0, kLargestParameter);
-  requireWithin("registration_ratio", registration_ratio, 0.0, kLargestParameter);
-  requireNotNegative("position_per_root_metre_m", position_per_root_metre_m);
-  requireNotNegative("tilt_per_root_metre_deg", tilt_per_root_metre_deg);
-  requireNotNegative("heading_per_root_metre_deg", heading_per_root_metre_deg);
-  requireNotNegative("heading_bias_deg_per_m", heading_bias_deg_per_m);
-  requireNotNegative("scale_bias", scale_bias);
-  requireWithin("transient_ratio", transient_ratio, 0.0, 1e6);
-  requireWithin("transient_rotation_ratio", transient_rotation_ratio, 0.0, 1e6);
-  requireNotNegative("new_map_m", new_map_m);
-}
 
 Vector6d DriftModel::newMapVariances(double from_m, double to_m) const {
   const auto share = [](double distance_m) { return std::min(1.0, distance_m / kNewMapDistance_m); };

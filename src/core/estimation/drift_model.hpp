@@ -24,6 +24,7 @@
 #pragma once
 
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -43,18 +44,17 @@ class DriftModel {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("map_length_m", self.map_length_m);
-      v("registration_ratio", self.registration_ratio);
-      v("position_per_root_metre_m", self.position_per_root_metre_m);
-      v("tilt_per_root_metre_deg", self.tilt_per_root_metre_deg);
-      v("heading_per_root_metre_deg", self.heading_per_root_metre_deg);
-      v("heading_bias_deg_per_m", self.heading_bias_deg_per_m);
-      v("scale_bias", self.scale_bias);
-      v("transient_ratio", self.transient_ratio);
-      v("transient_rotation_ratio", self.transient_rotation_ratio);
-      v("new_map_m", self.new_map_m);
+      v("map_length_m", self.map_length_m, within(0.0, kLargestParameter));
+      v("registration_ratio", self.registration_ratio, within(0.0, kLargestParameter));
+      v("position_per_root_metre_m", self.position_per_root_metre_m, requireNotNegative);
+      v("tilt_per_root_metre_deg", self.tilt_per_root_metre_deg, requireNotNegative);
+      v("heading_per_root_metre_deg", self.heading_per_root_metre_deg, requireNotNegative);
+      v("heading_bias_deg_per_m", self.heading_bias_deg_per_m, requireNotNegative);
+      v("scale_bias", self.scale_bias, requireNotNegative);
+      v("transient_ratio", self.transient_ratio, within(0.0, 1e6));
+      v("transient_rotation_ratio", self.transient_rotation_ratio, within(0.0, 1e6));
+      v("new_map_m", self.new_map_m, requireNotNegative);
     }
-    void validate() const;
   };
 
   explicit DriftModel(const Params& params) : params_(params) {}

@@ -131,12 +131,9 @@ bool addsNothing(const Candidate& c, const std::vector<Candidate>& candidates, c
 
 }  // namespace
 
-void MeasurementFusion::Params::validate() const {
-  requirePositive("gate_sigma", gate_sigma);
+void MeasurementFusion::Params::checkRules() const {
   requireParameter(std::isfinite(min_weight) && min_weight >= 0.0 && min_weight < 1.0, "min_weight", min_weight,
                    "in [0, 1)");
-  requireNotNegative("agreement_distance_m", agreement_distance_m);
-  requireWithin("agreement_yaw_deg", agreement_yaw_deg, 0.0, 180.0);
 }
 
 FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,

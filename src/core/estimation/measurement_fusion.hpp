@@ -35,6 +35,7 @@
 
 #include "core/estimation/measurement_agreement.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/types/fusion_input.hpp"
 #include "core/types/fusion_result.hpp"
 
@@ -54,12 +55,12 @@ class MeasurementFusion {
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("literal", self.literal);
-      v("gate_sigma", self.gate_sigma);
+      v("gate_sigma", self.gate_sigma, requirePositive);
       v("min_weight", self.min_weight);
-      v("agreement_distance_m", self.agreement_distance_m);
-      v("agreement_yaw_deg", self.agreement_yaw_deg);
+      v("agreement_distance_m", self.agreement_distance_m, requireNotNegative);
+      v("agreement_yaw_deg", self.agreement_yaw_deg, within(0.0, 180.0));
     }
-    void validate() const;
+    void checkRules() const;
   };
 
   explicit MeasurementFusion(const Params& params) : params_(params) {}

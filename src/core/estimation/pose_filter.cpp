@@ -11,7 +11,6 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -60,14 +59,6 @@ Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, con
 }
 
 }  // namespace
-
-void PoseFilter::Params::validate() const {
-  requirePositive("increment_scale", increment_scale);
-  requirePositive("dead_reckoning_increment_factor", dead_reckoning_increment_factor);
-  requireNotNegative("increment_floor_m", increment_floor_m);
-  requireNotNegative("increment_per_metre_m", increment_per_metre_m);
-  requireNotNegative("increment_floor_deg", increment_floor_deg);
-}
 
 PoseFilter::PoseFilter(const Params& params, const VehicleModel& model, const MotionHistory::Params& history,
                        const MeasurementFusion::Params& fusion)

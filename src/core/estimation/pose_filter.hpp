@@ -22,6 +22,7 @@
 #include "core/estimation/vehicle/motion_derivatives.hpp"
 #include "core/estimation/vehicle/vehicle_model.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/fusion_input.hpp"
 #include "core/types/sweep_prediction.hpp"
@@ -48,15 +49,14 @@ class PoseFilter {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("increment_scale", self.increment_scale);
-      v("dead_reckoning_increment_factor", self.dead_reckoning_increment_factor);
-      v("increment_floor_m", self.increment_floor_m);
-      v("increment_per_metre_m", self.increment_per_metre_m);
-      v("increment_floor_deg", self.increment_floor_deg);
+      v("increment_scale", self.increment_scale, requirePositive);
+      v("dead_reckoning_increment_factor", self.dead_reckoning_increment_factor, requirePositive);
+      v("increment_floor_m", self.increment_floor_m, requireNotNegative);
+      v("increment_per_metre_m", self.increment_per_metre_m, requireNotNegative);
+      v("increment_floor_deg", self.increment_floor_deg, requireNotNegative);
       v("consistency", self.consistency);
       v("dead_reckoning", self.dead_reckoning);
     }
-    void validate() const;
   };
 
   PoseFilter(const Params& params, const VehicleModel& model, const MotionHistory::Params& history,

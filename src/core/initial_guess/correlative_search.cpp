@@ -6,7 +6,6 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/map/above_ground_points.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -179,8 +178,6 @@ std::vector<Eigen::Vector2d> aboveGroundPoints(const std::vector<Eigen::Vector3f
 }
 
 }  // namespace
-
-void CorrelativeSearch::Params::validate() const { requireWithin("max_shift_m", max_shift_m, 0.5, 100.0); }
 
 bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                              const Pose& T_odom_cog_predicted, const Matrix6d& covariance,

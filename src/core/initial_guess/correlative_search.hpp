@@ -16,6 +16,7 @@
 
 #include "core/geometry/pose.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -33,9 +34,8 @@ class CorrelativeSearch {
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
-      v("max_shift_m", self.max_shift_m);
+      v("max_shift_m", self.max_shift_m, within(0.5, 100.0));
     }
-    void validate() const;
   };
 
   explicit CorrelativeSearch(const Params& params) : params_(params) {}

@@ -32,7 +32,6 @@ class DeskewRefinement {
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
     }
-    void validate() const {}  ///< only `enabled` can be set
   };
 
   /// `planes`: pairs, weights and iterations are taken from it.

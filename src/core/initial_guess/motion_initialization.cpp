@@ -122,16 +122,12 @@ VoxelMap::Params denseMap(const MotionInitialization::Params& params) {
 
 }  // namespace
 
-void MotionInitialization::Params::validate() const {
-  requireWithin("min_speed_mps", min_speed_mps, -100.0, 100.0);
+void MotionInitialization::Params::checkRules() const {
   requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
-  requireWithin("max_yaw_rate_rps", max_yaw_rate_rps, 0.0, 10.0);
   const double tried =
       ((max_speed_mps - min_speed_mps) / step_mps + 1.0) * (2.0 * max_yaw_rate_rps / step_yaw_rate_rps + 1.0);
   requireParameter(tried <= kMostTried, "max_yaw_rate_rps", max_yaw_rate_rps,
                    "so small that at most 10000 motions are tried");
-  requireNotNegative("standstill_m", standstill_m);
-  requireWithin("standstill_ratio", standstill_ratio, 0.0, 1.0);
 }
 
 MotionInitialization::MotionInitialization(const Params& params, double min_range_m)

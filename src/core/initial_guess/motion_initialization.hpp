@@ -23,6 +23,7 @@
 
 #include "core/geometry/pose.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/parameters/check.hpp"
 #include "core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
@@ -55,13 +56,13 @@ class MotionInitialization {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("min_speed_mps", self.min_speed_mps);
+      v("min_speed_mps", self.min_speed_mps, within(-100.0, 100.0));
       v("max_speed_mps", self.max_speed_mps);
-      v("max_yaw_rate_rps", self.max_yaw_rate_rps);
-      v("standstill_m", self.standstill_m);
-      v("standstill_ratio", self.standstill_ratio);
+      v("max_yaw_rate_rps", self.max_yaw_rate_rps, within(0.0, 10.0));
+      v("standstill_m", self.standstill_m, requireNotNegative);
+      v("standstill_ratio", self.standstill_ratio, within(0.0, 1.0));
     }
-    void validate() const;
+    void checkRules() const;
   };
 
   /// The step of the last search, as a ratio of the first step.

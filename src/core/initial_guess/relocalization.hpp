@@ -36,7 +36,6 @@ class Relocalization {
       v("enabled", self.enabled);
       v("search", self.search);
     }
-    void validate() const {}  ///< `enabled` and `search` can be set, which has its own
   };
 
   /// Since the last inserted sweep.

@@ -15,6 +15,7 @@
 
 #include "core/integrity/confidence_radius.hpp"
 #include "core/integrity/covariance_growth.hpp"
+#include "core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"
 
 namespace fail_aware {
@@ -38,13 +39,13 @@ class CovariancePredictor {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("alert_limit_m", self.alert_limit_m);
+      v("alert_limit_m", self.alert_limit_m, requirePositive);
       v("confidence", self.confidence);
       v("alarm_confidence", self.alarm_confidence);
       v("degrees_of_freedom", self.degrees_of_freedom);
-      v("horizon_s", self.horizon_s);
+      v("horizon_s", self.horizon_s, requirePositive);
     }
-    void validate() const;
+    void checkRules() const;
   };
 
   explicit CovariancePredictor(const Params& params);

@@ -21,9 +21,7 @@ int severity(FailAwareState state) {
 
 }  // namespace
 
-void FailureThresholds::validate() const {
-  requireWithin("comfortable_deceleration_mps2", comfortable_deceleration_mps2, 0.1, 100.0);
-  requireNotNegative("failing_s", failing_s);
+void FailureThresholds::checkRules() const {
   requireParameter(std::isfinite(degraded_s) && degraded_s >= failing_s, "degraded_s", degraded_s,
                    "finite and >= failing_s");
   requireWithin("degraded_s", degraded_s, failing_s, kLargestParameter);

@@ -17,6 +17,7 @@
 
 #include <cstdint>
 
+#include "core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"
 
 namespace fail_aware {
@@ -40,11 +41,11 @@ struct FailureThresholds {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("comfortable_deceleration_mps2", self.comfortable_deceleration_mps2);
-    v("failing_s", self.failing_s);
+    v("comfortable_deceleration_mps2", self.comfortable_deceleration_mps2, within(0.1, 100.0));
+    v("failing_s", self.failing_s, requireNotNegative);
     v("degraded_s", self.degraded_s);
   }
-  void validate() const;
+  void checkRules() const;
 };
 
 FailAwareState stateFor(const TimeToFailure& time_to_alarm, const TimeToFailure& time_to_failure,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -12,14 +11,6 @@ namespace {
 constexpr double kLargestSigma = 1e6;  // rad
 constexpr double kLargestSpeed = 1e6;  // m/s
 }  // namespace
-
-void FailAwareIndicator::Params::validate() const {
-  requirePositive("threshold", threshold);
-  requireWithin("rate_window_samples", rate_window_samples, 1, 100000);
-  requirePositive("horizon_s", horizon_s);
-  requireWithin("average_s", average_s, 0.0, 1e3);
-  requireWithin("reference_speed_mps", reference_speed_mps, 0.0, 1e3);
-}
 
 void FailAwareIndicator::start(double stamp_s) {
   stop();

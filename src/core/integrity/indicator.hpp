@@ -28,6 +28,7 @@
 #include <deque>
 #include <optional>
 
+#include "core/parameters/check.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"
 
 namespace fail_aware {
@@ -49,14 +50,13 @@ class FailAwareIndicator {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("threshold", self.threshold);
-      v("rate_window_samples", self.rate_window_samples);
-      v("horizon_s", self.horizon_s);
-      v("average_s", self.average_s);
-      v("reference_speed_mps", self.reference_speed_mps);
+      v("threshold", self.threshold, requirePositive);
+      v("rate_window_samples", self.rate_window_samples, within(1, 100000));
+      v("horizon_s", self.horizon_s, requirePositive);
+      v("average_s", self.average_s, within(0.0, 1e3));
+      v("reference_speed_mps", self.reference_speed_mps, within(0.0, 1e3));
       v("measured_only", self.measured_only);
     }
-    void validate() const;
   };
 
   explicit FailAwareIndicator(const Params& params) : params_(params) {}

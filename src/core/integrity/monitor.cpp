@@ -21,16 +21,11 @@ bool isSamePlace(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-void MonitorParameters::validate() const {
+void MonitorParameters::checkRules() const {
   requireParameter(predictor.horizon_s == indicator.horizon_s, "predictor.horizon_s", predictor.horizon_s,
                    "indicator.horizon_s: one horizon is published for both");
   requireParameter(thresholds.degraded_s < predictor.horizon_s, "thresholds.degraded_s", thresholds.degraded_s,
                    "< predictor.horizon_s, or the state would be DEGRADED for ever");
-  requirePositive("rate_window_s", rate_window_s);
-  requireWithin("sweeps_to_recover", sweeps_to_recover, 1, 10000);
-  requirePositive("disagreement_m", disagreement_m);
-  requireWithin("min_information_ratio", min_information_ratio, 0.0, 1.0);
-  requireWithin("gap_ratio", gap_ratio, 1.0, 1e6);
 }
 
 FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)

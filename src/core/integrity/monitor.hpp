@@ -20,6 +20,7 @@
 #include "core/integrity/indicator.hpp"
 #include "core/integrity/recent_shortest_time.hpp"
 #include "core/moving_median.hpp"
+#include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/sweep_condition.hpp"
@@ -44,13 +45,13 @@ struct MonitorParameters {
     v("predictor", self.predictor);
     v("drift", self.drift);
     v("thresholds", self.thresholds);
-    v("rate_window_s", self.rate_window_s);
-    v("sweeps_to_recover", self.sweeps_to_recover);
-    v("disagreement_m", self.disagreement_m);
-    v("min_information_ratio", self.min_information_ratio);
-    v("gap_ratio", self.gap_ratio);
+    v("rate_window_s", self.rate_window_s, requirePositive);
+    v("sweeps_to_recover", self.sweeps_to_recover, within(1, 10000));
+    v("disagreement_m", self.disagreement_m, requirePositive);
+    v("min_information_ratio", self.min_information_ratio, within(0.0, 1.0));
+    v("gap_ratio", self.gap_ratio, within(1.0, 1e6));
   }
-  void validate() const;
+  void checkRules() const;
 };
 
 /// Orders outputs, larger: later. The time (s); where it is 0, which orders no further, minus the protection level (m).

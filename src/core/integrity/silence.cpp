@@ -3,13 +3,10 @@
 #include <algorithm>
 
 #include "core/parameters/check.hpp"
-#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 
-void SilenceParams::validate() const {
-  requireWithin("stale_sweeps", stale_sweeps, 1.0, 20.0);
-  requireWithin("min_period_s", min_period_s, 0.001, kLongestPeriod_s);
+void SilenceParams::checkRules() const {
   requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
   requireWithin("max_period_s", max_period_s, min_period_s, kLongestPeriod_s);
 }

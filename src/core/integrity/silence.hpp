@@ -4,6 +4,8 @@
 // Live, a timer asks; offline, the evaluation looks at the time from one sweep to the next. No failure modes.
 #pragma once
 
+#include "core/parameters/check.hpp"
+#include "core/stamp_difference.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"
 
 namespace fail_aware {
@@ -15,11 +17,11 @@ struct SilenceParams {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("stale_sweeps", self.stale_sweeps);
-    v("min_period_s", self.min_period_s);
+    v("stale_sweeps", self.stale_sweeps, within(1.0, 20.0));
+    v("min_period_s", self.min_period_s, within(0.001, kLongestPeriod_s));
     v("max_period_s", self.max_period_s);
   }
-  void validate() const;
+  void checkRules() const;
 };
 
 /// `period_s`: from the last filter state but one to the last.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/io/input_error.hpp"
+#include "core/parameters/validate.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 
 namespace fail_aware {
@@ -72,7 +73,7 @@ PipelineParameters loadPipelineParameters(const ProfileFiles& files) {
   }
   loadYaml(resolve(cfg / "vehicles", files.vehicle, "vehicle"), params.vehicle);
   loadYaml(resolve(cfg / "sensors", files.sensor, "sensor"), params.sensor);
-  params.validate();
+  validate(params);
   return params;
 }
 
@@ -80,7 +81,7 @@ void overrideParameters(PipelineParameters& params, const std::vector<std::strin
                         const std::vector<std::string>& assignments) {
   for (const std::string& file : files) loadYaml(file, params, MissingKeys::kKeep);
   for (const std::string& assignment : assignments) setParameter(params, assignment);
-  params.validate();
+  validate(params);
 }
 
 }  // namespace fail_aware

@@ -1,7 +1,5 @@
 #include "core/map/reference_map.hpp"
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
 
 namespace {
@@ -10,11 +8,6 @@ namespace {
 constexpr std::size_t kReservedVoxels = std::size_t{1} << 18;
 
 }  // namespace
-
-void ReferenceMap::Params::validate() const {
-  requireWithin("sweeps", sweeps, 0, 1);
-  requireWithin("range_m", range_m, 0.1, 2000.0);
-}
 
 ReferenceMap::ReferenceMap(const Params& params) : params_(params), map_(params.voxels) {
   map_.reserve(kReservedVoxels);

@@ -8,6 +8,7 @@
 
 #include "core/geometry/pose.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -20,11 +21,10 @@ class ReferenceMap {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("sweeps", self.sweeps);
-      v("range_m", self.range_m);
+      v("sweeps", self.sweeps, within(0, 1));
+      v("range_m", self.range_m, within(0.1, 2000.0));
       v("voxels", self.voxels);
     }
-    void validate() const;
   };
 
   explicit ReferenceMap(const Params& params);

@@ -18,11 +18,7 @@ bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e
 
 }  // namespace
 
-void VoxelMap::Params::validate() const {
-  requireWithin("voxel_size_m", voxel_size_m, 0.01, 100.0);
-  requireWithin("min_plane_samples", min_plane_samples, 3, 1e6);
-  requireWithin("max_samples", max_samples, min_plane_samples, 1e6);
-}
+void VoxelMap::Params::checkRules() const { requireWithin("max_samples", max_samples, min_plane_samples, 1e6); }
 
 VoxelMap::VoxelMap(const Params& params) : params_(params), inverse_size_(1.0 / params.voxel_size_m) {
   slots_ = (static_cast<std::size_t>(params_.max_points) + kLane - 1) / kLane * kLane;

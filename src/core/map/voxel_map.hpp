@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/preprocessing/voxel_key.hpp"
 
 namespace fail_aware {
@@ -49,11 +50,11 @@ class VoxelMap {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("voxel_size_m", self.voxel_size_m);
-      v("min_plane_samples", self.min_plane_samples);
+      v("voxel_size_m", self.voxel_size_m, within(0.01, 100.0));
+      v("min_plane_samples", self.min_plane_samples, within(3, 1e6));
       v("max_samples", self.max_samples);
     }
-    void validate() const;
+    void checkRules() const;
   };
 
   static constexpr int kMaxPoints = 20;  ///< upper limit of Params::max_points

@@ -1,4 +1,4 @@
-// Checks for the `validate()` of parameter structs. They throw, naming field, value and rule.
+// Checks of parameters (validate.hpp). They throw, naming field, value and rule.
 #pragma once
 
 #include <algorithm>
@@ -30,6 +30,11 @@ inline void requireWithin(const char* name, double value, double low, double hig
   std::ostringstream rule;
   rule << "in [" << low << ", " << high << "]";
   requireParameter(false, name, value, rule.str().c_str());
+}
+
+/// The same as a check to be named beside a key.
+inline auto within(double low, double high) {
+  return [low, high](const char* name, double value) { requireWithin(name, value, low, high); };
 }
 
 inline void requireFiniteNumbers(const char* name, const std::vector<double>& values, std::size_t count) {

@@ -25,9 +25,8 @@ struct AzimuthCorrectionParams {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("angle_deg", self.angle_deg);
+    v("angle_deg", self.angle_deg, within(-kMax_deg, kMax_deg));
   }
-  void validate() const { requireWithin("angle_deg", angle_deg, -kMax_deg, kMax_deg); }
 };
 
 void correctAzimuth(const AzimuthCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar);

@@ -48,7 +48,6 @@ struct SweepCorrectionParams {
   static void visit(Self& self, Visitor&& v) {
     v("enabled", self.enabled);
   }
-  void validate() const {}  ///< only `enabled` can be set
 };
 
 /// The lidar's constant twist (m/s, rad/s, lidar frame) that moves it from begin to end in dt (> 0).

@@ -59,16 +59,13 @@ void RegistrationCloud::redeskew(const Vector6d& delta_twist_cog, double still_s
   move(point_points_cog, point_times_s);
 }
 
-void RegistrationCloudBuilder::Params::validate() const {
-  requireNotNegative("min_range_m", min_range_m);
+void RegistrationCloudBuilder::Params::checkRules() const {
   requireParameter(max_range_m > min_range_m && max_range_m <= 1000.0, "max_range_m", max_range_m,
                    "> min_range_m and <= 1000");
-  requireWithin("map_voxel_m", map_voxel_m, 0.01, 100.0);
   requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m");
   requireWithin("plane_voxel_m", plane_voxel_m, map_voxel_m, 100.0);
   requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m");
   requireWithin("point_voxel_m", point_voxel_m, map_voxel_m, 100.0);
-  requireWithin("min_points", min_points, 1, 1e9);
 }
 
 RegistrationCloudBuilder::RegistrationCloudBuilder(const Params& params,

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/preprocessing/timing.hpp"
 #include "core/preprocessing/voxel_filter.hpp"
 #include "core/types/beam_bias.hpp"
@@ -50,14 +51,14 @@ class RegistrationCloudBuilder {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("min_range_m", self.min_range_m);
+      v("min_range_m", self.min_range_m, requireNotNegative);
       v("max_range_m", self.max_range_m);
-      v("map_voxel_m", self.map_voxel_m);
+      v("map_voxel_m", self.map_voxel_m, within(0.01, 100.0));
       v("plane_voxel_m", self.plane_voxel_m);
       v("point_voxel_m", self.point_voxel_m);
-      v("min_points", self.min_points);
+      v("min_points", self.min_points, within(1, 1e9));
     }
-    void validate() const;
+    void checkRules() const;
   };
 
   /// compensated_head: the rotation of the head for compensated sweeps; nullopt: sweeps without times get none.

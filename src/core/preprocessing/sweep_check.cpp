@@ -2,7 +2,6 @@
 
 #include <cstring>
 
-#include "core/parameters/check.hpp"
 #include "core/preprocessing/azimuth_coverage.hpp"
 
 namespace fail_aware {
@@ -43,14 +42,6 @@ const char* describeIncomplete() {
   return "the sweep is incomplete: part of the revolution is missing. If the driver publishes half a revolution (or "
          "less) a cloud, or the lidar does not look all around, set sensor.check.min_azimuth_coverage below the share "
          "that its clouds cover (/diagnostics: azimuth coverage)";
-}
-
-void SweepCheckParams::validate() const {
-  requireWithin("min_azimuth_coverage", min_azimuth_coverage, 0.0, 1.0);
-  requirePositive("visible_range_m", visible_range_m);
-  requireWithin("min_far_ratio", min_far_ratio, 0.0, 1.0);
-  requireWithin("frozen_sweeps", frozen_sweeps, 0, 1000);
-  requirePositive("max_gap_s", max_gap_s);
 }
 
 void SweepCheck::reset() {

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/parameters/check.hpp"
 #include "core/types/sweep_findings.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
 
@@ -33,13 +34,12 @@ struct SweepCheckParams {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("min_azimuth_coverage", self.min_azimuth_coverage);
-    v("visible_range_m", self.visible_range_m);
-    v("min_far_ratio", self.min_far_ratio);
-    v("frozen_sweeps", self.frozen_sweeps);
-    v("max_gap_s", self.max_gap_s);
+    v("min_azimuth_coverage", self.min_azimuth_coverage, within(0.0, 1.0));
+    v("visible_range_m", self.visible_range_m, requirePositive);
+    v("min_far_ratio", self.min_far_ratio, within(0.0, 1.0));
+    v("frozen_sweeps", self.frozen_sweeps, within(0, 1000));
+    v("max_gap_s", self.max_gap_s, requirePositive);
   }
-  void validate() const;
 };
 
 /// Explains an incomplete sweep, and what to set if the driver publishes such clouds. One line.

@@ -66,16 +66,14 @@ std::string describeGuess(const TimingResult& timing) {
          "motion) and sensor.timing.stamp_reference to what the stamps mean";
 }
 
-void SweepTimingParams::validate() const {
+void SweepTimingParams::checkRules() const {
   requireParameter(source == "auto" || source == "field" || source == "azimuth" || source == "none", "source", source,
                    "auto, field, azimuth or none");
   requireParameter(
       stamp_reference == "auto" || stamp_reference == "start" || stamp_reference == "mid" || stamp_reference == "end",
       "stamp_reference", stamp_reference, "start, mid, end or auto");
-  requireWithin("start_azimuth_deg", start_azimuth_deg, -360.0, 360.0);
   requireParameter(sweep_period_s == 0.0 || (sweep_period_s >= kShortestPeriod_s && sweep_period_s <= kLongestPeriod_s),
                    "sweep_period_s", sweep_period_s, "0 (measured) or in [0.02, 1]");
-  requirePositive("min_field_spread_s", min_field_spread_s);
 }
 
 void SweepTiming::reset() {

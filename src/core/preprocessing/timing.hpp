@@ -35,6 +35,7 @@
 #include <string>
 #include <vector>
 
+#include "core/parameters/check.hpp"
 #include "core/preprocessing/held_timing.hpp"
 #include "core/types/timing_result.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
@@ -57,11 +58,11 @@ struct SweepTimingParams {
     v("source", self.source);
     v("stamp_reference", self.stamp_reference);
     v("clockwise", self.clockwise);
-    v("start_azimuth_deg", self.start_azimuth_deg);
+    v("start_azimuth_deg", self.start_azimuth_deg, within(-360.0, 360.0));
     v("sweep_period_s", self.sweep_period_s);
-    v("min_field_spread_s", self.min_field_spread_s);
+    v("min_field_spread_s", self.min_field_spread_s, requirePositive);
   }
-  void validate() const;
+  void checkRules() const;
 
   /// KITTI's stamps mean the instant of facing forward, unless the parameters say otherwise.
   void useKittiStamps() {

@@ -25,12 +25,8 @@ struct VerticalAngleCorrectionParams {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("angle_deg", self.angle_deg);
-    v("sigma_deg", self.sigma_deg);
-  }
-  void validate() const {
-    requireWithin("angle_deg", angle_deg, -kMax_deg, kMax_deg);
-    requireWithin("sigma_deg", sigma_deg, 0.001, kMax_deg);
+    v("angle_deg", self.angle_deg, within(-kMax_deg, kMax_deg));
+    v("sigma_deg", self.sigma_deg, within(0.001, kMax_deg));
   }
 };
 

@@ -75,7 +75,6 @@ struct VerticalReferenceParams {
   static void visit(Self& self, Visitor&& v) {
     v("enabled", self.enabled);
   }
-  void validate() const {}  ///< only `enabled` can be set
 };
 
 class VerticalReference {

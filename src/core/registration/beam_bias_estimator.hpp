@@ -44,7 +44,6 @@ class BeamBiasEstimator {
     static void visit(Self& self, Visitor&& v) {
       v("enabled", self.enabled);
     }
-    void validate() const {}  ///< only `enabled` can be set
   };
 
   /// `planes`: which pairs of point and plane, as there.

@@ -3,22 +3,9 @@
 #include <algorithm>
 #include <optional>
 
-#include "core/parameters/check.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {
-
-void IcpPointToPlane::Params::validate() const {
-  requireWithin("heading_tolerance_deg", heading_tolerance_deg, 0.0, 45.0);
-  requireWithin("ground_tolerance_deg", ground_tolerance_deg, 0.0, 90.0);
-  requirePositive("max_distance_m", max_distance_m);
-  requirePositive("kernel_m", kernel_m);
-  requirePositive("ground_weight", ground_weight);
-  requireNotNegative("range_weight_m", range_weight_m);
-  requireWithin("max_iterations", max_iterations, 1, 1000);
-  requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
-  requireWithin("usual_curvature_ratio", usual_curvature_ratio, 0.0, 1.0);
-}
 
 Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                    const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {

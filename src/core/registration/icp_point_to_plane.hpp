@@ -25,6 +25,7 @@
 
 #include "core/geometry/pose.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/parameters/check.hpp"
 #include "core/registration/information_support.hpp"
 #include "core/registration/normal_equations.hpp"
 #include "core/types/measurement.hpp"
@@ -69,20 +70,19 @@ class IcpPointToPlane {
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("filter_normals", self.filter_normals);
-      v("heading_tolerance_deg", self.heading_tolerance_deg);
+      v("heading_tolerance_deg", self.heading_tolerance_deg, within(0.0, 45.0));
       v("keep_ground", self.keep_ground);
-      v("ground_tolerance_deg", self.ground_tolerance_deg);
-      v("max_distance_m", self.max_distance_m);
-      v("kernel_m", self.kernel_m);
-      v("ground_weight", self.ground_weight);
-      v("range_weight_m", self.range_weight_m);
-      v("max_iterations", self.max_iterations);
-      v("correlation_inflation", self.correlation_inflation);
-      v("usual_curvature_ratio", self.usual_curvature_ratio);
+      v("ground_tolerance_deg", self.ground_tolerance_deg, within(0.0, 90.0));
+      v("max_distance_m", self.max_distance_m, requirePositive);
+      v("kernel_m", self.kernel_m, requirePositive);
+      v("ground_weight", self.ground_weight, requirePositive);
+      v("range_weight_m", self.range_weight_m, requireNotNegative);
+      v("max_iterations", self.max_iterations, within(1, 1000));
+      v("correlation_inflation", self.correlation_inflation, within(1.0, 1e6));
+      v("usual_curvature_ratio", self.usual_curvature_ratio, within(0.0, 1.0));
       v("support", self.support);
       v("observability", self.observability);
     }
-    void validate() const;
   };
 
   explicit IcpPointToPlane(const Params& params) : params_(params) {}

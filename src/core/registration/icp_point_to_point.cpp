@@ -8,7 +8,6 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parallel.hpp"
-#include "core/parameters/check.hpp"
 #include "core/robust_kernel.hpp"
 
 namespace fail_aware {
@@ -44,19 +43,6 @@ void mergeBasins(const IcpPointToPoint::Params& params, std::vector<IcpPointToPo
 }
 
 }  // namespace
-
-void IcpPointToPoint::Params::validate() const {
-  requireWithin("seeds", seeds, 1, 8);
-  requirePositive("spread", spread);
-  requirePositive("max_distance_m", max_distance_m);
-  requirePositive("kernel_m", kernel_m);
-  requireWithin("max_refined_seeds", max_refined_seeds, 1, 8);
-  requireWithin("max_iterations", max_iterations, 1, kMostIterations);
-  requireWithin("min_inlier_ratio", min_inlier_ratio, 0.0, 1.0);
-  requireWithin("correlation_inflation", correlation_inflation, 1.0, 1e6);
-  requireWithin("usual_curvature_ratio", usual_curvature_ratio, 0.0, 1.0);
-  requireWithin("tilt_sigma_factor", tilt_sigma_factor, 1.0, 100.0);
-}
 
 std::vector<Pose> IcpPointToPoint::seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
   if (params_.seeds == 1) return {T_odom_cog_predicted};

@@ -20,6 +20,7 @@
 
 #include "core/geometry/pose.hpp"
 #include "core/map/voxel_map.hpp"
+#include "core/parameters/check.hpp"
 #include "core/registration/normal_equations.hpp"
 #include "core/registration/point_pairs.hpp"
 #include "core/types/measurement.hpp"
@@ -76,21 +77,20 @@ class IcpPointToPoint {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("seeds", self.seeds);
-      v("spread", self.spread);
-      v("max_distance_m", self.max_distance_m);
-      v("kernel_m", self.kernel_m);
-      v("max_refined_seeds", self.max_refined_seeds);
-      v("max_iterations", self.max_iterations);
-      v("min_inlier_ratio", self.min_inlier_ratio);
+      v("seeds", self.seeds, within(1, 8));
+      v("spread", self.spread, requirePositive);
+      v("max_distance_m", self.max_distance_m, requirePositive);
+      v("kernel_m", self.kernel_m, requirePositive);
+      v("max_refined_seeds", self.max_refined_seeds, within(1, 8));
+      v("max_iterations", self.max_iterations, within(1, kMostIterations));
+      v("min_inlier_ratio", self.min_inlier_ratio, within(0.0, 1.0));
       v("surface_information", self.surface_information);
-      v("correlation_inflation", self.correlation_inflation);
-      v("usual_curvature_ratio", self.usual_curvature_ratio);
-      v("tilt_sigma_factor", self.tilt_sigma_factor);
+      v("correlation_inflation", self.correlation_inflation, within(1.0, 1e6));
+      v("usual_curvature_ratio", self.usual_curvature_ratio, within(0.0, 1.0));
+      v("tilt_sigma_factor", self.tilt_sigma_factor, within(1.0, 100.0));
       v("support", self.support);
       v("observability", self.observability);
     }
-    void validate() const;
   };
 
   /// Seeds that were merged.

@@ -4,14 +4,8 @@
 #include <vector>
 
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
-
-void InformationSupport::Params::validate() const {
-  requireWithin("max_place_ratio", max_place_ratio, 0.01, 1.0);
-  requireWithin("below_ratio", below_ratio, 0.0, 1.0);
-}
 
 void InformationSupport::add(const Eigen::Vector3d& position_m, double information, double by_chance) {
   Place& place =

@@ -12,6 +12,7 @@
 #include <Eigen/Core>
 #include <unordered_map>
 
+#include "core/parameters/check.hpp"
 #include "core/preprocessing/voxel_key.hpp"
 
 namespace fail_aware {
@@ -25,10 +26,9 @@ class InformationSupport {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("max_place_ratio", self.max_place_ratio);
-      v("below_ratio", self.below_ratio);
+      v("max_place_ratio", self.max_place_ratio, within(0.01, 1.0));
+      v("below_ratio", self.below_ratio, within(0.0, 1.0));
     }
-    void validate() const;
   };
 
   explicit InformationSupport(const Params& params) : params_(params) {}

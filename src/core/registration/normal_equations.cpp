@@ -8,7 +8,6 @@
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -44,8 +43,6 @@ bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params)
 }
 
 }  // namespace
-
-void ObservabilityParams::validate() const { requireWithin("min_information_ratio", min_information_ratio, 0.0, 0.3); }
 
 void discount(NormalEquations& equations, const Eigen::Vector2d& direction, double counted_ratio) {
   if (!equations.has_information) {

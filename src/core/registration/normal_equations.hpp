@@ -9,6 +9,7 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/types/measurement.hpp"
 
 namespace fail_aware {
@@ -26,9 +27,8 @@ struct ObservabilityParams {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("min_information_ratio", self.min_information_ratio);
+    v("min_information_ratio", self.min_information_ratio, within(0.0, 0.3));
   }
-  void validate() const;
 };
 
 /// H dx = b, with H = sum w J^T J / sigma^2, b = -sum w J^T r / sigma^2.

@@ -6,6 +6,7 @@
 
 #include "../../support/synthetic_tunnel.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::road_profile_odometry_test {
 namespace {
@@ -140,7 +141,7 @@ TEST(RoadProfileOdometry, CanBeSwitchedOff) {
 TEST(RoadProfileOdometry, ParametersAreChecked) {
   RoadProfileOdometry::Params params;
   params.max_speed_mps = params.min_speed_mps - 1.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

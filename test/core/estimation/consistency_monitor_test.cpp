@@ -9,6 +9,7 @@
 
 #include "../parameters/error_of.hpp"
 #include "core/geometry/degree.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::consistency_monitor_test {
 namespace {
@@ -195,7 +196,7 @@ TEST(ConsistencyMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(ConsistencyMonitor::Params&)>& change) {
     ConsistencyMonitor::Params params;
     change(params);
-    return errorOf([&] { params.validate(); });
+    return errorOf([&] { validate(params); });
   };
   EXPECT_EQ(refused([](ConsistencyMonitor::Params&) {}), "no error");
   EXPECT_NE(refused([](auto& p) { p.persistent_disagreement_m = 0.0; }).find("persistent_disagreement_m = 0"),

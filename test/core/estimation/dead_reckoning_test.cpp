@@ -11,6 +11,7 @@
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::dead_reckoning_test {
 namespace {
@@ -249,7 +250,7 @@ TEST(DeadReckoning, TheFasterTheSlowerItBelievesInATurn) {
 TEST(DeadReckoning, ParametersAreChecked) {
   DeadReckoning::Params params;
   params.acceleration_mps2 = -1.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 TEST(DeadReckoning, LongIntervalAllowsAccelerations) {

@@ -9,6 +9,7 @@
 #include "../../support/independent_drift.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::drift_model_test {
 namespace {
@@ -67,9 +68,9 @@ TEST(DriftModel, ParametersAreChecked) {
   const auto refused = [](const std::function<void(DriftModel::Params&)>& change) {
     DriftModel::Params params;
     change(params);
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(DriftModel::Params().validate());
+  EXPECT_NO_THROW(validate(DriftModel::Params()));
   refused([](DriftModel::Params& p) { p.map_length_m = -1.0; });
   refused([](DriftModel::Params& p) { p.registration_ratio = -0.1; });
   refused([](DriftModel::Params& p) { p.position_per_root_metre_m = -1.0; });

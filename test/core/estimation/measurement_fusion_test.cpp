@@ -12,6 +12,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::measurement_fusion_test {
 namespace {
@@ -524,13 +525,13 @@ TEST(MeasurementFusion, NeverNanAndAlwaysACovariance) {
 TEST(MeasurementFusion, ParametersAreChecked) {
   MeasurementFusion::Params params;
   params.gate_sigma = 0.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params = MeasurementFusion::Params();
   params.min_weight = 1.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params = MeasurementFusion::Params();
   params.agreement_distance_m = kNan;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "core/estimation/increment_covariance.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::pose_filter_test {
 namespace {
@@ -764,7 +765,7 @@ TEST(PoseFilter, ParametersAreChecked) {
   const auto refused = [](const std::function<void(PoseFilter::Params&)>& change) {
     PoseFilter::Params params;
     change(params);
-    return errorOf([&] { params.validate(); });
+    return errorOf([&] { validate(params); });
   };
   EXPECT_EQ(refused([](PoseFilter::Params&) {}), "no error");
   EXPECT_NE(refused([](PoseFilter::Params& p) { p.increment_scale = -1.0; }).find("increment_scale"),

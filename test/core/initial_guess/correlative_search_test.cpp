@@ -9,6 +9,7 @@
 #include "../../support/synthetic_scene.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::correlative_search_test {
 namespace {
@@ -79,7 +80,7 @@ TEST(CorrelativeSearch, NothingElsewhereAndNotWhereTooLittleStands) {
 TEST(CorrelativeSearch, RefusesParametersThatMakeNoSense) {
   CorrelativeSearch::Params params;
   params.max_shift_m = 0.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

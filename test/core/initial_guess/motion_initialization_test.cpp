@@ -8,6 +8,7 @@
 
 #include "../../support/synthetic_drive.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::motion_initialization_test {
 namespace {
@@ -187,9 +188,9 @@ TEST(MotionInitialization, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     MotionInitialization::Params params = testParams();
     change(params);
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(MotionInitialization::Params().validate());
+  EXPECT_NO_THROW(validate(MotionInitialization::Params()));
   rejects([](auto& p) { p.max_speed_mps = -6.0; });
 }
 

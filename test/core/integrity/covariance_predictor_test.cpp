@@ -10,6 +10,7 @@
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/integrity/growth_rate.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::covariance_predictor_test {
 namespace {
@@ -333,7 +334,7 @@ TEST(CovariancePredictor, TheAlarmComesWithItsOwnConfidence) {
   EXPECT_EQ(both.predict(growth).time_to_alarm.status, Status::kReached);
   EXPECT_EQ(both.predict(growth).time_to_failure.status, Status::kReached);
   params.alarm_confidence = 0.96;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 TEST(CovariancePredictor, TimeIsConditionedOnSurvival) {
@@ -389,11 +390,11 @@ TEST(CovariancePredictor, ParametersAreChecked) {
   CovariancePredictor::Params tails;
   for (const double wrong : {-1.0, 0.01, 1e7, std::nan("")}) {
     tails.degrees_of_freedom = wrong;
-    EXPECT_THROW(tails.validate(), ParameterError) << wrong;
+    EXPECT_THROW(validate(tails), ParameterError) << wrong;
   }
-  EXPECT_THROW(paramsWith(1.0).validate(), ParameterError);
-  EXPECT_THROW(paramsWith(0.0).validate(), ParameterError);
-  EXPECT_THROW(paramsWith(0.95, 60.0, 1e-6).validate(), ParameterError);
+  EXPECT_THROW(validate(paramsWith(1.0)), ParameterError);
+  EXPECT_THROW(validate(paramsWith(0.0)), ParameterError);
+  EXPECT_THROW(validate(paramsWith(0.95, 60.0, 1e-6)), ParameterError);
 }
 
 }  // namespace

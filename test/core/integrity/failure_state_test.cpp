@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::failure_state_test {
 namespace {
@@ -113,10 +114,10 @@ TEST(StateHysteresis, Unknown) {
 }
 
 TEST(FailureState, ParametersAreChecked) {
-  EXPECT_THROW((FailureThresholds{2.0, 5.0, 4.0}.validate()), ParameterError);
-  EXPECT_THROW((FailureThresholds{2.0, -1.0, 4.0}.validate()), ParameterError);
-  EXPECT_THROW((FailureThresholds{0.0, 4.0, 4.0}.validate()), ParameterError);
-  EXPECT_NO_THROW((FailureThresholds{2.0, 4.0, 4.0}.validate()));
+  EXPECT_THROW(validate(FailureThresholds{2.0, 5.0, 4.0}), ParameterError);
+  EXPECT_THROW(validate(FailureThresholds{2.0, -1.0, 4.0}), ParameterError);
+  EXPECT_THROW(validate(FailureThresholds{0.0, 4.0, 4.0}), ParameterError);
+  EXPECT_NO_THROW((validate(FailureThresholds{2.0, 4.0, 4.0})));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::indicator_test {
 namespace {
@@ -238,8 +239,8 @@ TEST(FailAwareIndicator, NeverNanAndEtaNeverFalls) {
 }
 
 TEST(FailAwareIndicator, ParametersAreChecked) {
-  EXPECT_THROW(paramsWith(0.0, 1).validate(), ParameterError);
-  EXPECT_THROW(paramsWith(0.1, 0).validate(), ParameterError);
+  EXPECT_THROW(validate(paramsWith(0.0, 1)), ParameterError);
+  EXPECT_THROW(validate(paramsWith(0.1, 0)), ParameterError);
 }
 
 }  // namespace

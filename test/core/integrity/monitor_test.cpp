@@ -10,7 +10,7 @@
 #include "../../support/independent_drift.hpp"
 #include "../parameters/error_of.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/validate_nested.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::monitor_test {
 namespace {
@@ -706,7 +706,7 @@ TEST(FailAwareMonitor, ParametersAreChecked) {
   const auto refused = [](const std::function<void(MonitorParameters&)>& change) {
     MonitorParameters params = independentSweeps();
     change(params);
-    return errorOf([&] { validateAs("", params); });
+    return errorOf([&] { validate(params); });
   };
   EXPECT_EQ(refused([](MonitorParameters&) {}), "no error");
   EXPECT_NE(refused([](MonitorParameters& p) { p.sweeps_to_recover = 0; }).find("sweeps_to_recover"),

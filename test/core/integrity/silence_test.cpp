@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::silence_test {
 namespace {
@@ -35,10 +36,10 @@ TEST(Silence, SaysFailedAndKeepsWhatWasKnown) {
 TEST(Silence, RefusesRulesThatNeverOrAlwaysHold) {
   SilenceParams params;
   params.stale_sweeps = 0.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params = SilenceParams();
   params.min_period_s = 0.2;
-  EXPECT_THROW(params.validate(), ParameterError) << "above max_period_s";
+  EXPECT_THROW(validate(params), ParameterError) << "above max_period_s";
 }
 
 }  // namespace

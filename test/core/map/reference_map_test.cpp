@@ -7,6 +7,7 @@
 
 #include "../../support/synthetic_scene.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::reference_map_test {
 namespace {
@@ -89,10 +90,10 @@ TEST(ReferenceMap, ClearForgetsTheSweepsToo) {
 }
 
 TEST(ReferenceMap, ValidatesItsParameters) {
-  EXPECT_NO_THROW(ReferenceMap::Params().validate());
-  EXPECT_THROW(testParams(-1).validate(), ParameterError);
-  EXPECT_THROW(testParams(2).validate(), ParameterError);
-  EXPECT_THROW(testParams(0, 0.0).validate(), ParameterError);
+  EXPECT_NO_THROW(validate(ReferenceMap::Params()));
+  EXPECT_THROW(validate(testParams(-1)), ParameterError);
+  EXPECT_THROW(validate(testParams(2)), ParameterError);
+  EXPECT_THROW(validate(testParams(0, 0.0)), ParameterError);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::voxel_map_test {
 namespace {
@@ -489,9 +490,9 @@ TEST(VoxelMap, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     VoxelMap::Params params = testParams();
     change(params);
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(VoxelMap::Params().validate());
+  EXPECT_NO_THROW(validate(VoxelMap::Params()));
   rejects([](VoxelMap::Params& p) { p.voxel_size_m = 0.0; });
   rejects([](VoxelMap::Params& p) { p.min_plane_samples = 2; });
   rejects([](VoxelMap::Params& p) { p.max_samples = p.min_plane_samples - 1; });

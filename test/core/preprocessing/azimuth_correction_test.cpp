@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/geometry/degree.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::azimuth_correction_test {
 namespace {
@@ -39,9 +40,9 @@ TEST(AzimuthCorrection, ZeroIsOff) {
 
 TEST(AzimuthCorrection, RefusesAbsurdAngles) {
   for (const double angle_deg : {-10.1, 10.1, std::nan("")}) {
-    EXPECT_THROW(AzimuthCorrectionParams{angle_deg}.validate(), ParameterError) << angle_deg;
+    EXPECT_THROW(validate(AzimuthCorrectionParams{angle_deg}), ParameterError) << angle_deg;
   }
-  EXPECT_NO_THROW(AzimuthCorrectionParams{-10.0}.validate());
+  EXPECT_NO_THROW(validate(AzimuthCorrectionParams{-10.0}));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "../../support/synthetic_scene.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::registration_cloud_test {
 namespace {
@@ -213,9 +214,9 @@ TEST(RegistrationCloud, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     RegistrationCloudBuilder::Params params = testParams();
     change(params);
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(RegistrationCloudBuilder::Params().validate());
+  EXPECT_NO_THROW(validate(RegistrationCloudBuilder::Params()));
   rejects([](auto& p) { p.max_range_m = p.min_range_m; });
   rejects([](auto& p) { p.plane_voxel_m = 0.2; });
   rejects([](auto& p) { p.point_voxel_m = 0.2; });

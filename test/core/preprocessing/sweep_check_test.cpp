@@ -8,6 +8,7 @@
 #include "../../support/synthetic_street.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::sweep_check_test {
 namespace {
@@ -136,13 +137,13 @@ TEST(SweepCheck, AnEmptySweepShowsNothing) {
 TEST(SweepCheck, ParametersAreChecked) {
   SweepCheckParams params;
   params.min_azimuth_coverage = 1.1;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params = SweepCheckParams();
   params.frozen_sweeps = -1;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params = SweepCheckParams();
   params.max_gap_s = 0.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::timing_test {
 namespace {
@@ -444,13 +445,13 @@ TEST(SweepTiming, RefusesBadParameters) {
     change(params);
     return params;
   };
-  EXPECT_NO_THROW(SweepTimingParams().validate());
-  EXPECT_THROW(broken([](SweepTimingParams& p) { p.source = "clock"; }).validate(), ParameterError);
-  EXPECT_THROW(broken([](SweepTimingParams& p) { p.stamp_reference = "first"; }).validate(), ParameterError);
-  EXPECT_THROW(broken([](SweepTimingParams& p) { p.start_azimuth_deg = 1000.0; }).validate(), ParameterError);
-  EXPECT_THROW(broken([](SweepTimingParams& p) { p.sweep_period_s = -0.1; }).validate(), ParameterError);
-  EXPECT_THROW(broken([](SweepTimingParams& p) { p.sweep_period_s = 100.0; }).validate(), ParameterError);
-  EXPECT_THROW(broken([](SweepTimingParams& p) { p.min_field_spread_s = 0.0; }).validate(), ParameterError);
+  EXPECT_NO_THROW(validate(SweepTimingParams()));
+  EXPECT_THROW(validate(broken([](SweepTimingParams& p) { p.source = "clock"; })), ParameterError);
+  EXPECT_THROW(validate(broken([](SweepTimingParams& p) { p.stamp_reference = "first"; })), ParameterError);
+  EXPECT_THROW(validate(broken([](SweepTimingParams& p) { p.start_azimuth_deg = 1000.0; })), ParameterError);
+  EXPECT_THROW(validate(broken([](SweepTimingParams& p) { p.sweep_period_s = -0.1; })), ParameterError);
+  EXPECT_THROW(validate(broken([](SweepTimingParams& p) { p.sweep_period_s = 100.0; })), ParameterError);
+  EXPECT_THROW(validate(broken([](SweepTimingParams& p) { p.min_field_spread_s = 0.0; })), ParameterError);
 }
 
 }  // namespace

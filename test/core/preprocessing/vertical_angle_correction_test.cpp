@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/geometry/degree.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::vertical_angle_correction_test {
 namespace {
@@ -74,9 +75,9 @@ TEST(VerticalAngleCorrection, PointsOnTheAxisStayFiniteAndNear) {
 TEST(VerticalAngleCorrection, RefusesAbsurdAngles) {
   VerticalAngleCorrectionParams params;
   params.angle_deg = 20.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params.angle_deg = std::nan("");
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

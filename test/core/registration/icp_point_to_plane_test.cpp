@@ -13,6 +13,7 @@
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::icp_point_to_plane_test {
 namespace {
@@ -466,9 +467,9 @@ TEST(IcpPointToPlane, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     IcpPointToPlane::Params params = testParams();
     change(params);
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(IcpPointToPlane::Params().validate());
+  EXPECT_NO_THROW(validate(IcpPointToPlane::Params()));
   rejects([](auto& p) { p.heading_tolerance_deg = 46.0; });
   rejects([](auto& p) { p.kernel_m = 0.0; });
   rejects([](auto& p) { p.max_iterations = 0; });

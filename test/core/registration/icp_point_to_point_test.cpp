@@ -12,6 +12,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::icp_point_to_point_test {
 namespace {
@@ -439,9 +440,9 @@ TEST(IcpPointToPoint, ValidatesItsParameters) {
   const auto rejects = [](auto change) {
     IcpPointToPoint::Params params = testParams();
     change(params);
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(IcpPointToPoint::Params().validate());
+  EXPECT_NO_THROW(validate(IcpPointToPoint::Params()));
   rejects([](auto& p) { p.seeds = 9; });
   rejects([](auto& p) { p.seeds = 0; });
   rejects([](auto& p) { p.min_inlier_ratio = 1.5; });

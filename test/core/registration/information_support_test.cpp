@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::information_support_test {
 namespace {
@@ -68,7 +69,7 @@ TEST(InformationSupport, FindsTheWeakestHorizontalDirection) {
 TEST(InformationSupport, ParametersAreChecked) {
   InformationSupport::Params params;
   params.max_place_ratio = 0.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

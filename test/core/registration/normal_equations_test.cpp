@@ -10,6 +10,7 @@
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::normal_equations_test {
 namespace {
@@ -208,10 +209,10 @@ TEST(NormalEquations, AStepTurnsAboutTheVehicleAndMovesAlongOdom) {
 }
 
 TEST(NormalEquations, ValidatesItsParameters) {
-  EXPECT_NO_THROW(ObservabilityParams().validate());
+  EXPECT_NO_THROW(validate(ObservabilityParams()));
   ObservabilityParams params = testParams();
   params.min_information_ratio = 0.5;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 TEST(NormalEquations, CurvatureRatioIsThatOfWhatInforms) {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -18,12 +17,6 @@ Eigen::Vector3d limited(const Eigen::Vector3d& v, double max_norm) {
 }
 
 }  // namespace
-
-void MotionHistory::Params::validate() const {
-  requireParameter(window_sweeps >= 1 && window_sweeps <= 100, "window_sweeps", window_sweeps, "in [1, 100]");
-  requireParameter(acceleration_window_sweeps >= 2 && acceleration_window_sweeps <= 100, "acceleration_window_sweeps",
-                   acceleration_window_sweeps, "in [2, 100]");
-}
 
 MotionHistory::MotionHistory(const Params& params) : params_(params) {
   ring_.resize(static_cast<std::size_t>(std::max(params_.window_sweeps, params_.acceleration_window_sweeps)) + 1);

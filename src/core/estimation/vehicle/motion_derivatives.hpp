@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -55,11 +56,10 @@ class MotionHistory {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("window_sweeps", self.window_sweeps);
-      v("acceleration_window_sweeps", self.acceleration_window_sweeps);
+      v("window_sweeps", self.window_sweeps, within(1, 100));
+      v("acceleration_window_sweeps", self.acceleration_window_sweeps, within(2, 100));
       v("second_differences", self.second_differences);
     }
-    void validate() const;
   };
 
   explicit MotionHistory(const Params& params);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -27,15 +26,6 @@ double meanSpeed(double speed, double acceleration, double dt_s) {
 }
 
 }  // namespace
-
-void VehicleModel::Params::validate() const {
-  requirePositive("sigma_x_m", sigma_x_m);
-  requirePositive("sigma_y_m", sigma_y_m);
-  requirePositive("sigma_z_m", sigma_z_m);
-  requirePositive("sigma_roll_rad", sigma_roll_rad);
-  requirePositive("sigma_pitch_rad", sigma_pitch_rad);
-  requirePositive("sigma_yaw_rad", sigma_yaw_rad);
-}
 
 VehicleModel::VehicleModel(const VehicleParameters& vehicle, const Params& params)
     : vehicle_(vehicle), params_(params), pitch_axis_(pitchAxis(vehicle)), roll_axis_(rollAxis(vehicle)) {}

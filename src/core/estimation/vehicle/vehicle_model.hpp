@@ -26,6 +26,7 @@
 #include "core/estimation/vehicle/suspension.hpp"
 #include "core/estimation/vehicle/vehicle_parameters.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -50,15 +51,14 @@ class VehicleModel {
     static void visit(Self& self, Visitor&& v) {
       v("six_dof", self.six_dof);
       v("literal", self.literal);
-      v("sigma_x_m", self.sigma_x_m);
-      v("sigma_y_m", self.sigma_y_m);
-      v("sigma_z_m", self.sigma_z_m);
-      v("sigma_roll_rad", self.sigma_roll_rad);
-      v("sigma_pitch_rad", self.sigma_pitch_rad);
-      v("sigma_yaw_rad", self.sigma_yaw_rad);
+      v("sigma_x_m", self.sigma_x_m, requirePositive);
+      v("sigma_y_m", self.sigma_y_m, requirePositive);
+      v("sigma_z_m", self.sigma_z_m, requirePositive);
+      v("sigma_roll_rad", self.sigma_roll_rad, requirePositive);
+      v("sigma_pitch_rad", self.sigma_pitch_rad, requirePositive);
+      v("sigma_yaw_rad", self.sigma_yaw_rad, requirePositive);
       v("noise_in_body_axes", self.noise_in_body_axes);
     }
-    void validate() const;
   };
 
   VehicleModel(const VehicleParameters& vehicle, const Params& params);

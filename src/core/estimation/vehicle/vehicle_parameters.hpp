@@ -6,6 +6,8 @@
 // cfg/vehicles/passat_b6.yaml explains each value.
 #pragma once
 
+#include "core/parameters/check.hpp"
+
 namespace fail_aware {
 
 inline constexpr double kGravity_mps2 = 9.81;
@@ -33,28 +35,25 @@ struct VehicleParameters {
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
-    v("mass_kg", self.mass_kg);
-    v("spring_front_n_per_m", self.spring_front_n_per_m);
-    v("spring_rear_n_per_m", self.spring_rear_n_per_m);
-    v("damper_front_ns_per_m", self.damper_front_ns_per_m);
-    v("damper_rear_ns_per_m", self.damper_rear_ns_per_m);
-    v("cog_above_roll_axis_m", self.cog_above_roll_axis_m);
-    v("cog_above_pitch_axis_m", self.cog_above_pitch_axis_m);
-    v("inertia_x_kg_m2", self.inertia_x_kg_m2);
-    v("inertia_y_kg_m2", self.inertia_y_kg_m2);
-    v("inertia_z_kg_m2", self.inertia_z_kg_m2);
-    v("cog_height_m", self.cog_height_m);
-    v("cog_to_front_axle_m", self.cog_to_front_axle_m);
-    v("cog_to_rear_axle_m", self.cog_to_rear_axle_m);
-    v("track_front_m", self.track_front_m);
-    v("track_rear_m", self.track_rear_m);
-    v("cornering_stiffness_front_n_per_rad", self.cornering_stiffness_front_n_per_rad);
-    v("cornering_stiffness_rear_n_per_rad", self.cornering_stiffness_rear_n_per_rad);
+    v("mass_kg", self.mass_kg, requirePositive);
+    v("spring_front_n_per_m", self.spring_front_n_per_m, requirePositive);
+    v("spring_rear_n_per_m", self.spring_rear_n_per_m, requirePositive);
+    v("damper_front_ns_per_m", self.damper_front_ns_per_m, requireNotNegative);
+    v("damper_rear_ns_per_m", self.damper_rear_ns_per_m, requireNotNegative);
+    v("cog_above_roll_axis_m", self.cog_above_roll_axis_m, requireNotNegative);
+    v("cog_above_pitch_axis_m", self.cog_above_pitch_axis_m, requireNotNegative);
+    v("inertia_x_kg_m2", self.inertia_x_kg_m2, requirePositive);
+    v("inertia_y_kg_m2", self.inertia_y_kg_m2, requirePositive);
+    v("inertia_z_kg_m2", self.inertia_z_kg_m2, requirePositive);
+    v("cog_height_m", self.cog_height_m, requirePositive);
+    v("cog_to_front_axle_m", self.cog_to_front_axle_m, requirePositive);
+    v("cog_to_rear_axle_m", self.cog_to_rear_axle_m, requirePositive);
+    v("track_front_m", self.track_front_m, requirePositive);
+    v("track_rear_m", self.track_rear_m, requirePositive);
+    v("cornering_stiffness_front_n_per_rad", self.cornering_stiffness_front_n_per_rad, requirePositive);
+    v("cornering_stiffness_rear_n_per_rad", self.cornering_stiffness_rear_n_per_rad, requirePositive);
   }
-
-  /// Throws ParameterError. Every value must be > 0, except that the dampers and the two lever arms may be 0; a mass
-  /// below 50 kg is rejected as probably given in tonnes.
-  void validate() const;
+  void checkRules() const;
 };
 
 }  // namespace fail_aware

@@ -10,7 +10,6 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rigid_alignment.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -47,13 +46,6 @@ double residual(const PlanarMotion& motion, const Corner& corner, const Corner& 
 }
 
 }  // namespace
-
-void CornerAlignment::Params::validate() const {
-  requirePositive("association_distance_m", association_distance_m);
-  requireWithin("min_corners", min_corners, 2, 1000);
-  requirePositive("max_residual_m", max_residual_m);
-  requirePositive("min_baseline_m", min_baseline_m);
-}
 
 Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
                                    const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {

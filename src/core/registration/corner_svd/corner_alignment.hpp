@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/registration/corner_svd/corner.hpp"
 #include "core/types/measurement.hpp"
 
@@ -47,12 +48,11 @@ class CornerAlignment {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("association_distance_m", self.association_distance_m);
-      v("min_corners", self.min_corners);
-      v("max_residual_m", self.max_residual_m);
-      v("min_baseline_m", self.min_baseline_m);
+      v("association_distance_m", self.association_distance_m, requirePositive);
+      v("min_corners", self.min_corners, within(2, 1000));
+      v("max_residual_m", self.max_residual_m, requirePositive);
+      v("min_baseline_m", self.min_baseline_m, requirePositive);
     }
-    void validate() const;
   };
 
   explicit CornerAlignment(const Params& params) : params_(params) {}

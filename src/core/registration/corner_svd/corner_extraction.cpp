@@ -76,17 +76,11 @@ std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distan
 
 }  // namespace
 
-void CornerExtractor::Params::validate() const {
+void CornerExtractor::Params::checkRules() const {
   requireParameter(std::isfinite(max_range_m) && max_range_m > min_range_m, "max_range_m", max_range_m,
                    "finite and > min_range_m");
   requireWithin("max_range_m", max_range_m, min_range_m, 1000.0);
   requireParameter(max_range_m / cell_m <= 5000.0, "cell_m", cell_m, ">= max_range_m / 5000");
-  requireParameter(min_beams_per_cell >= 1 && min_beams_per_cell <= 64, "min_beams_per_cell", min_beams_per_cell,
-                   "in [1, 64]");
-  requireWithin("max_planes_per_cluster", max_planes_per_cluster, 2, 100);
-  requirePositive("max_corner_gap_m", max_corner_gap_m);
-  requireWithin("min_points_near_corner", min_points_near_corner, 0, 1000000);
-  requireNotNegative("min_plane_height_m", min_plane_height_m);
 }
 
 CornerExtractor::CornerExtractor(const Params& params) : params_(params) {

@@ -23,6 +23,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/parameters/check.hpp"
 #include "core/registration/corner_svd/corner.hpp"
 #include "core/registration/corner_svd/ransac_plane.hpp"
 
@@ -56,15 +57,15 @@ class CornerExtractor {
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("max_range_m", self.max_range_m);
-      v("min_beams_per_cell", self.min_beams_per_cell);
+      v("min_beams_per_cell", self.min_beams_per_cell, within(1, 64));
       v("cluster_cells", self.cluster_cells);
-      v("max_planes_per_cluster", self.max_planes_per_cluster);
-      v("max_corner_gap_m", self.max_corner_gap_m);
-      v("min_points_near_corner", self.min_points_near_corner);
-      v("min_plane_height_m", self.min_plane_height_m);
+      v("max_planes_per_cluster", self.max_planes_per_cluster, within(2, 100));
+      v("max_corner_gap_m", self.max_corner_gap_m, requirePositive);
+      v("min_points_near_corner", self.min_points_near_corner, within(0, 1000000));
+      v("min_plane_height_m", self.min_plane_height_m, requireNotNegative);
       v("ransac", self.ransac);
     }
-    void validate() const;
+    void checkRules() const;
   };
 
   explicit CornerExtractor(const Params& params);

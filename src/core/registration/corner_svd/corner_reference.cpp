@@ -2,8 +2,6 @@
 
 #include <cstddef>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
 
 namespace {
@@ -26,8 +24,6 @@ Corner blended(const Corner& corner, const Corner& seen, double share) {
 }
 
 }  // namespace
-
-void CornerReference::Params::validate() const { requireWithin("sweeps", sweeps, 1, 1000000); }
 
 void CornerReference::clear() {
   corners_odom_.clear();

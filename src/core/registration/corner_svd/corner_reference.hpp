@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
+#include "core/parameters/check.hpp"
 #include "core/registration/corner_svd/corner.hpp"
 
 namespace fail_aware {
@@ -26,9 +27,8 @@ class CornerReference {
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
-      v("sweeps", self.sweeps);
+      v("sweeps", self.sweeps, within(1, 1000000));
     }
-    void validate() const;
   };
 
   explicit CornerReference(const Params& params) : params_(params) {}

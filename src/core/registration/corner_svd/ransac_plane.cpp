@@ -8,7 +8,6 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 
@@ -84,8 +83,6 @@ double fitPlane(const std::vector<Eigen::Vector3f>& points, const std::vector<in
 }
 
 }  // namespace
-
-void RansacPlane::Params::validate() const { requireWithin("max_sample_points", max_sample_points, 10, 1000000); }
 
 RansacPlane ransacPlane(const std::vector<Eigen::Vector3f>& points, const Eigen::Vector3d& up,
                         const RansacPlane::Params& params, std::uint32_t seed) {

@@ -16,6 +16,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/parameters/check.hpp"
+
 namespace fail_aware {
 
 struct RansacPlane {
@@ -33,9 +35,8 @@ struct RansacPlane {
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
       v("stop_early", self.stop_early);
-      v("max_sample_points", self.max_sample_points);
+      v("max_sample_points", self.max_sample_points, within(10, 1000000));
     }
-    void validate() const;
   };
 
   bool found = false;

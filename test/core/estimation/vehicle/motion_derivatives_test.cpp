@@ -9,6 +9,7 @@
 #include "../../../support/poses.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::motion_derivatives_test {
 namespace {
@@ -169,10 +170,10 @@ TEST(MotionHistory, RefusesWhatItCannotUse) {
 TEST(MotionHistory, ValidatesItsParameters) {
   MotionHistory::Params params;
   params.window_sweeps = 0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params = MotionHistory::Params();
   params.acceleration_window_sweeps = 1;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 TEST(MotionHistory, InAnotherOdomTheMotionIsTheSame) {

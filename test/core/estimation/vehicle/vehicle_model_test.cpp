@@ -10,6 +10,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::vehicle_model_test {
 namespace {
@@ -365,9 +366,9 @@ TEST(VehicleModelParams, AreValidated) {
   const auto rejected = [](const std::function<void(VehicleModel::Params&)>& change) {
     VehicleModel::Params params;
     change(params);
-    EXPECT_THROW(params.validate(), ParameterError);
+    EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(VehicleModel::Params().validate());
+  EXPECT_NO_THROW(validate(VehicleModel::Params()));
   rejected([](VehicleModel::Params& p) { p.sigma_yaw_rad = 0.0; });
   rejected([](VehicleModel::Params& p) { p.sigma_x_m = std::numeric_limits<double>::quiet_NaN(); });
 }

@@ -6,11 +6,12 @@
 #include <string>
 
 #include "../../parameters/error_of.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::vehicle_parameters_test {
 namespace {
 
-TEST(VehicleParameters, DefaultsAreValid) { EXPECT_NO_THROW(VehicleParameters().validate()); }
+TEST(VehicleParameters, DefaultsAreValid) { EXPECT_NO_THROW(validate(VehicleParameters())); }
 
 TEST(VehicleParameters, DefaultsAreTheArticlesTable) {
   const VehicleParameters v;
@@ -34,13 +35,13 @@ TEST(VehicleParameters, DefaultsAreTheArticlesTable) {
 TEST(VehicleParameters, EveryFieldIsCheckedAndNamed) {
   VehicleParameters vehicle;
   int fields = 0;
-  VehicleParameters::visit(vehicle, [&](const char* name, double& value) {
+  VehicleParameters::visit(vehicle, [&](const char* name, double& value, const auto&...) {
     ++fields;
     const double good = value;
     for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
       value = bad;
       try {
-        vehicle.validate();
+        validate(vehicle);
         ADD_FAILURE() << name << " = " << bad << " was accepted";
       } catch (const ParameterError& error) {
         EXPECT_EQ(std::string(error.what()).rfind(name, 0), 0u) << error.what();
@@ -55,17 +56,17 @@ TEST(VehicleParameters, OnlyDampersAndLeverArmsMayBeZero) {
   VehicleParameters vehicle;
   vehicle.damper_front_ns_per_m = vehicle.damper_rear_ns_per_m = 0.0;
   vehicle.cog_above_roll_axis_m = vehicle.cog_above_pitch_axis_m = 0.0;
-  EXPECT_NO_THROW(vehicle.validate());
+  EXPECT_NO_THROW(validate(vehicle));
   vehicle.cornering_stiffness_rear_n_per_rad = 0.0;
-  EXPECT_THROW(vehicle.validate(), ParameterError);
+  EXPECT_THROW(validate(vehicle), ParameterError);
 }
 
 TEST(VehicleParameters, AMassInTonnesIsRefused) {
   VehicleParameters vehicle;
   vehicle.mass_kg = 50.0;
-  EXPECT_EQ(errorOf([&] { vehicle.validate(); }), kNoError);
+  EXPECT_EQ(errorOf([&] { validate(vehicle); }), kNoError);
   vehicle.mass_kg = 1.75;
-  EXPECT_EQ(errorOf([&] { vehicle.validate(); }), "mass_kg = 1.75: must be at least 50: kg, not t");
+  EXPECT_EQ(errorOf([&] { validate(vehicle); }), "mass_kg = 1.75: must be at least 50: kg, not t");
 }
 
 }  // namespace

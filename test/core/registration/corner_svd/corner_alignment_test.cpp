@@ -11,6 +11,7 @@
 #include "../../../support/poses.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::corner_alignment_test {
 namespace {
@@ -241,7 +242,7 @@ TEST(CornerAlignment, NothingThatIsNoNumberComesOut) {
 TEST(CornerAlignment, BadParametersThrow) {
   CornerAlignment::Params params;
   params.min_corners = 1;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

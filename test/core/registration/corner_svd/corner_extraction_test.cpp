@@ -12,6 +12,7 @@
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::corner_extraction_test {
 namespace {
@@ -225,10 +226,10 @@ TEST(CornerExtraction, PointsAtTheGridsEdgeStayInside) {
 TEST(CornerExtraction, BadParametersThrow) {
   CornerExtractor::Params params;
   params.max_range_m = 1.0;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
   params = {};
   params.min_beams_per_cell = 65;
-  EXPECT_THROW(params.validate(), ParameterError);
+  EXPECT_THROW(validate(params), ParameterError);
 }
 
 }  // namespace

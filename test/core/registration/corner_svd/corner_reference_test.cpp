@@ -7,6 +7,7 @@
 
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::corner_reference_test {
 namespace {
@@ -97,7 +98,7 @@ TEST(CornerReference, AnEstimateThatIsNoNumberIsPassedOver) {
   EXPECT_TRUE(reference.corners().empty());
 }
 
-TEST(CornerReference, BadParametersThrow) { EXPECT_THROW(keeping(0).validate(), ParameterError); }
+TEST(CornerReference, BadParametersThrow) { EXPECT_THROW(validate(keeping(0)), ParameterError); }
 
 }  // namespace
 }  // namespace fail_aware::corner_reference_test

@@ -10,6 +10,7 @@
 
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/validate.hpp"
 
 namespace fail_aware::ransac_plane_test {
 namespace {
@@ -135,7 +136,7 @@ TEST(RansacPlane, BadParametersAreNamed) {
   RansacPlane::Params params;
   params.max_sample_points = 9;
   try {
-    params.validate();
+    validate(params);
     FAIL();
   } catch (const ParameterError& error) {
     EXPECT_NE(std::string(error.what()).find("max_sample_points"), std::string::npos);
