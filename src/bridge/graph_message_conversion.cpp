@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/estimation/external_pose.hpp"
+#include "core/estimation/largest_values.hpp"
 #include "core/estimation/stamp_order.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 

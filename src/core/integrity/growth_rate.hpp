@@ -30,6 +30,8 @@ class IncrementRate {
   bool update(const Matrix6d& increment_covariance, double dt_s, bool open = false);
   /// (x, y, yaw) about the body's axes: m^2/s, m rad/s, rad^2/s. Nothing before the first increment.
   std::optional<Eigen::Matrix3d> rate() const;
+  /// The newest increments are open, and too few to count.
+  bool isBrieflyOpen() const { return !increments_.empty() && increments_.back().open && !isBlinded(); }
   void reset() { increments_.clear(); }
 
  private:
@@ -53,6 +55,8 @@ class GrowthRate {
   };
   void add(const DriftRate& rate, const SpeedChange& speed, double dt_s);
   bool known() const { return increments_.rate().has_value(); }
+  /// The error of the last sweeps does not count yet.
+  bool isBrieflyOpen() const { return increments_.isBrieflyOpen(); }
   /// What the sweep sees of the road ahead.
   void lookAhead(const InformationAhead& ahead);
   /// The median of what the last sweeps saw.

@@ -46,7 +46,7 @@ void FailAwareMonitor::stop() {
   hysteresis_.reset();
   shortest_time_.reset();
   requested_ = Start::kNot;
-  t1_stamp_s_ = -1.0;
+  mark_ = Mark();
 }
 
 void FailAwareMonitor::reset() {
@@ -106,7 +106,7 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
 
 Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
   if (!indicator_.started()) return Eigen::Matrix2d::Zero();
-  const Eigen::Matrix3d R = T_odom_mark_.linear();
+  const Eigen::Matrix3d R = mark_.T_odom.linear();
   return (R * covariance_.sinceMark().topLeftCorner<3, 3>() * R.transpose()).topLeftCorner<2, 2>();
 }
 
@@ -145,8 +145,7 @@ void FailAwareMonitor::begin(const FilterState& state, const Pose& T_odom_mark) 
   indicator_.start(state.time_s());
   covariance_.mark(T_odom_mark);
   error_unbounded_ = false;
-  T_odom_mark_ = T_odom_mark;
-  t1_stamp_s_ = state.stamp_s;
+  mark_ = {T_odom_mark, state.stamp_s, covariance_.driftSinceMark()};
 }
 
 // As if marked now: a mark takes over the error of the pose in the map, of the speed, and the biases.
@@ -158,6 +157,23 @@ void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& outpu
   output.standby_time_to_failure = prediction.time_to_failure;
   output.standby_state = stateFor(prediction.time_to_alarm, prediction.time_to_failure, params_.thresholds,
                                   output.reasons, motion_.speed_mps());
+}
+
+// Returns the time to the alarm. What a registration may take back at once counts in the radius and for the alarm, but not
+// in the time: a heading that is unknown for one sweep would be taken for one that stays so.
+TimeToFailure FailAwareMonitor::predictFailure(const FilterState& state, MonitorOutput& output) {
+  CovarianceGrowth now = growth(state, covariance_.driftSinceMark(), mark_.T_odom);
+  if (error_unbounded_) now.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  const CovariancePrediction prediction = predictor_.predict(now);
+  TimeToFailure time = prediction.time_to_failure;
+  if (!growth_rate_.isBrieflyOpen()) {
+    mark_.drift = covariance_.driftSinceMark();
+  } else if (time.status != TimeToFailureStatus::kReached) {
+    time = predictor_.predict(growth(state, mark_.drift, mark_.T_odom)).time_to_failure;
+  }
+  output.time_to_failure_covariance = shortest_time_.add(time, state.dt_s);
+  output.protection_level_m = prediction.radius_m;
+  return prediction.time_to_alarm;
 }
 
 bool FailAwareMonitor::isWhereItWas(const FilterState& state) const {
@@ -205,7 +221,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
 
   MonitorOutput output;
   output.stamp_s = state.stamp_s;
-  output.t1_stamp_s = t1_stamp_s_;
+  output.t1_stamp_s = mark_.t1_stamp_s;
   output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
   output.reasons = reasonsFor(state, condition);
   const InformationAhead ahead = growth_rate_.ahead();
@@ -221,14 +237,7 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
     output.covariance_since_start = covariance_.sinceMark();
     output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
     output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
-    if (growth_rate_.known()) {
-      CovarianceGrowth since_start = growth(state, covariance_.driftSinceMark(), T_odom_mark_);
-      if (error_unbounded_) since_start.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
-      const CovariancePrediction prediction = predictor_.predict(since_start);
-      output.time_to_failure_covariance = shortest_time_.add(prediction.time_to_failure, state.dt_s);
-      output.protection_level_m = prediction.radius_m;
-      time_to_alarm = prediction.time_to_alarm;
-    }
+    if (growth_rate_.known()) time_to_alarm = predictFailure(state, output);
   }
   output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
   const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };

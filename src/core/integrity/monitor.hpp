@@ -93,6 +93,7 @@ class FailAwareMonitor {
   void begin(const FilterState& state, const Pose& T_odom_mark);
   CovarianceGrowth growth(const FilterState& state, const DriftState& since_mark, const Pose& T_odom_mark) const;
   void addStandby(const FilterState& state, MonitorOutput& output) const;
+  TimeToFailure predictFailure(const FilterState& state, MonitorOutput& output);
 
   MonitorParameters params_;
   FailAwareIndicator indicator_;
@@ -101,8 +102,13 @@ class FailAwareMonitor {
   OdometryCovariance covariance_;
   StateHysteresis hysteresis_;
   RecentShortestTime shortest_time_;
-  Pose T_odom_mark_ = Pose::Identity();
-  double t1_stamp_s_ = -1.0;
+  struct Mark {
+    Pose T_odom = Pose::Identity();
+    double t1_stamp_s = -1.0;
+    DriftState
+        drift;  ///< since the mark, when the error last could not be taken back at once: what the time counts from
+  };
+  Mark mark_;
   int odom_reset_count_ = 0;
   MovingMedian intervals_s_{kUsualIntervals};  ///< of the last sweeps
   struct Motion {
