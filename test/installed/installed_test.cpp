@@ -189,6 +189,29 @@ for i, path in enumerate(sorted(pathlib.Path(sys.argv[1], "velodyne").iterdir())
   }
 }
 
+TEST_F(Python, TimesOfAClockKeepTheirResolution) {
+  const ToolRun run = python(R"(
+azimuth = numpy.tile(numpy.linspace(numpy.pi, -numpy.pi, 900, endpoint=False), 16)
+times = numpy.tile(numpy.linspace(0.0, 0.1, 900, endpoint=False), 16)
+height = numpy.repeat(numpy.linspace(-1.5, 3.0, 16), 900)
+def sweep(start_x):  # in a room of 30 m by 16 m, at 5 m/s
+    x = start_x + 5.0 * times
+    c, s = numpy.cos(azimuth), numpy.sin(azimuth)
+    r = numpy.minimum(numpy.where(c > 0, 15.0 - x, 15.0 + x) / numpy.maximum(abs(c), 1e-9),
+                      8.0 / numpy.maximum(abs(s), 1e-9))
+    return numpy.stack([r * c, r * s, height], 1)
+def final_x(of_a_clock):
+    odometry = fail_aware.Odometry()
+    for i in range(8):
+        point_times = times + (1.6e9 + 0.1 * i if of_a_clock else 0.0)
+        result = odometry.step(sweep(-5.0 + 0.5 * i), 1.6e9 + 0.1 * i, point_times=point_times)
+    return result.pose[0, 3]
+assert abs(final_x(False) - 3.5) < 0.01
+assert abs(final_x(True) - 3.5) < 0.01, "times of a clock"
+)");
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+}
+
 TEST_F(Python, RefusesWhatMakesNoSenseWithAValueError) {
   const ToolRun run = python(R"(
 odometry = fail_aware.Odometry()
@@ -217,6 +240,7 @@ try:
     fail_aware.Odometry(profile="no_such_profile")
 except RuntimeError as error:
     assert "no_such_profile" in str(error)
+refused("from_stamp", odometry.start_redundant, float("nan"))
 nothing = odometry.step(numpy.full((4, 3), float("nan")), 0.0)
 assert nothing.status == "not_started" and not nothing.has_pose and nothing.t1 is None
 assert nothing.pose.shape == (4, 4) and nothing.covariance.shape == (6, 6) and nothing.state == "UNKNOWN"

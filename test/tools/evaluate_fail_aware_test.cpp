@@ -348,6 +348,7 @@ TEST_F(EvaluateFailAware, KeptEpisodesGiveTheSameFigures) {
     EXPECT_EQ(contentOf(folder_ / "result" / name), contentOf(folder_ / "at_once" / name)) << name;
   }
   EXPECT_EQ(countOf(contentOf(folder_ / "result/episodes.csv"), "\nbad,"), 8u);
+  expectRefused(kept + kept, "given twice");
 
   const fs::path file = folder_ / "bad_result/episodes.bin";
   const std::string whole = contentOf(file);

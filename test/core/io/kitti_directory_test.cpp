@@ -141,6 +141,18 @@ TEST_F(KittiDirectoryTest, RawTimestampsFollowTheNumbers) {
   }
 }
 
+TEST_F(KittiDirectoryTest, RawTimestampsNeedNumbersAsNames) {
+  write<float>("velodyne_points/data/0000000001.bin", {1, 2, 3, 0.5f});
+  write<float>("velodyne_points/data/0000000002.bin", {1, 2, 3, 0.5f});
+  write<float>("velodyne_points/data/._0000000002.bin", {1, 2, 3, 0.5f});  // a copy from a Mac
+  writeText("velodyne_points/timestamps.txt", "2011-09-26 00:00:00.0\n2011-09-26 00:00:00.2\n2011-09-26 00:00:00.4\n");
+  const std::vector<double> stamps = KittiDirectory::open(root_.string()).stamps();
+  ASSERT_EQ(stamps.size(), 2u);
+  EXPECT_NEAR(stamps[1], 0.2, 1e-9);
+  write<float>("velodyne_points/data/copy.bin", {1, 2, 3, 0.5f});
+  expectHas(openError(), "must have numbers as names");
+}
+
 TEST_F(KittiDirectoryTest, OpenNamesWhatIsWrong) {
   try {
     KittiDirectory::open((root_ / "absent").string());

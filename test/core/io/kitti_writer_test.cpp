@@ -88,6 +88,14 @@ TEST_F(KittiWriterTest, SweepsWithoutRings) {
   EXPECT_TRUE(sweep.rings.empty());
 }
 
+TEST_F(KittiWriterTest, WhatIsNotFinishedIsNotRead) {
+  KittiWriter writer(folder_.string());
+  writer.add(sweepAt(0.0), Pose::Identity(), Pose::Identity(), 0.0);
+  EXPECT_THROW(KittiDirectory::open(folder_.string()), InputError) << "without times.txt its stamps would be wrong";
+  writer.finish();
+  EXPECT_EQ(KittiDirectory::open(folder_.string()).size(), 1u);
+}
+
 TEST_F(KittiWriterTest, RefusesAFolderWithScans) {
   KittiWriter first(folder_.string());
   first.add(sweepAt(0.0), Pose::Identity(), Pose::Identity(), 0.0);
