@@ -55,7 +55,6 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
   InitialGuess found = guess;
   found.twist_cog = motion->twist_cog;
   found.surely_standing = motion->surely_standing;
-
   found.twist_found = InitialGuess::Found::kFirstMotion;
   // from the first sweep: the last estimate may be a prediction at standstill
   found.T_odom_cog = map.first().T_odom_cog * expSe3(motion->twist_cog * since_first_s);
