@@ -56,7 +56,7 @@ class Planner {
     heard_ = ros::SteadyTime::now();
     if (!gps_lost_ || message.t1.isZero()) return;
     if (t1_.isZero()) t1_ = message.t1;
-    // from the loss of the GPS to such a t1 nobody has counted the error
+    // a late or new t1: the state does not include the error from the loss of the GPS to it
     pose_lost_ = pose_lost_ || message.t1 != t1_ || t1_ > lost_at_ + ros::Duration(kWait_s);
   }
 

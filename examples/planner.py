@@ -28,7 +28,7 @@ def on_time(message):
     if lost_since is None or message.t1.is_zero():
         return
     t1 = t1 or message.t1
-    # from the loss of the GPS to such a t1 nobody has counted the error
+    # a late or new t1: the state does not include the error from the loss of the GPS to it
     pose_lost = pose_lost or message.t1 != t1 or t1.to_sec() > lost_at_s + WAIT_S
 
 
