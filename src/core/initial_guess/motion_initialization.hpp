@@ -10,6 +10,8 @@
 // - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle.
 // - Hedges and rails fit a little better at standstill, as the beams hit them in the same pattern. The score is the log
 //   likelihood of all votes, so a pole that meets nothing counts more than ten places that meet a little less well.
+// - A vehicle that travels along hides what is behind it, and its shadow travels along, too: points at the shadow's edge
+//   meet nothing at the true speed. What the first sweep could not see speaks neither for nor against a speed.
 // - At a true standstill the beams hit the same spots, so that nearly everything meets within centimetres. If standstill
 //   fits best but not that well, another speed that stands out of all the others is taken.
 // Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
@@ -18,10 +20,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
+#include "core/initial_guess/occlusion_image.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/parameters/check.hpp"
 #include "core/types/corrected_sweep.hpp"
@@ -89,10 +93,12 @@ class MotionInitialization {
 
  private:
   std::vector<Eigen::Vector3f> thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const;
+  AboveGroundPoints aboveGround(const std::vector<Eigen::Vector3f>& points_cog, std::size_t enough) const;
 
   Params params_;
   double min_range_m_;
   VoxelMap first_;
+  OcclusionImage hidden_in_first_;
 };
 
 }  // namespace fail_aware

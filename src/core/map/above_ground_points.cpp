@@ -50,12 +50,16 @@ std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& po
 }
 
 std::vector<double> votesOfPlaces(const AboveGroundPoints& above_ground, const VoxelMap& map, const Pose& T,
-                                  double kernel_m) {
+                                  double kernel_m, const std::function<double(const Eigen::Vector3d&)>& unmet) {
   std::vector<double> votes(above_ground.places, 0.0);
   VoxelMap::PointMatch match;
   for (const AboveGroundPoint& point : above_ground.points) {
-    if (!map.findNearest(T * point.position, kFarthestInKernels * kernel_m, match)) continue;
-    votes[point.place] += gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m);
+    const Eigen::Vector3d moved = T * point.position;
+    if (map.findNearest(moved, kFarthestInKernels * kernel_m, match)) {
+      votes[point.place] += gemanMcClureWeight(match.distance2_m2, kernel_m * kernel_m);
+    } else if (unmet) {
+      votes[point.place] += unmet(moved);
+    }
   }
   for (std::size_t place = 0; place < above_ground.places; ++place) votes[place] /= above_ground.counts[place];
   return votes;

@@ -110,6 +110,24 @@ TEST(AboveGroundPoints, EnoughAreEveryNth) {
   EXPECT_TRUE(findAboveGroundPoints({}, {}, 10).points.empty());
 }
 
+TEST(AboveGroundPoints, APointThatMeetsNothingVotesAsToldTo) {
+  Points posts;
+  for (const double x : {5.0, 25.0}) addPost(x, 0.0, posts);
+  const AboveGroundPoints seen = findAboveGroundPoints(posts, {}, 1000);
+  ASSERT_EQ(seen.places, 2u);
+  VoxelMap map(VoxelMap::Params{});
+  Points first;
+  addPost(5.0, 0.0, first);
+  map.insert(first, Pose::Identity());
+  const std::vector<double> votes = votesOfPlaces(seen, map, Pose::Identity(), 0.5);
+  EXPECT_GT(votes[0], 0.8);
+  EXPECT_EQ(votes[1], 0.0);
+  const std::vector<double> told = votesOfPlaces(seen, map, Pose::Identity(), 0.5,
+                                                 [](const Eigen::Vector3d& p) { return p.x() > 20.0 ? 0.7 : 9.0; });
+  EXPECT_EQ(told[0], votes[0]);
+  EXPECT_NEAR(told[1], 0.7, 1e-12);
+}
+
 TEST(AboveGroundMatcher, PostsTellPositionAndHeading) {
   const KeptMatch match = matchAgainst(posts());
   const Pose truth = planarPose(4.0, 0.3, 2.0 * kDegree), predicted = planarPose(4.7, 0.4, 1.7 * kDegree);

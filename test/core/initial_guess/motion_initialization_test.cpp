@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <random>
@@ -88,6 +90,42 @@ TEST(MotionInitialization, AStandstillThatFitsBadlyIsNone) {
   initialization.setFirst(hedgesAndPoles(0.0, 8, 1), Pose::Identity());
   expectTwist(initialization.find(hedgesAndPoles(2.7, 8, 2), Pose::Identity(), 0.1), 27.0, 0.0);
   expectTwist(initialization.find(hedgesAndPoles(0.0, 8, 2), Pose::Identity(), 0.1), 0.0, 0.0);
+}
+
+/// Cars that travel along beside the lidar, fences behind them that the cars hide in part, and poles; the vehicle has
+/// moved by moved_m.
+CorrectedSweep convoy(double moved_m, int poles) {
+  constexpr double kCar_m = 3.5, kFence_m = 9.0, kPole_m = 14.0;
+  constexpr double kRears_m[] = {-9.0, -3.0, 3.0};
+  CorrectedSweep sweep;
+  const auto add = [&sweep](double x, double y, double low_m, double high_m) {
+    for (double z = low_m; z <= high_m; z += 0.2) {
+      sweep.points_lidar.push_back(Eigen::Vector3d(x, y, z).cast<float>());
+    }
+  };
+  for (const double side : {-1.0, 1.0}) {
+    for (const double rear_m : kRears_m) {
+      for (double x = rear_m; x <= rear_m + 3.0; x += 0.1) add(x, side * kCar_m, -1.2, 0.3);
+    }
+    for (double x = -36.0; x <= 36.0; x += 0.1) {
+      const double at_cars_m = x * kCar_m / kFence_m;
+      const bool hidden = std::any_of(std::begin(kRears_m), std::end(kRears_m), [at_cars_m](double rear_m) {
+        return at_cars_m >= rear_m && at_cars_m <= rear_m + 3.0;
+      });
+      if (!hidden) add(x, side * kFence_m, -1.2, -0.2);
+    }
+  }
+  for (int pole = 0; pole < poles; ++pole) {
+    add(3.3 * pole - 0.5 * 3.3 * poles - moved_m, pole % 2 ? kPole_m : -kPole_m, 1.4, 4.0);  // seen above the cars
+  }
+  return sweep;
+}
+
+/// The shadows of the cars travel along: where a shadow ends, the fence meets nothing at the true speed.
+TEST(MotionInitialization, WhatACarHidesSpeaksForNoSpeed) {
+  MotionInitialization initialization(testParams(), kMinRange_m);
+  initialization.setFirst(convoy(0.0, 9), Pose::Identity());
+  expectTwist(initialization.find(convoy(2.7, 9), Pose::Identity(), 0.1), 27.0, 0.0);
 }
 
 TEST(MotionInitialization, IsSureOfAStandstillWhereNearlyAllMeets) {
