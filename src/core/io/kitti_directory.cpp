@@ -41,6 +41,15 @@ std::vector<fs::path> scansIn(const fs::path& folder) {
   return scans;
 }
 
+/// The folder with the times of the scans in `scans`, which may be DIR/velodyne or DIR/velodyne_points/data.
+fs::path driveOf(const fs::path& scans) {
+  fs::path folder = fs::absolute(scans).lexically_normal();
+  if (folder.filename().empty()) folder = folder.parent_path();
+  const fs::path parent = folder.parent_path();
+  if (folder.filename() == "velodyne") return parent;
+  return folder.filename() == "data" && parent.filename() == "velodyne_points" ? parent.parent_path() : scans;
+}
+
 /// Returns the scans' numbers in ascending order and sorts `scans` likewise. If a name is not a number: returns an
 /// empty list and sorts by name.
 std::vector<std::uint64_t> sortScans(std::vector<fs::path>& scans) {
@@ -187,7 +196,7 @@ void KittiDirectoryParams::validate() const { requirePositive("nominal_period_s"
 
 KittiDirectory KittiDirectory::open(const std::string& directory, const Params& params) {
   params.validate();
-  const fs::path root(directory);
+  fs::path root(directory);
   std::error_code error;
   if (!fs::is_directory(root, error)) throw InputError(directory + ": no such directory");
   if (fs::exists(root / kKittiUnfinished, error)) {
@@ -202,6 +211,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   if (scans.empty()) {
     throw InputError(directory + ": no scans (*.bin) in velodyne/, velodyne_points/data/ or the directory itself");
   }
+  if (fs::equivalent(scans.front().parent_path(), root, error)) root = driveOf(root);
 
   KittiDirectory kitti;
   const std::vector<std::uint64_t> numbers = sortScans(scans);
@@ -209,7 +219,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   const fs::path timestamps = root / "velodyne_points" / "timestamps.txt";
   if (fs::exists(root / "times.txt", error)) {
     kitti.stamps_s_ = readScanTimes(root / "times.txt", scans.size());
-  } else if (scans.front().parent_path() == timestamps.parent_path() / "data" && fs::exists(timestamps, error)) {
+  } else if (scans.front().parent_path().filename() == "data" && fs::exists(timestamps, error)) {
     if (numbers.empty()) throw InputError(timestamps.string() + ": the scans in data/ must have numbers as names");
     kitti.stamps_s_ = readTimestamps(timestamps, numbers);
   } else {

@@ -9,6 +9,7 @@
 //   DIR/stamps/NNNNNN.f32                         float32 per point: s from the sweep's start
 //   DIR/rings/NNNNNN.u16                          uint16 per point: laser number, 0 = lowest beam
 //
+// DIR/velodyne and DIR/velodyne_points/data stand for DIR.
 // One row per scan file, ordered by number; row i of times.txt belongs to file i, even if numbers are missing (dropped
 // sweeps). Without both time files the stamp is number * nominal period (row * period if a name is not a number).
 // KITTI's times are those at which the lidar faces forward: set the sweep timing's stamp_reference = mid, which shifts

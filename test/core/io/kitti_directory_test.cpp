@@ -115,6 +115,22 @@ TEST_F(KittiDirectoryTest, FindsRawLayoutAndBareFolder) {
   EXPECT_DOUBLE_EQ(bare.stamps()[1], 0.1);
 }
 
+TEST_F(KittiDirectoryTest, TheScansFolderStandsForTheDrive) {
+  writeScans(2);
+  writeText("times.txt", "7.0\n7.2\n");
+  for (const fs::path& scans : {root_ / "velodyne", root_ / "velodyne" / "", root_ / "velodyne" / "."}) {
+    EXPECT_DOUBLE_EQ(KittiDirectory::open(scans.string()).stamps()[0], 7.0) << scans;
+  }
+  write<float>("raw/velodyne_points/data/0000000001.bin", {1, 2, 3, 0});
+  writeText("raw/velodyne_points/timestamps.txt", "2011-09-26 00:00:00.0\n");
+  try {
+    KittiDirectory::open((root_ / "raw/velodyne_points/data").string());
+    FAIL() << "timestamps.txt was not read";
+  } catch (const InputError& error) {
+    expectHas(error.what(), "1 lines, none for scan 1");
+  }
+}
+
 TEST_F(KittiDirectoryTest, RawTimestampsFollowTheNumbers) {
   for (const char* number : {"0000000001", "0000000003"}) {
     write<float>("velodyne_points/data/" + std::string(number) + ".bin", {1, 2, 3, 0.5f});
