@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -14,6 +16,12 @@ constexpr double kLongestDriven_s = 3.0;
 constexpr double kWidestDriven_rad = 0.25;
 // Gaps of 8 and 12 s on eight simulated country roads: errors of 7 to 57 m and of 28 to 120 m.
 constexpr double kTurnedInAGap_rad = 0.4;
+
+/// The largest sigma of a measurement that corrects the motion. None over a gap: even an uncertain mean is nearer to the
+/// motion at its end than what the motion before it becomes with a constant acceleration.
+double largestSigma(double of_one_sweep, double dt_s) {
+  return dt_s > kLongInterval_s ? std::numeric_limits<double>::max() : of_one_sweep;
+}
 
 Eigen::Matrix4d fromSigmas(double along_m, double across_m, double yaw_rad) {
   return Eigen::Vector4d(along_m, across_m, 0.0, yaw_rad).cwiseAbs2().asDiagonal();
@@ -91,11 +99,12 @@ DeadReckoning::Motion DeadReckoning::predict(const Motion& before, double dt_s) 
 }
 
 void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motion& motion) {
+  const double max_sigma_m = largestSigma(params_.max_measured_sigma_m, dt_s);
   // along R's eigenvectors, so that unobserved directions can be left out completely
   const auto eigen = symmetricEigen(measured.R);
   for (int i = 0; i < 3; ++i) {
     const double variance = eigen.eigenvalues()[i];
-    if (variance > params_.max_measured_sigma_m * params_.max_measured_sigma_m) continue;
+    if (std::sqrt(variance) > max_sigma_m) continue;
     Vector6d axis = Vector6d::Zero();
     axis.head<3>() = eigen.eigenvectors().col(i);
     const Vector6d S_axis = S_ * axis;
@@ -113,8 +122,8 @@ void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motio
 }
 
 void DeadReckoning::correctYawRate(const Measured& measured, double dt_s, Motion& motion) {
-  const double max_sigma_rad = params_.max_measured_sigma_deg * kDegree;
-  if (measured.yaw_variance > max_sigma_rad * max_sigma_rad) return;
+  const double max_sigma_rad = largestSigma(params_.max_measured_sigma_deg * kDegree, dt_s);
+  if (std::sqrt(measured.yaw_variance) > max_sigma_rad) return;
   const Eigen::Vector2d S_rate = S_yaw_.col(0);
   const Eigen::Vector2d gain = S_rate / (S_rate[0] + 2.0 * measured.yaw_variance / (dt_s * dt_s));
   const double innovation = measured.yaw_rate_rad_s - motion.yaw_rate_rad_s;

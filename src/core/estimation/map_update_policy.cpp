@@ -7,6 +7,8 @@ namespace fail_aware {
 namespace {
 
 constexpr int kMaxSkippedSweeps = 10;  // consecutive; one more means that the reference is out of sight
+constexpr double kLongGap_s = 1.5;     // over a longer one the driver may do anything
+constexpr int kAfterGapSweeps = 2;     // the second is deskewed with the motion that the first one gives
 constexpr int kMaxHeldSweeps = 10;     // consecutive; the last one restarts the reference
 
 // One of the package's own, which register against the references.
@@ -56,11 +58,22 @@ bool canBegin(const std::vector<FusionInput>& measurements) {
          std::any_of(measurements.begin(), measurements.end(), has_points);
 }
 
+bool MapUpdatePolicy::followsGap(const Sweep& sweep) {
+  unmeasured_s_ += sweep.dt_s;
+  if (!sweep.measured) return false;
+  if (started_ && unmeasured_s_ > kLongGap_s) after_gap_sweeps_ = kAfterGapSweeps;
+  unmeasured_s_ = 0.0;
+  if (after_gap_sweeps_ == 0) return false;
+  --after_gap_sweeps_;
+  return true;
+}
+
 MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& measurements, const Sweep& sweep) {
   Decision decision;
   decision.begins = !started_ || (!sweep.motion_known && haveNoReference(measurements, isThere));
   const bool joins = sweep.motion_known && sweep.follows && showsOtherThings(measurements);
-  if (decision.begins || sweep.observed || joins) {
+  const bool follows_gap = followsGap(sweep);
+  if (decision.begins || (sweep.observed && !follows_gap) || joins) {
     decision.update = MapUpdate::kInsert;
     skipped_sweeps_ = 0;
   } else if (std::any_of(measurements.begin(), measurements.end(), wasSought) &&

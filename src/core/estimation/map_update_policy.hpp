@@ -1,7 +1,7 @@
 // Decides whether the references (local map, past corners) insert a sweep, skip it or restart. Not in the paper.
 //
 // Insert, if one of these holds:
-// - the sweep is measured, including roll and pitch;
+// - the sweep is measured, including roll and pitch, and is not one of the first two after a long gap;
 // - a reference begins with it: the first sweep, and, before a motion is known, a sweep that had no reference to
 //   register against;
 // - the sweep follows a measured one, so its prediction is good, and shows what the references do not hold: the other
@@ -12,7 +12,9 @@
 // - when the motion is lost (lost_motion.hpp): the sweeps inserted during dead reckoning spoil the reference;
 // - when both ICPs have no reference, unless a pose was set: setting a pose moves odom, and both ICPs must begin again.
 //   If only one ICP has no reference, its nodelet was restarted.
-// Skip: every other sweep.
+// Skip: every other sweep. The first two after a long gap are deskewed with the motion before the gap, or with the mean
+// over it. Where they show what the references do not hold, the next sweeps fit them at a wrong motion, and the error goes
+// on. Those two are registered against what was there before the gap.
 // Cost: under 1 us a sweep.
 #pragma once
 
@@ -36,6 +38,7 @@ class MapUpdatePolicy {
     bool velocity_unobservable = false;  ///< ConsistencyMonitor::Inflation's, of the last corrected sweep
     bool follows = false;                ///< the last sweep was measured, and the interval to it is not long
     bool motion_lost = false;            ///< ConsistencyMonitor::Inflation's
+    double dt_s = 0.0;                   ///< since the last sweep
   };
 
   struct Decision {
@@ -52,10 +55,15 @@ class MapUpdatePolicy {
   void clear() { *this = MapUpdatePolicy(); }
 
  private:
+  /// Whether the sweep is one of the first two measured ones after a long gap.
+  bool followsGap(const Sweep& sweep);
+
   bool started_ = false;
   bool pose_set_ = false;
-  int skipped_sweeps_ = 0;  ///< consecutive, registered against the reference without success
-  int held_sweeps_ = 0;     ///< of consecutive ones with unobservable velocity, the measured ones
+  double unmeasured_s_ = 0.0;  ///< since the last measured estimate
+  int after_gap_sweeps_ = 0;   ///< measured ones that are still to be skipped
+  int skipped_sweeps_ = 0;     ///< consecutive, registered against the reference without success
+  int held_sweeps_ = 0;        ///< of consecutive ones with unobservable velocity, the measured ones
 };
 
 }  // namespace fail_aware

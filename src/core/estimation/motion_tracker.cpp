@@ -6,6 +6,7 @@
 #include "core/estimation/largest_values.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
+#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 
@@ -141,7 +142,7 @@ DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
 
 void MotionTracker::updateMotion(const Sweep& sweep) {
   const FilterState& state = sweep.state;
-  const MotionDerivatives last = motion_;
+  const MotionDerivatives last = state.dt_s > kLongInterval_s ? fading(motion_, state.dt_s) : motion_;
   const bool told =
       state.measurement_applied && !state.clock_jump && !velocity_unobservable_ && !velocity_was_unobservable_;
   if (told) {

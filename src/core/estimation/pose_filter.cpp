@@ -171,6 +171,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   }
   if (next.measurement_applied || !started_) ++corrected_sweeps_;
   MapUpdatePolicy::Sweep sweep;
+  sweep.dt_s = next.dt_s;
   sweep.motion_known = prediction_.motionKnown();
   sweep.follows = motion_.lastMeasured() && next.dt_s <= kLongInterval_s;
   sweep.observed = next.measurement_applied && observesTilt(next.fusion, predicted_P);

@@ -284,6 +284,20 @@ TEST(DeadReckoning, AMeanOverAGapDoesNotObserveTheMotion) {
   EXPECT_NEAR(std::sqrt(measured.R(0, 0)), DeadReckoning::Params().acceleration_mps2 * 8.0, 0.01);
 }
 
+/// The way over the gap is uncertain by metres, the speed by little more than 1 m/s.
+TEST(DeadReckoning, AMeanOverAGapCorrectsTheMotion) {
+  DeadReckoning dead_reckoning{DeadReckoning::Params()};
+  dead_reckoning.reset(Eigen::Vector3d::Constant(0.1), 0.01);
+  DeadReckoning::Motion before;
+  before.velocity_mps.x() = 5.0;
+  before.yaw_rate_rad_s = 0.3;
+  DeadReckoning::Measured mean = measured(2.0, 0.01, 0.0, 0.01);
+  dead_reckoning.widenForGap(4.0, mean);
+  const DeadReckoning::Motion after = dead_reckoning.filter(before, 4.0, &mean);
+  EXPECT_LT(after.velocity_mps.x(), 3.5);
+  EXPECT_LT(after.yaw_rate_rad_s, 0.2);
+}
+
 TEST(DeadReckoning, ErrorsOfAGapOfSecondsGoOn) {
   const DeadReckoning dead_reckoning{DeadReckoning::Params()};
   EXPECT_EQ(dead_reckoning.drivenLaterCovariance(3.0, 15.0), Eigen::Matrix4d::Zero());

@@ -92,6 +92,26 @@ TEST(MapUpdatePolicy, InsertsTheOtherHalfRevolution) {
   EXPECT_TRUE(isSkipped(policy.add({{"gps", &kElsewhere}}, kFollowing)));
 }
 
+TEST(MapUpdatePolicy, SkipsTheFirstTwoMeasuredAfterALongGap) {
+  MapUpdatePolicy policy = underWay();
+  Sweep usual = kMeasured, after_gap = kMeasured, blind = kPredicted;
+  usual.dt_s = blind.dt_s = 0.1;
+  after_gap.dt_s = 2.0;
+  EXPECT_TRUE(isInserted(policy.add({{"m", &kFound}}, usual)));
+  EXPECT_TRUE(isSkipped(policy.add({{"m", &kFound}}, after_gap)));
+  EXPECT_TRUE(isSkipped(policy.add({{"m", &kBlind}}, blind)));
+  EXPECT_TRUE(isSkipped(policy.add({{"m", &kFound}}, usual)));
+  EXPECT_TRUE(isInserted(policy.add({{"m", &kFound}}, usual)));
+  after_gap.dt_s = 1.0;
+  EXPECT_TRUE(isInserted(policy.add({{"m", &kFound}}, after_gap))) << "a shorter one";
+  for (int i = 0; i < 20; ++i) policy.add({{"m", &kBlind}}, blind);
+  EXPECT_TRUE(isSkipped(policy.add({{"m", &kFound}}, usual))) << "2 s without a measurement";
+  EXPECT_TRUE(policy.add({{"m", &kNothingThere}}, Sweep()).begins) << "a reference begins with any";
+  policy.clear();
+  policy.add({}, Sweep());
+  EXPECT_TRUE(isInserted(policy.add({{"m", &kFound}}, usual)));
+}
+
 TEST(MapUpdatePolicy, RestartsAfterTenSoughtSweeps) {
   MapUpdatePolicy policy = underWay();
   for (int round = 0; round < 2; ++round) {
