@@ -64,9 +64,9 @@ struct Search {
     }
     tried.twist[0] = speed_mps;
     tried.twist[5] = yaw_rate_rps;
-    const std::vector<double> votes =
-        votesOfPlaces(standing, first, expSe3(tried.twist * dt_s), kernel_m,
-                      [&](const Eigen::Vector3d& point) { return hidden_in_first.hides(point) ? hidden : 0.0; });
+    const std::vector<double> votes = votesOfPlaces(
+        standing, first, expSe3(tried.twist * dt_s), kernel_m,
+        [&](const Eigen::Vector3d& point) { return hidden > 0.0 && hidden_in_first.hides(point) ? hidden : 0.0; });
     tried.likelihood = logLikelihood(votes);
     tried.votes = std::accumulate(votes.begin(), votes.end(), 0.0);
     const auto met = std::count_if(votes.begin(), votes.end(), [](double vote) { return vote >= kMet; });

@@ -219,7 +219,8 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   const fs::path timestamps = root / "velodyne_points" / "timestamps.txt";
   if (fs::exists(root / "times.txt", error)) {
     kitti.stamps_s_ = readScanTimes(root / "times.txt", scans.size());
-  } else if (scans.front().parent_path().filename() == "data" && fs::exists(timestamps, error)) {
+  } else if (fs::equivalent(scans.front().parent_path(), timestamps.parent_path() / "data", error) &&
+             fs::exists(timestamps, error)) {
     if (numbers.empty()) throw InputError(timestamps.string() + ": the scans in data/ must have numbers as names");
     kitti.stamps_s_ = readTimestamps(timestamps, numbers);
   } else {

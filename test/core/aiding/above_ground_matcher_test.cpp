@@ -110,7 +110,7 @@ TEST(AboveGroundPoints, EnoughAreEveryNth) {
   EXPECT_TRUE(findAboveGroundPoints({}, {}, 10).points.empty());
 }
 
-TEST(AboveGroundPoints, APointThatMeetsNothingVotesAsToldTo) {
+TEST(AboveGroundPoints, AnUnmetPointHasTheGivenVote) {
   Points posts;
   for (const double x : {5.0, 25.0}) addPost(x, 0.0, posts);
   const AboveGroundPoints seen = findAboveGroundPoints(posts, {}, 1000);

@@ -20,8 +20,8 @@ TEST(OcclusionImage, HidesWhatIsBehindAThing) {
   const OcclusionImage image = wallAhead();
   EXPECT_TRUE(image.hides(Vector3(20.0, 0.0, 2.0)));
   EXPECT_TRUE(image.hides(Vector3(20.0, 3.5, 0.5)));
-  EXPECT_FALSE(image.hides(Vector3(20.0, 4.6, 2.0))) << "beside it";
-  EXPECT_FALSE(image.hides(Vector3(20.0, 0.0, 4.7))) << "above it";
+  EXPECT_FALSE(image.hides(Vector3(20.0, 4.6, 2.0))) << "beside the wall";
+  EXPECT_FALSE(image.hides(Vector3(20.0, 0.0, 4.7))) << "above the wall";
   EXPECT_FALSE(image.hides(Vector3(-20.0, 0.0, 2.0))) << "in the other direction";
 }
 

@@ -123,11 +123,13 @@ TEST_F(KittiDirectoryTest, TheScansFolderStandsForTheDrive) {
   }
   write<float>("raw/velodyne_points/data/0000000001.bin", {1, 2, 3, 0});
   writeText("raw/velodyne_points/timestamps.txt", "2011-09-26 00:00:00.0\n");
-  try {
-    KittiDirectory::open((root_ / "raw/velodyne_points/data").string());
-    FAIL() << "timestamps.txt was not read";
-  } catch (const InputError& error) {
-    expectHas(error.what(), "1 lines, none for scan 1");
+  for (const char* scans : {"raw/velodyne_points/data", "raw/velodyne_points/data/."}) {
+    try {
+      KittiDirectory::open((root_ / scans).string());
+      ADD_FAILURE() << scans << ": timestamps.txt was not read";
+    } catch (const InputError& error) {
+      expectHas(error.what(), "1 lines, none for scan 1");
+    }
   }
 }
 
