@@ -205,7 +205,7 @@ void UprightProfileFinder::addProfile(UprightProfile::Kind kind, const Eigen::Ve
     s.obliqueness += direction.dot(p.head<2>()) / p.norm();
   }
   const Eigen::Vector2d sight = centre.head<2>().cast<double>().normalized();
-  UprightProfile profile{kind, direction.cast<double>(), hangs_ ? -sight : sight, beams_.size(), 0};
+  UprightProfile profile{kind, direction.cast<double>(), hangs_ ? -sight : sight, beams_.size(), 0, 0.0f};
   float low = 0, high = 0, oblique = 0;
   for (std::size_t ring = 0; ring < kMaxBeams; ++ring) {
     const Sums& s = sums[ring];
@@ -226,6 +226,7 @@ void UprightProfileFinder::addProfile(UprightProfile::Kind kind, const Eigen::Ve
     beams_.resize(profile.first);
     return;
   }
+  profile.top_m = high;
   profiles_.push_back(profile);
 }
 

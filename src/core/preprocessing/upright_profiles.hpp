@@ -55,6 +55,7 @@ struct UprightProfile {
   /// then make things lean the other way
   Eigen::Vector2d away;
   std::size_t first, size;  ///< of its beams
+  float top_m;              ///< mean height of its highest beam, above the sensor
 };
 
 class UprightProfileFinder {

@@ -6,7 +6,7 @@
 
 #include "core/geometry/degree.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/robust_kernel.hpp"
+#include "core/preprocessing/lean_weights.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {
@@ -16,13 +16,8 @@ namespace {
 constexpr double kStartTilt = 0.1;       // rad: mount and slope at the start
 constexpr double kFewBeams = 16.0;       // of the head that new_map_tilt_deg was found with
 constexpr std::size_t kUsualBeams = 64;  // of sweeps without rings
-constexpr double kKernelSigmas = 3.0;
-constexpr int kReweightings = 3;
+constexpr int kReweightings = 5;
 constexpr std::size_t kMinProfiles = 6;
-// The curvature ratio of the leans' residuals (robust_kernel.hpp) is 0.55 to 0.85 where things stand upright. Hedges
-// and banks lean all ways: the residuals have no peak at zero, and the ratio is 0.2 to 0.4. Neighbouring looks see the
-// same scenery and share its error, so the variance grows with the cube of the inflation.
-constexpr double kUsualCurvatureRatio = 0.5, kSharedLean = 3.0;
 // A look changes e by sqrt(P_before - P_after), one sigma. One that changes it by more than three contradicts itself: where
 // hedges lean all ways, e became 0.44 deg in the first look, and the road rose by 6 m in 100 m.
 constexpr double kMostSigmas = 3.0, kRounding_rad2 = 1e-14;
@@ -160,25 +155,6 @@ void VerticalReference::resizeBeams() {
   P_.diagonal().tail(added).setConstant(params_.sigma_range_m * params_.sigma_range_m);
 }
 
-/// `first`: x is a prediction, so that its variance widens the kernel.
-VerticalReference::LeanWeights VerticalReference::leanWeights(const std::vector<ProfileEquations>& all,
-                                                              bool first) const {
-  LeanWeights weights;
-  double sum = 0.0, curvature = 0.0;
-  for (const ProfileEquations& e : all) {
-    const double residual = e.lean_value - e.lean.dot(e.pick(x_));
-    const double prior_variance = first ? e.leanVariance(P_) : 0.0;
-    const double kernel2 = kKernelSigmas * kKernelSigmas * (1.0 + prior_variance);
-    const double residual2 = residual * residual;
-    const double weight = gemanMcClureWeight(residual2, kernel2);
-    weights.kernel.push_back(weight);
-    sum += weight;
-    curvature += weight * gemanMcClureCurvature(residual2, residual2, kernel2);
-  }
-  weights.inflation = std::pow(kernelInflation(curvature / std::max(sum, 1e-9), kUsualCurvatureRatio), kSharedLean);
-  return weights;
-}
-
 void VerticalReference::update() {
   report_.surfaces = report_.lines = 0;
   std::vector<ProfileEquations> all;
@@ -194,11 +170,11 @@ void VerticalReference::update() {
   for (int iteration = 0; iteration < kReweightings; ++iteration) {
     information.setZero(size, size);
     Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
-    const LeanWeights lean = leanWeights(all, iteration == 0);
+    const LeanWeights weights = leanWeights(finder_.profiles(), all, x_, iteration == 0 ? &P_ : nullptr);
     for (std::size_t k = 0; k < all.size(); ++k) {
       const ProfileEquations& e = all[k];
-      const double weight = lean.kernel[k] / params_.correlation_inflation;
-      const double lean_weight = weight / lean.inflation;
+      const double weight = weights.kernel[k] / params_.correlation_inflation;
+      const double lean_weight = weights.lean[k] / params_.correlation_inflation;
       const Eigen::VectorXd at = e.pick(prior);
       const Eigen::MatrixXd H =
           lean_weight * e.lean * e.lean.transpose() + weight * e.straight.transpose() * e.straight;

@@ -25,8 +25,8 @@
 // of the odometry's covariance (estimation/vertical_drift.hpp).
 //
 // Failure is data: where nothing stands upright the sigmas grow as the walk says, and the bend stays where it was.
-// Profiles off by more than their sigmas hardly count. Where they lean all ways (hedges, banks), their residuals have no
-// peak, and the look counts little (kernelInflation).
+// Profiles off by more than their sigmas hardly count, and where they lean all ways (hedges, banks), none does
+// (lean_weights.hpp).
 // Frames: points in the sensor's, tilt about odom's axes. Cost: apply 0.1 ms for 120 000 points, a look 5 ms.
 #pragma once
 
@@ -64,8 +64,9 @@ struct VerticalReferenceParams {
   double correlation_inflation = 2.5;
   /// response of pitch to a bend, as a ratio of what ground alone would give: walls hold the pitch
   double response = 0.66;
-  /// ratio of the tilt since the start that is corrected per metre: gone after some 20 m
-  double tilt_gain_per_m = 0.05;
+  /// ratio of the tilt since the start that is corrected per metre: gone after some 100 m. Over shorter ways registration
+  /// knows the tilt better than what stands upright tells
+  double tilt_gain_per_m = 0.01;
   /// largest bend of a sweep: above the expected drift, so that a wrong estimate has a small effect
   double max_curvature_deg_per_m = 0.035;
   /// beyond this range the bend continues as a straight line: little ground is seen there
@@ -119,13 +120,6 @@ class VerticalReference {
   void reset();
 
  private:
-  /// How much the leans of the profiles count.
-  struct LeanWeights {
-    std::vector<double> kernel;  ///< by profile
-    double inflation = 1.0;      ///< of all their variances
-  };
-
-  LeanWeights leanWeights(const std::vector<ProfileEquations>& all, bool first) const;
   void forgetOdom();
   void advance(const Pose& T_odom_lidar);
   void beginLook();
