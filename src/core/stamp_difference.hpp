@@ -27,6 +27,9 @@ inline constexpr std::size_t kUsualIntervals = 11;
 /// A longer interval between two sweeps means that sweeps are missing; a search around the prediction may then fail.
 inline constexpr double kLongInterval_s = 0.25;
 
+/// After a longer gap the motion before it says nothing of the motion at its end: the driver may have done anything.
+inline constexpr double kLongGap_s = 1.5;
+
 inline double wholeMicroseconds(double time_s) { return std::round(time_s * 1e6) / 1e6; }
 
 inline double secondsBetween(double from_s, double to_s) { return wholeMicroseconds(to_s - from_s); }

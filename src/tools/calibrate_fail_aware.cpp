@@ -95,6 +95,7 @@ int run(Options options) {
   if (options.guarantee && !(options.late_ratio > 0.0)) {
     return reportError(kName, "no number of runs guarantees --late 0: give a larger ratio", kExitUsage);
   }
+  requireMonitorKeys(options.runs);
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   ParameterList list;

@@ -118,6 +118,14 @@ std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
   return runs;
 }
 
+void requireMonitorKeys(const FailAwareRunOptions& options) {
+  for (const std::string& setting : options.set) {
+    if (setting.rfind("monitor.", 0) == 0) continue;
+    throw InputError("--set " + setting +
+                     ": only the monitor runs again, so only keys of monitor. count: run offline_odometry with it");
+  }
+}
+
 std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, std::size_t index,
                                          const MonitorParameters& monitor, const FailureEpisode::Params& params) {
   const FailAwareRun& run = runs[index];

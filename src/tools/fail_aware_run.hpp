@@ -37,6 +37,9 @@ void addRunOptions(CLI::App& app, FailAwareRunOptions& options);
 /// ParameterError.
 std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options);
 
+/// Only the monitor runs again in a replay. Throws InputError for a key of `set` that is not the monitor's.
+void requireMonitorKeys(const FailAwareRunOptions& options);
+
 /// The episodes of runs[index], with its faults, replayed with `monitor`.
 std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, std::size_t index,
                                          const MonitorParameters& monitor, const FailureEpisode::Params& params);

@@ -32,6 +32,7 @@ using namespace fail_aware;
 
 constexpr const char* kName = "measure_latency";
 constexpr std::uint32_t kQueue = 100;
+constexpr double kPatience_s = 5.0;
 
 struct Options {
   std::string cloud = "/velodyne_points", graph = "/fail_aware_lidar_odometry", manager, json, trajectory;
@@ -219,6 +220,22 @@ bool finished(const Observer& observer, const Options& options) {
   return options.idle_s > 0.0 && now_s - observer.lastAt() >= options.idle_s;
 }
 
+/// Says once that no cloud comes.
+class CloudWait {
+ public:
+  void update(const Observer& observer, const std::string& topic) {
+    if (told_ || observer.firstAt() > 0.0 || steadyNow_s() - begin_s_ < kPatience_s) return;
+    told_ = true;
+    const std::string name = ros::names::resolve(topic);
+    std::cerr << kName << ": waiting for a cloud on " << name
+              << (publisherOf(name).empty() ? ", which no node publishes (--cloud)" : "") << std::endl;
+  }
+
+ private:
+  double begin_s_ = steadyNow_s();
+  bool told_ = false;
+};
+
 int run(const Options& options) {
   if (!ros::master::check()) {
     throw InputError("no ROS master at " + ros::master::getURI() + "; launch the odometry first");
@@ -231,7 +248,9 @@ int run(const Options& options) {
   ProcessWatch watch(options.manager, ros::names::resolve(options.graph + "/odometry"));
   ros::AsyncSpinner spinner(2);
   spinner.start();
+  CloudWait wait;
   while (ros::ok() && !finished(observer, options)) {
+    wait.update(observer, options.cloud);
     if (observer.firstAt() > 0.0) watch.update();
     ros::WallDuration(0.25).sleep();
   }

@@ -372,6 +372,7 @@ TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
   expectRefused("--run x --run y --ground-truth z", "as many of one as of the other");
   expectRefused(options("absent"), "absent: no such folder");
   expectRefused(options("run") + " --set monitor.nonsense=1", "monitor.nonsense");
+  expectRefused(options("run") + " --set filter.increment_scale=3", "--set filter.increment_scale=3: only the monitor");
   expectRefused(options("run") + " --alert-limit -1", "--alert-limit: '-1' is not a number above 0");
   expectRefused(options("run") + " --alert-limit 0", "--alert-limit");
   expectRefused(options("run") + " --resamples 0", "--resamples");

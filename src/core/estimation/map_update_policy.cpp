@@ -2,12 +2,13 @@
 
 #include <algorithm>
 
+#include "core/stamp_difference.hpp"
+
 namespace fail_aware {
 
 namespace {
 
 constexpr int kMaxSkippedSweeps = 10;  // consecutive; one more means that the reference is out of sight
-constexpr double kLongGap_s = 1.5;     // over a longer one the driver may do anything
 constexpr int kAfterGapSweeps = 2;     // the second is deskewed with the motion that the first one gives
 constexpr int kMaxHeldSweeps = 10;     // consecutive; the last one restarts the reference
 

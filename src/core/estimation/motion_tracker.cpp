@@ -13,7 +13,6 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
-constexpr double kLongMean_s = 1.5;  // the mean over a longer gap is not the motion at its end
 
 }  // namespace
 
@@ -103,7 +102,7 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   measured.R.topRightCorner<2, 1>().setZero();
   measured.R.bottomLeftCorner<1, 2>().setZero();
   measured.yaw_variance = state.fusion.R(5, 5);
-  if (previous_measured_ && state.dt_s > kLongMean_s) dead_reckoning_.widenForGap(state.dt_s, measured);
+  if (previous_measured_ && state.dt_s > kLongGap_s) dead_reckoning_.widenForGap(state.dt_s, measured);
   return measured;
 }
 
