@@ -21,6 +21,9 @@ constexpr std::size_t kMinProfiles = 6;
 // A look changes e by sqrt(P_before - P_after), one sigma. One that changes it by more than three contradicts itself: where
 // hedges lean all ways, e became 0.44 deg in the first look, and the road rose by 6 m in 100 m.
 constexpr double kMostSigmas = 3.0, kRounding_rad2 = 1e-14;
+// The tilt since the start is corrected over this ratio of the way since then, within limits: near the start it is known to
+// some hundredths of a degree, later registration knows the tilt over 100 m better than what stands upright tells.
+constexpr double kCorrectionRatio = 0.25, kShortestCorrection_m = 20.0, kLongestCorrection_m = 100.0;
 constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at standstill decides the direction
 
 }  // namespace
@@ -208,7 +211,9 @@ void VerticalReference::setBend() {
                                      P_.block<2, 2>(VerticalState::kStart, VerticalState::kStart) - cross -
                                      cross.transpose();
   const double limit = params_.max_curvature_deg_per_m * kDegree;
-  const double unwanted = x_[VerticalState::kDrift] + params_.tilt_gain_per_m * pitch_axis_.dot(tilt);
+  const double correction_m =
+      std::clamp(kCorrectionRatio * since_start_m_, kShortestCorrection_m, kLongestCorrection_m);
+  const double unwanted = x_[VerticalState::kDrift] + pitch_axis_.dot(tilt) / correction_m;
   curvature_per_m_ = std::clamp(unwanted / params_.response, -limit, limit);
   report_.tilt_deg = pitch_axis_.dot(tilt) / kDegree;
   report_.tilt_sigma_deg = std::sqrt(std::max(pitch_axis_.dot(covariance * pitch_axis_), 0.0)) / kDegree;

@@ -16,7 +16,7 @@
 //   dd/ds = (drift - response bend) pitch axis + noise
 // The pitch axis is horizontal, across the motion: how the sensor is turned on the vehicle does not matter.
 // Sweeps are bent by `bend` (z += bend h min(h, curvature_range) / 2) so that the drift ends and what has come of it slowly
-// goes: response bend = drift + tilt_gain (d - d_0) . pitch axis, within max_curvature. d_0 is the tilt of the first
+// goes: response bend = drift + (d - d_0) . pitch axis / correction way, within max_curvature. d_0 is the tilt of the first
 // estimate in this odom: the slope and the mount at the start. It is in the state, so that what a later look shows of
 // the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose tilts by up to a degree
 // within the first metres (new_map): d - d_0 holds it. The pose is never touched.
@@ -64,9 +64,6 @@ struct VerticalReferenceParams {
   double correlation_inflation = 2.5;
   /// response of pitch to a bend, as a ratio of what ground alone would give: walls hold the pitch
   double response = 0.66;
-  /// ratio of the tilt since the start that is corrected per metre: gone after some 100 m. Over shorter ways registration
-  /// knows the tilt better than what stands upright tells
-  double tilt_gain_per_m = 0.01;
   /// largest bend of a sweep: above the expected drift, so that a wrong estimate has a small effect
   double max_curvature_deg_per_m = 0.035;
   /// beyond this range the bend continues as a straight line: little ground is seen there
