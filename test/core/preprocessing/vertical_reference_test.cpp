@@ -146,7 +146,7 @@ TEST(VerticalReference, TiltOfTheNewMapIsKnownAndTakenBack) {
   Street street(Street::Head(), 5);
   const double response = VerticalReferenceParams().response;
   double pitch_deg = 0.0, largest_deg = 0.0;
-  for (int i = 0; i < 350; ++i) {
+  for (int i = 0; i < 120; ++i) {
     const Street::Sweep sweep = street.sweep();
     level.observe(sweep.points, sweep.rings, tilted(i, pitch_deg * kDegree));
     if (i == 24) {
@@ -157,8 +157,7 @@ TEST(VerticalReference, TiltOfTheNewMapIsKnownAndTakenBack) {
     pitch_deg += (i < 12 ? 0.03 : 0.0) - response * level.report().curvature_deg_per_m;
   }
   EXPECT_GT(largest_deg, 0.25);
-  EXPECT_LT(std::abs(pitch_deg), 0.5 * largest_deg);
-  EXPECT_LT(std::abs(pitch_deg), 2.0 * level.report().tilt_sigma_deg);
+  EXPECT_NEAR(pitch_deg, 0.0, 0.1);
 }
 
 /// From a town to hedges that lean to one side and ahead: the scenery has changed, not the pose.
@@ -334,15 +333,15 @@ TEST(VerticalReference, SweepsWithoutRingsSufficeToo) {
 TEST(VerticalReference, BendEndsTheDrift) {
   VerticalReference level;
   const double response = VerticalReferenceParams().response;
-  const Drive result = drive(level, 500, 0.004, response);
-  EXPECT_LT(result.worst_late_rad, 0.1 * kDegree);  // 2 deg without
+  const Drive result = drive(level, 300, 0.004, response);
+  EXPECT_LT(result.worst_late_rad, 0.1 * kDegree);  // 1.2 deg without
   EXPECT_NEAR(response * level.report().curvature_deg_per_m, 0.004, 0.0015);
 }
 
 TEST(VerticalReference, BendEndsTheDriftHoweverTheSensorIsTurned) {
   for (const Way& way : {Way{180.0, false}, Way{90.0, false}, Way{-60.0, false}, Way{0.0, true}}) {
     VerticalReference level;
-    const Drive result = drive(level, 500, 0.004, VerticalReferenceParams().response, Street::Head(), way);
+    const Drive result = drive(level, 300, 0.004, VerticalReferenceParams().response, Street::Head(), way);
     EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001) << way.mount_yaw_deg << way.reverse;
     EXPECT_LT(result.worst_late_rad, 0.1 * kDegree) << way.mount_yaw_deg << way.reverse;
   }
