@@ -46,6 +46,26 @@ static_assert(static_cast<int>(MeasurementStatus::kNotConverged) == messages::Po
 static_assert(static_cast<int>(MeasurementStatus::kDegenerate) == messages::PoseMeasurement::DEGENERATE, "");
 static_assert(static_cast<int>(MeasurementStatus::kTooFewCorners) == messages::PoseMeasurement::TOO_FEW_CORNERS, "");
 
+void describeFusion(const FilterState& state, std::size_t sources, messages::FilterState& message) {
+  const FusionResult& fusion = state.fusion;
+  message.measurement_weights = fusion.weights;
+  message.measurement_nis = fusion.nis;
+  message.measurement_weights.resize(sources, 0.0);
+  message.measurement_nis.resize(sources, -1.0);
+  message.has_measurement = fusion.has_measurement;
+  std::copy(fusion.z.data(), fusion.z.data() + 6, message.fused_state.begin());
+  message.fused_covariance = toCovarianceMessage(fusion.R);
+  message.fused_nis = state.filter_nis;
+  message.all_gated_out = fusion.all_gated_out;
+  message.prediction_overruled = fusion.prediction_overruled;
+  message.prediction_invalid = fusion.prediction_invalid;
+  message.disagreement = fusion.disagreement_m;
+  message.disagreement_yaw = fusion.disagreement_yaw_rad;
+  message.confirmed = fusion.confirmed;
+  message.valid_inputs = static_cast<std::uint32_t>(fusion.valid_inputs);
+  message.invalid_inputs = static_cast<std::uint32_t>(fusion.invalid_inputs);
+}
+
 }  // namespace
 
 messages::SweepPrediction toMessage(const SweepTask& task, const std_msgs::Header& header,
@@ -210,22 +230,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
     message.min_information_ratio.push_back(source.measurement ? source.measurement->min_information_ratio : 0.0);
     message.deadline_missed = message.deadline_missed || (source.awaited && !source.measurement);
   }
-  message.measurement_weights = state.fusion.weights;
-  message.measurement_nis = state.fusion.nis;
-  message.measurement_weights.resize(account.sources.size(), 0.0);
-  message.measurement_nis.resize(account.sources.size(), -1.0);
-  message.has_measurement = state.fusion.has_measurement;
-  std::copy(state.fusion.z.data(), state.fusion.z.data() + 6, message.fused_state.begin());
-  message.fused_covariance = toCovarianceMessage(state.fusion.R);
-  message.fused_nis = state.filter_nis;
-  message.all_gated_out = state.fusion.all_gated_out;
-  message.prediction_overruled = state.fusion.prediction_overruled;
-  message.prediction_invalid = state.fusion.prediction_invalid;
-  message.disagreement = state.fusion.disagreement_m;
-  message.disagreement_yaw = state.fusion.disagreement_yaw_rad;
-  message.confirmed = state.fusion.confirmed;
-  message.valid_inputs = static_cast<std::uint32_t>(state.fusion.valid_inputs);
-  message.invalid_inputs = static_cast<std::uint32_t>(state.fusion.invalid_inputs);
+  describeFusion(state, account.sources.size(), message);
   message.sweep_points = account.sweep_points;
   message.dropped_before = static_cast<std::uint32_t>(std::max(0, account.dropped_before));
   message.deadline_missed = message.deadline_missed || !account.findings;

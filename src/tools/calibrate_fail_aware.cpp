@@ -26,8 +26,7 @@ constexpr const char* kName = "calibrate_fail_aware";
 constexpr const char* kConfidence = "monitor.predictor.confidence";
 constexpr double kSmallestAlarmConfidence = 0.3;
 constexpr double kSmallestLateRatio = 0.05;
-constexpr std::size_t kMostReplays =
-    25;  // as the runs are, and a dozen for each confidence: see fail_aware_calibration
+constexpr std::size_t kMostReplays = 25;  // as the runs are, and a dozen for each confidence
 
 struct Options {
   FailAwareRunOptions runs;
@@ -40,19 +39,6 @@ struct Options {
   bool guarantee = false;
   double alarm_ratio = 0.05;
 };
-
-template <class Change>
-std::vector<FailAwareEpisode> allEpisodes(const std::vector<FailAwareRun>& runs, const FailureEpisode::Params& params,
-                                          Change&& change) {
-  std::vector<FailAwareEpisode> all;
-  for (std::size_t r = 0; r < runs.size(); ++r) {
-    MonitorParameters monitor = runs[r].params.profile.monitor;
-    change(monitor);
-    std::vector<FailAwareEpisode> episodes = episodesOf(runs, r, monitor, params);
-    std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
-  }
-  return all;
-}
 
 /// What the confidence guarantees, or why it is missing.
 std::vector<std::string> confidenceNotes(double late_ratio, bool fitted, const std::vector<LateRisk>& risks) {
@@ -91,92 +77,134 @@ std::string fewFailures(std::size_t failed, double late_ratio) {
   return text.str();
 }
 
-int run(Options options) {
+/// The parameters one after the other: each is fitted with those before it.
+class Calibration {
+ public:
+  explicit Calibration(const Options& options)
+      : options_(options), runs_(loadRuns(options.runs)), progress_(kMostReplays * runs_.size()) {
+    options_.episodes.alert_limit_m = alertLimitOf(runs_, options.alert_limit_m);
+    progress_.update(0);
+    as_is_ = replay([](MonitorParameters&) {});
+  }
+
+  void fitThreshold() {
+    if (options_.eta_failed_by) {
+      threshold_ = add("monitor.indicator.threshold", etaThreshold(as_is_, *options_.eta_failed_by),
+                       "too few failures, or they come before eta grows");
+    } else {
+      threshold_ = add("monitor.indicator.threshold", quietEtaThreshold(as_is_, options_.eta_passed_by),
+                       "every episode failed, or eta did not grow");
+    }
+  }
+
+  void fitConfidence() {
+    const auto withConfidence = [&](double tried) {
+      return replay([&](MonitorParameters& m) {
+        m.predictor.confidence = tried;
+        // the alarm confidence is fitted after it: the smallest gives the longest times
+        const double alarm = options_.guarantee ? kSmallestAlarmConfidence : m.predictor.alarm_confidence;
+        m.predictor.alarm_confidence = std::min(alarm, tried);
+      });
+    };
+    const double late_ratio = options_.late_ratio;
+    const std::size_t count = failuresThatCount(as_is_);
+    if (options_.guarantee) {
+      confidence_ = confidenceWithGuarantee(as_is_, withConfidence, late_ratio);
+      if (confidence_) list_.emplace_back(kConfidence, *confidence_);
+      for (std::string& note :
+           confidenceNotes(late_ratio, confidence_.has_value(),
+                           lateRiskByState(as_is_, confidence_ ? withConfidence(*confidence_) : as_is_))) {
+        notes_.push_back(std::move(note));
+      }
+    } else if (count > 0 && count < startsNeeded(late_ratio)) {
+      notes_.push_back(kConfidence + std::string(" left as it is: ") + fewFailures(count, late_ratio));
+    } else {
+      confidence_ = add(kConfidence, confidenceForLateRatio(withConfidence, late_ratio),
+                        "no run fails, or only after a fault (give some that do), or predictions are late whatever it "
+                        "is (calibrate_noise first)");
+    }
+  }
+
+  // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
+  // than the one that the published time already bears.
+  void fitAlarmConfidence() {
+    const CovariancePredictor::Params& given = runs_.front().params.profile.monitor.predictor;
+    const double largest = confidence_.value_or(given.confidence);
+    const auto withAlarm = [&](double tried) {
+      return replay([&](MonitorParameters& m) {
+        if (threshold_) m.indicator.threshold = *threshold_;
+        m.predictor.confidence = largest;
+        m.predictor.alarm_confidence = tried;
+      });
+    };
+    std::optional<double> alarm =
+        confidenceForAlarmRatio(withAlarm, options_.alarm_ratio, std::min(kSmallestAlarmConfidence, largest), largest);
+    if (!alarm && given.alarm_confidence > largest) {
+      alarm = largest;
+      notes_.push_back(
+          "monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm is up too long "
+          "whatever it is");
+    }
+    add("monitor.predictor.alarm_confidence", alarm,
+        "every episode failed, or the alarm is up too long whatever it is");
+  }
+
+  int report() {
+    progress_.update(kMostReplays * runs_.size());  // most bisections end before
+    progress_.finish();
+    for (const std::string& note : notes_) std::cerr << kName << ": " << note << '\n';
+    if (list_.empty()) return reportError(kName, "nothing could be fitted: give more runs", kExitFailed);
+    printAndKeep(formatYaml(list_), options_.output);
+    const auto failed = std::count_if(as_is_.begin(), as_is_.end(), [](const FailAwareEpisode& e) { return e.failed; });
+    reportVerdict(kName,
+                  std::to_string(list_.size()) + " parameters fitted to " + std::to_string(as_is_.size()) +
+                      " starts, " + std::to_string(failed) + " of which fail",
+                  "judge it on other runs: evaluate_fail_aware --parameters " +
+                      (options_.output.empty() ? "FILE (--output FILE keeps it)" : options_.output));
+    return kExitDone;
+  }
+
+ private:
+  /// All starts of all runs, with parameters that `change` has changed.
+  template <class Change>
+  std::vector<FailAwareEpisode> replay(const Change& change) {
+    std::vector<FailAwareEpisode> all;
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+      MonitorParameters monitor = runs_[r].params.profile.monitor;
+      change(monitor);
+      std::vector<FailAwareEpisode> episodes = episodesOf(runs_, r, monitor, options_.episodes);
+      std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
+    }
+    progress_.update(replayed_ += runs_.size());
+    return all;
+  }
+
+  std::optional<double> add(const char* key, const std::optional<double>& value, const char* why_not) {
+    if (value) list_.emplace_back(key, *value);
+    if (!value) notes_.push_back(key + std::string(" left as it is: ") + why_not);
+    return value;
+  }
+
+  Options options_;
+  std::vector<FailAwareRun> runs_;
+  ProgressBar progress_;
+  std::size_t replayed_ = 0;
+  std::vector<FailAwareEpisode> as_is_;
+  std::optional<double> threshold_, confidence_;
+  ParameterList list_;
+  std::vector<std::string> notes_;
+};
+
+int run(const Options& options) {
   if (options.guarantee && !(options.late_ratio > 0.0)) {
     return reportError(kName, "no number of runs guarantees --late 0: give a larger ratio", kExitUsage);
   }
   requireMonitorKeys(options.runs);
-  const std::vector<FailAwareRun> runs = loadRuns(options.runs);
-  options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
-  ParameterList list;
-  std::vector<std::string> notes;
-  ProgressBar progress(kMostReplays * runs.size());
-  progress.update(0);
-  std::size_t replayed = 0;
-  const auto replay = [&](const auto& change) {
-    std::vector<FailAwareEpisode> episodes = allEpisodes(runs, options.episodes, change);
-    progress.update(replayed += runs.size());
-    return episodes;
-  };
-  const auto add = [&](const char* key, const std::optional<double>& value, const char* why_not) {
-    if (value) list.emplace_back(key, *value);
-    if (!value) notes.push_back(key + std::string(" left as it is: ") + why_not);
-    return value;
-  };
-  const std::vector<FailAwareEpisode> as_is = replay([](MonitorParameters&) {});
-  const std::size_t count = failuresThatCount(as_is);
-  const auto failed = static_cast<std::size_t>(
-      std::count_if(as_is.begin(), as_is.end(), [](const FailAwareEpisode& episode) { return episode.failed; }));
-  const std::optional<double> threshold = add("monitor.indicator.threshold",
-                                              options.eta_failed_by ? etaThreshold(as_is, *options.eta_failed_by)
-                                                                    : quietEtaThreshold(as_is, options.eta_passed_by),
-                                              options.eta_failed_by ? "too few failures, or they come before eta grows"
-                                                                    : "every episode failed, or eta did not grow");
-  const auto withConfidence = [&](double tried) {
-    return replay([&](MonitorParameters& m) {
-      m.predictor.confidence = tried;
-      // the alarm confidence is fitted after it: the smallest gives the longest times
-      const double alarm = options.guarantee ? kSmallestAlarmConfidence : m.predictor.alarm_confidence;
-      m.predictor.alarm_confidence = std::min(alarm, tried);
-    });
-  };
-  std::optional<double> confidence;
-  if (options.guarantee) {
-    confidence = confidenceWithGuarantee(as_is, withConfidence, options.late_ratio);
-    if (confidence) list.emplace_back(kConfidence, *confidence);
-    for (std::string& note :
-         confidenceNotes(options.late_ratio, confidence.has_value(),
-                         lateRiskByState(as_is, confidence ? withConfidence(*confidence) : as_is))) {
-      notes.push_back(std::move(note));
-    }
-  } else if (count > 0 && count < startsNeeded(options.late_ratio)) {
-    notes.push_back(kConfidence + std::string(" left as it is: ") + fewFailures(count, options.late_ratio));
-  } else {
-    confidence = add(kConfidence, confidenceForLateRatio(withConfidence, options.late_ratio),
-                     "no run fails, or only after a fault (give some that do), or predictions are late whatever it is "
-                     "(calibrate_noise first)");
-  }
-  // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
-  // than the one that the published time already bears.
-  const CovariancePredictor::Params& given = runs.front().params.profile.monitor.predictor;
-  const double largest = confidence.value_or(given.confidence);
-  std::optional<double> alarm = confidenceForAlarmRatio(
-      [&](double tried) {
-        return replay([&](MonitorParameters& m) {
-          if (threshold) m.indicator.threshold = *threshold;
-          m.predictor.confidence = largest;
-          m.predictor.alarm_confidence = tried;
-        });
-      },
-      options.alarm_ratio, std::min(kSmallestAlarmConfidence, largest), largest);
-  if (!alarm && given.alarm_confidence > largest) {
-    alarm = largest;
-    notes.push_back(
-        "monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm is up too long "
-        "whatever it is");
-  }
-  add("monitor.predictor.alarm_confidence", alarm, "every episode failed, or the alarm is up too long whatever it is");
-  progress.update(kMostReplays * runs.size());  // most bisections end before
-  progress.finish();
-  for (const std::string& note : notes) std::cerr << kName << ": " << note << '\n';
-  if (list.empty()) return reportError(kName, "nothing could be fitted: give more runs", kExitFailed);
-  printAndKeep(formatYaml(list), options.output);
-  reportVerdict(kName,
-                std::to_string(list.size()) + " parameters fitted to " + std::to_string(as_is.size()) + " starts, " +
-                    std::to_string(failed) + " of which fail",
-                "judge it on other runs: evaluate_fail_aware --parameters " +
-                    (options.output.empty() ? "FILE (--output FILE keeps it)" : options.output));
-  return kExitDone;
+  Calibration calibration(options);
+  calibration.fitThreshold();
+  calibration.fitConfidence();
+  calibration.fitAlarmConfidence();
+  return calibration.report();
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "episode_file.hpp"
 #include "fail_aware_report.hpp"
 #include "fail_aware_run.hpp"
+#include "fail_aware_table.hpp"
 #include "json.hpp"
 #include "result_files.hpp"
 #include "tool_support.hpp"

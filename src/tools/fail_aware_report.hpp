@@ -40,9 +40,6 @@ ConsistencySamples consistencySamples(const FailAwareRun& run);
 Json consistencyReport(const std::vector<const ConsistencySamples*>& runs,
                        const std::vector<FailAwareEpisode>& episodes);
 
-/// One column a report, in order of `json`'s keys.
-void printTable(std::ostream& out, const Json& reports_by_name);
-
 /// One row a second of every episode: what the plots are made of. `run_names[i]`: of the run that the episodes call i.
 void writePredictions(std::ostream& out, const std::vector<std::string>& run_names,
                       const std::vector<FailAwareEpisode>& episodes);

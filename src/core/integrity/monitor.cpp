@@ -187,7 +187,8 @@ bool FailAwareMonitor::follows(const FilterState& state) const {
   return !(state.dt_s > 0.0) || isSamePlace(state.T_odom_cog * state.T_previous_now.inverse(), last_->T_odom_cog);
 }
 
-MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
+// A pose that was set or a lost state ends what was known of the error; t1 begins where it was asked for.
+bool FailAwareMonitor::enter(const FilterState& state) {
   keepMotion(state);
   const bool pose_set = state.odom_reset_count > odom_reset_count_;
   if (pose_set) {
@@ -198,23 +199,31 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   odom_reset_count_ = state.odom_reset_count;
   const bool all_observed = state.motionObserved() && state.dt_s <= kLongInterval_s && !states_lost;
   if (requested_ == Start::kWithNextSweep && !pose_set && !all_observed) begin(state, last_->T_odom_cog);
-  if (last_ && !(state.dt_s >= 0.0)) error_unbounded_ = true;
-  error_unbounded_ = error_unbounded_ || states_lost;
-  if (last_ && state.dt_s > 0.0) {
-    const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
-    const double speed_variance_before = covariance_.speedVariance();
-    const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state));
-    error_unbounded_ = error_unbounded_ || !added;
-    // What a drive begins with is unknown, and says nothing of what follows.
-    if (added && (state.motionObserved() || growth_rate_.known())) {
-      growth_rate_.add(covariance_.rate(), {speed_variance_before, covariance_.speedVariance(), state.speed_error.kept},
-                       state.dt_s);
-    }
-  }
-  growth_rate_.lookAhead(condition.ahead);
+  if (states_lost || (last_ && !(state.dt_s >= 0.0))) error_unbounded_ = true;
+  accumulate(state);
   const bool motion_known = state.motion_status != MotionStatus::kUnknown;
   last_ = Last{state.T_odom_cog, state.measurement_applied || !(state.dt_s > 0.0), motion_known};
   if (startPending() && (state.motionObserved() || (pose_set && motion_known))) begin(state, state.T_odom_cog);
+  return states_lost;
+}
+
+void FailAwareMonitor::accumulate(const FilterState& state) {
+  if (!last_ || !(state.dt_s > 0.0)) return;
+  const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
+  const double speed_variance_before = covariance_.speedVariance();
+  if (!covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state))) {
+    error_unbounded_ = true;
+    return;
+  }
+  // What a drive begins with is unknown, and says nothing of what follows.
+  if (!state.motionObserved() && !growth_rate_.known()) return;
+  growth_rate_.add(covariance_.rate(), {speed_variance_before, covariance_.speedVariance(), state.speed_error.kept},
+                   state.dt_s);
+}
+
+MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
+  const bool states_lost = enter(state);
+  growth_rate_.lookAhead(condition.ahead);
   if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
     indicator_.update(state.time_s(), state.sigma_yaw_rad, motion_.speed_mps());
   }
@@ -224,13 +233,19 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.t1_stamp_s = mark_.t1_stamp_s;
   output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
   output.reasons = reasonsFor(state, condition);
+  if (growth_rate_.isWeakAhead(params_.min_information_ratio)) output.reasons |= kReasonWeakRoadAhead;
+  if (isAfterGap(state.dt_s) || states_lost) output.reasons |= kReasonDroppedSweeps;
   const InformationAhead ahead = growth_rate_.ahead();
   output.min_information_ahead = ahead.ratio;
   output.information_ahead_distance_m = ahead.distance_m;
-  if (growth_rate_.isWeakAhead(params_.min_information_ratio)) output.reasons |= kReasonWeakRoadAhead;
-  if (isAfterGap(state.dt_s) || states_lost) output.reasons |= kReasonDroppedSweeps;
   output.eta = indicator_.eta();
   output.eta_rate_per_s = indicator_.etaRate().value_or(-1.0);
+  judge(state, output);
+  if (!indicator_.started()) addStandby(state, output);
+  return output;
+}
+
+void FailAwareMonitor::judge(const FilterState& state, MonitorOutput& output) {
   TimeToFailure time_to_alarm;
   if (indicator_.started()) {
     output.time_to_failure_indicator = indicator_.timeToFailure();
@@ -246,8 +261,6 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.state =
       hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm), output.time_to_failure,
                                   params_.thresholds, output.reasons, motion_.speed_mps()));
-  if (!indicator_.started()) addStandby(state, output);
-  return output;
 }
 
 }  // namespace fail_aware

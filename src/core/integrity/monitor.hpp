@@ -89,6 +89,9 @@ class FailAwareMonitor {
   std::uint32_t reasonsFor(const FilterState& state, const SweepCondition& condition) const;
   bool isAfterGap(double dt_s);
   bool follows(const FilterState& state) const;
+  bool enter(const FilterState& state);  ///< true: states were lost before this one
+  void accumulate(const FilterState& state);
+  void judge(const FilterState& state, MonitorOutput& output);
   void keepMotion(const FilterState& state);
   void begin(const FilterState& state, const Pose& T_odom_mark);
   CovarianceGrowth growth(const FilterState& state, const DriftState& since_mark, const Pose& T_odom_mark) const;
