@@ -19,6 +19,8 @@
 
 namespace fail_aware {
 
+class OdometryPipeline;
+
 class Odometry {
  public:
   /// Throws std::runtime_error (a file cannot be found or read) or std::invalid_argument (a key or a value): one line.
@@ -52,8 +54,7 @@ class Odometry {
   std::string offer(const std::string& source, const ExternalPose& pose);
 
  private:
-  struct Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  std::unique_ptr<OdometryPipeline> pipeline_;
 };
 
 }  // namespace fail_aware

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <utility>
 
 #include "bridge/constant_transforms.hpp"

@@ -79,7 +79,9 @@ void addColouredPoint(const Eigen::Vector3d& p, const Colour& colour, Marker& ma
 
 bool isDrawable(const Corner& corner) {
   bool finite = corner.M.allFinite() && corner.J.allFinite() && corner.N.allFinite();
-  for (const Corner::Rectangle& r : corner.rectangles) finite = finite && r.low.allFinite() && r.high.allFinite();
+  for (const Corner::Plane& plane : corner.planes) {
+    finite = finite && plane.rectangle.low.allFinite() && plane.rectangle.high.allFinite();
+  }
   return finite && (corner.J - corner.M).norm() > 0.0;
 }
 
@@ -97,8 +99,8 @@ void addWall(const std::array<Eigen::Vector3d, 4>& vertices, Marker& marker) {
 void addLine(const Corner& corner, Marker& marker) {
   const Eigen::Vector3d line = corner.lineDirection();
   double low = 0.0, high = Corner::kLineLength;
-  for (const Corner::Rectangle& rectangle : corner.rectangles) {
-    for (const Eigen::Vector3d& vertex : {rectangle.low, rectangle.high}) {
+  for (const Corner::Plane& plane : corner.planes) {
+    for (const Eigen::Vector3d& vertex : {plane.rectangle.low, plane.rectangle.high}) {
       low = std::min(low, (vertex - corner.M).dot(line));
       high = std::max(high, (vertex - corner.M).dot(line));
     }
@@ -177,8 +179,8 @@ MarkerArray cornerMarkers(const std::vector<Corner>& corners_odom, const std::ve
     addColouredPoint(corner.J, kBlue, points);
     addColouredPoint(corner.N, kMagenta, points);
     addLine(corner, lines);
-    for (const Corner::Rectangle& rectangle : corner.rectangles) {
-      addWall(verticesOf(rectangle, corner.lineDirection()), walls);
+    for (const Corner::Plane& plane : corner.planes) {
+      addWall(verticesOf(plane.rectangle, corner.lineDirection()), walls);
     }
   }
   for (std::size_t i = 0; i < std::min(reference_odom.size(), kMaxCornerMarkers); ++i) {

@@ -1,7 +1,5 @@
 #include "bridge/parameter_server.hpp"
 
-#include <vector>
-
 #include "core/parameters/validate.hpp"
 
 namespace fail_aware {

@@ -52,12 +52,8 @@ const char* toString(SweepStatus status) {
   return "unknown";
 }
 
-struct Odometry::Implementation {
-  OdometryPipeline pipeline;
-};
-
 Odometry::Odometry(const Parameters& parameters, int threads)
-    : implementation_(new Implementation{OdometryPipeline(load(parameters), threads)}) {}
+    : pipeline_(std::make_unique<OdometryPipeline>(load(parameters), threads)) {}
 Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 Odometry& Odometry::operator=(Odometry&&) noexcept = default;
@@ -70,7 +66,7 @@ Result Odometry::step(Sweep sweep) {
   leaveOutUnusablePoints(sweep);
   Result result;
   result.stamp_s = sweep.stamp_s;
-  SweepResult swept = implementation_->pipeline.step(sweep);
+  SweepResult swept = pipeline_->step(sweep);
   result.status = swept.status;
   result.T_odom_base = swept.T_odom_base;
   result.covariance = swept.odometry_covariance;
@@ -79,20 +75,18 @@ Result Odometry::step(Sweep sweep) {
   return result;
 }
 
-void Odometry::startRedundant(double from_stamp_s) { implementation_->pipeline.startRedundant(from_stamp_s); }
+void Odometry::startRedundant(double from_stamp_s) { pipeline_->startRedundant(from_stamp_s); }
 
-void Odometry::stopRedundant() { implementation_->pipeline.stopRedundant(); }
+void Odometry::stopRedundant() { pipeline_->stopRedundant(); }
 
-void Odometry::reset() { implementation_->pipeline.reset(); }
+void Odometry::reset() { pipeline_->reset(); }
 
-std::string Odometry::setPose(const ExternalPose& pose) { return implementation_->pipeline.setPose(pose); }
+std::string Odometry::setPose(const ExternalPose& pose) { return pipeline_->setPose(pose); }
 
-void Odometry::addSource(const std::string& name, double tolerance_s) {
-  implementation_->pipeline.addSource(name, tolerance_s);
-}
+void Odometry::addSource(const std::string& name, double tolerance_s) { pipeline_->addSource(name, tolerance_s); }
 
 std::string Odometry::offer(const std::string& source, const ExternalPose& pose) {
-  return implementation_->pipeline.offer(source, pose);
+  return pipeline_->offer(source, pose);
 }
 
 }  // namespace fail_aware

@@ -8,7 +8,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <vector>
 
 #include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/odometry_covariance.hpp"

@@ -1,7 +1,6 @@
 #include "fail_aware_report.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <iomanip>
@@ -23,7 +22,6 @@
 #include "evaluation/prediction_statistics.hpp"
 #include "evaluation/quantile.hpp"
 #include "evaluation/stanford_diagram.hpp"
-#include "json.hpp"
 
 namespace fail_aware {
 

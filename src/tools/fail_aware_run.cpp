@@ -1,6 +1,5 @@
 #include "fail_aware_run.hpp"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 

@@ -12,7 +12,6 @@
 #include "core/io/output_file.hpp"
 #include "core/preprocessing/sweep_check.hpp"
 #include "evaluation/quantile.hpp"
-#include "json.hpp"
 
 namespace fail_aware {
 

@@ -88,9 +88,10 @@ Corner houseCorner(double x, double y) {
   corner.M = {x, y, 0.0};
   corner.J = {x, y, 0.5};
   corner.N = {x + 1.0, y, 0.0};
-  corner.normals = {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(-1, 0, 0)};
-  corner.rectangles[0] = {{x, y, -1.0}, {x + 4.0, y, 3.0}};
-  corner.rectangles[1] = {{x, y, -1.0}, {x, y + 6.0, 2.0}};
+  corner.planes[0].normal = {0, -1, 0};
+  corner.planes[1].normal = {-1, 0, 0};
+  corner.planes[0].rectangle = {{x, y, -1.0}, {x + 4.0, y, 3.0}};
+  corner.planes[1].rectangle = {{x, y, -1.0}, {x, y + 6.0, 2.0}};
   return corner;
 }
 
@@ -146,7 +147,7 @@ TEST(CornerMarkers, PointsLineAndWallsOfACorner) {
 TEST(CornerMarkers, NoneBadAndVeryMany) {
   const auto places = placesOf(cornerMarkers({houseCorner(5, 7)}, {}, sweepHeader()));
   Corner bad = houseCorner(1, 1), flat = houseCorner(2, 2);
-  bad.rectangles[1].high.x() = kNan;
+  bad.planes[1].rectangle.high.x() = kNan;
   flat.J = flat.M;
   for (const auto& corners : {std::vector<Corner>(), std::vector<Corner>{bad, flat}}) {
     const MarkerArray array = cornerMarkers(corners, corners, sweepHeader());

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -1,6 +1,5 @@
 #include "core/estimation/dead_reckoning.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

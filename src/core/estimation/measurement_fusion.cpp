@@ -5,12 +5,10 @@
 #include <optional>
 
 #include "core/estimation/largest_values.hpp"
-#include "core/estimation/measurement_agreement.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

@@ -36,7 +36,7 @@ struct Observed {
   double surely, hardly;
 };
 constexpr Observed kObserved_m = {0.3, 0.5}, kObserved_rad = {0.01, 0.02};
-constexpr double kUnobservedVariance = 1e8;
+constexpr double kLargestOpenVariance = 1e8;
 constexpr int kConfirmedAlone = 20;             // registered sweeps in a row: what only one source measures
 constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
 constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
@@ -51,7 +51,7 @@ void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
     const double variance = eigen.eigenvalues()[i], sigma = std::sqrt(std::max(variance, 0.0));
     const double open = std::clamp((sigma - limit.surely) / (limit.hardly - limit.surely), 0.0, 1.0);
     if (open == 0.0) continue;
-    const double left = open < 1.0 ? std::min(variance / (1.0 - open), kUnobservedVariance) : kUnobservedVariance;
+    const double left = open < 1.0 ? std::min(variance / (1.0 - open), kLargestOpenVariance) : kLargestOpenVariance;
     const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
     block += std::max(left - variance, 0.0) * axis * axis.transpose();
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "core/estimation/doubtful_standstill.hpp"
 #include "core/estimation/increment_covariance.hpp"

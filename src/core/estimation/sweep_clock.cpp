@@ -55,13 +55,6 @@ void StampJitter::add(double interval_s) {
   last_interval_s_ = interval_s;
 }
 
-void StampJitter::clear() {
-  interrupt();
-  second_differences_s_.clear();
-  newest_differences_s_.clear();
-  largest_difference_s_ = 0.0;
-}
-
 // A second difference of stamps with independent errors has 6 times their variance.
 std::optional<double> StampJitter::sigma_s() const {
   constexpr double kSigmaOfMedian = 1.4826;

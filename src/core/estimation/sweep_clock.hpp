@@ -38,7 +38,6 @@ class StampJitter {
   void add(double interval_s);
   /// The next interval does not follow the last one.
   void interrupt() { last_interval_s_.reset(); }
-  void clear();
 
   /// Standard deviation of one stamp; nullopt: not known yet.
   std::optional<double> sigma_s() const;

@@ -55,12 +55,6 @@ double SweepScheduler::longest_s() const {
   return std::max(params_.deadline_s, searches_ ? params_.first_deadline_s : params_.late_deadline_s);
 }
 
-int SweepScheduler::takeDropped() {
-  const int dropped = dropped_;
-  dropped_ = 0;
-  return dropped;
-}
-
 void SweepScheduler::clear() {
   counts_.reset += waiting_.size() + (open_ ? 1 : 0);
   waiting_.clear();

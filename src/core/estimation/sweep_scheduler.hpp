@@ -15,6 +15,7 @@
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace fail_aware {
 
@@ -59,7 +60,7 @@ class SweepScheduler {
   double longest_s() const;
 
   /// Sweeps lost since the last call.
-  int takeDropped();
+  int takeDropped() { return std::exchange(dropped_, 0); }
   /// For a new drive: drops the waiting and the open sweeps. The counts stay.
   void clear();
 

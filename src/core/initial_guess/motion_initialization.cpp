@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numeric>
 
-#include "core/parameters/check.hpp"
 #include "core/preprocessing/voxel_filter.hpp"
 
 namespace fail_aware {

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
 
 namespace {

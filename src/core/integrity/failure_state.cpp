@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
 
 namespace {
@@ -63,11 +61,6 @@ FailAwareState StateHysteresis::update(FailAwareState now) {
     better_sweeps_ = 0;
   }
   return state_;
-}
-
-void StateHysteresis::reset() {
-  state_ = FailAwareState::kUnknown;
-  better_sweeps_ = 0;
 }
 
 }  // namespace fail_aware

@@ -58,7 +58,7 @@ class StateHysteresis {
   explicit StateHysteresis(int sweeps_to_recover) : sweeps_to_recover_(sweeps_to_recover) {}
 
   FailAwareState update(FailAwareState now);
-  void reset();
+  void reset() { *this = StateHysteresis(sweeps_to_recover_); }
 
  private:
   int sweeps_to_recover_;

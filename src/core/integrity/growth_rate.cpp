@@ -84,15 +84,4 @@ void GrowthRate::describe(double min_information_ratio, CovarianceGrowth& growth
                                     kTunnelSpeedSigma_mps * kTunnelSpeedSigma_mps, kTunnelSpeedForgotten_per_s};
 }
 
-void GrowthRate::reset() {
-  increments_.reset();
-  speed_share_.clear();
-  speed_noise_.clear();
-  speed_forgotten_.clear();
-  ahead_ratio_.clear();
-  ahead_distance_m_.clear();
-  weak_rate_.clear();
-  weak_share_.clear();
-}
-
 }  // namespace fail_aware

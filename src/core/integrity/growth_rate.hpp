@@ -32,6 +32,7 @@ class IncrementRate {
   std::optional<Eigen::Matrix3d> rate() const;
   /// The newest increments are open, and too few to count.
   bool isBrieflyOpen() const { return !increments_.empty() && increments_.back().open && !isBlinded(); }
+  double window_s() const { return window_s_; }
   void reset() { increments_.clear(); }
 
  private:
@@ -66,7 +67,7 @@ class GrowthRate {
 
   /// Sets the rates (zeros before the first sweep) and the weak stretch, if there is one.
   void describe(double min_information_ratio, CovarianceGrowth& growth) const;
-  void reset();
+  void reset() { *this = GrowthRate(increments_.window_s()); }
 
  private:
   static constexpr std::size_t kSweeps = 5;

@@ -17,17 +17,6 @@ void FailAwareIndicator::start(double stamp_s) {
   if (std::isfinite(stamp_s)) start_stamp_s_ = stamp_s;
 }
 
-void FailAwareIndicator::stop() {
-  start_stamp_s_.reset();
-  last_stamp_s_.reset();
-  last_.reset();
-  last_slope_.reset();
-  sum_ = {};
-  summed_ = 0;
-  eta_ = 0.0;
-  window_.clear();
-}
-
 void FailAwareIndicator::update(double stamp_s, double sigma_yaw_rad, double speed_mps) {
   if (!std::isfinite(stamp_s)) return;
   if (!(sigma_yaw_rad >= 0.0 && sigma_yaw_rad <= kLargestSigma)) return;

@@ -63,7 +63,7 @@ class FailAwareIndicator {
 
   /// Sets t1 and clears everything. A stamp that is not finite leaves the indicator not started.
   void start(double stamp_s);
-  void stop();
+  void stop() { *this = FailAwareIndicator(params_); }
   bool started() const { return start_stamp_s_.has_value(); }
 
   void update(double stamp_s, double sigma_yaw_rad, double speed_mps = 0.0);

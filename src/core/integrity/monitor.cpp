@@ -6,7 +6,6 @@
 
 #include "core/estimation/increment_covariance.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/parameters/check.hpp"
 
 namespace fail_aware {
 

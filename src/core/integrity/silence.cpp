@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
 
 void SilenceParams::checkRules() const {

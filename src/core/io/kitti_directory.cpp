@@ -14,7 +14,6 @@
 #include "core/io/input_error.hpp"
 #include "core/io/text_lines.hpp"
 #include "core/parameters/check.hpp"
-#include "core/stamp_difference.hpp"
 #include "core/types/sweep_points.hpp"
 
 namespace fail_aware {

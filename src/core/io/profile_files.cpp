@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <vector>
 
 #include "core/io/input_error.hpp"
 #include "core/parameters/validate.hpp"

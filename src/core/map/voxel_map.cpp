@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/parameters/check.hpp"
-
 namespace fail_aware {
 
 namespace {

@@ -119,14 +119,9 @@ bool isOneDocument(const std::string& text) {
 }
 
 std::vector<std::string> split(const std::string& key) {
-  std::vector<std::string> names(1);
-  for (const char c : key) {
-    if (c == '.') {
-      names.emplace_back();
-    } else {
-      names.back() += c;
-    }
-  }
+  std::vector<std::string> names;
+  std::istringstream stream(key);
+  for (std::string name; std::getline(stream, name, '.');) names.push_back(name);
   return names;
 }
 

@@ -12,13 +12,10 @@ void correctAzimuth(const AzimuthCorrectionParams& params, std::vector<Eigen::Ve
   const double angle_rad = params.angle_deg * kDegree;
   const float c = static_cast<float>(std::cos(angle_rad));
   const float s = static_cast<float>(std::sin(angle_rad));
-  PointBlock p;
-  forEachBlock(points_lidar.size(), [&](std::size_t first, std::size_t count) {
-    p.load(&points_lidar[first], count);
+  changeBlocks(points_lidar, [&](PointBlock& p) {
     const PointBlock::Array x = c * p.x - s * p.y;
     p.y = s * p.x + c * p.y;
     p.x = x;
-    p.store(&points_lidar[first], count);
   });
 }
 

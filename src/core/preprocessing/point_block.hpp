@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
 namespace fail_aware {
 
@@ -40,6 +41,17 @@ void forEachBlock(std::size_t size, Work&& work) {
   for (std::size_t first = 0; first < size; first += PointBlock::kSize) {
     work(first, std::min(PointBlock::kSize, size - first));
   }
+}
+
+/// Calls change(block) for all points, block by block, and keeps what it makes of them.
+template <class Change>
+void changeBlocks(std::vector<Eigen::Vector3f>& points, Change&& change) {
+  PointBlock block;
+  forEachBlock(points.size(), [&](std::size_t first, std::size_t count) {
+    block.load(&points[first], count);
+    change(block);
+    block.store(&points[first], count);
+  });
 }
 
 }  // namespace fail_aware

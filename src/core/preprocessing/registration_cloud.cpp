@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/parameters/check.hpp"
 #include "core/preprocessing/correction.hpp"
 #include "core/stamp_difference.hpp"
 

@@ -1,6 +1,7 @@
 #include "core/preprocessing/sweep_check.hpp"
 
-#include <cstring>
+#include <functional>
+#include <string_view>
 
 #include "core/preprocessing/azimuth_coverage.hpp"
 
@@ -23,17 +24,9 @@ void look(const std::vector<Eigen::Vector3f>& points, double visible_range_m, Sw
   findings.far_ratio = static_cast<double>(beyond) / static_cast<double>(looked_at);
 }
 
-// 64-bit multiplicative hash over the bits of all coordinates.
-std::uint64_t fingerprint(const std::vector<Eigen::Vector3f>& points) {
-  std::uint64_t hash = 0x9e3779b97f4a7c15u + points.size();
-  for (const Eigen::Vector3f& p : points) {
-    std::uint32_t bits[3];
-    std::memcpy(bits, p.data(), sizeof bits);
-    const std::uint64_t word = (static_cast<std::uint64_t>(bits[0]) << 32 | bits[1]) ^ (bits[2] * 0xff51afd7ed558ccdu);
-    hash = (hash ^ word) * 0xc4ceb9fe1a85ec53u;
-    hash ^= hash >> 29;
-  }
-  return hash;
+std::size_t fingerprint(const std::vector<Eigen::Vector3f>& points) {
+  const auto* const bytes = reinterpret_cast<const char*>(points.data());
+  return std::hash<std::string_view>()({bytes, points.size() * sizeof(Eigen::Vector3f)});
 }
 
 }  // namespace
@@ -42,13 +35,6 @@ const char* describeIncomplete() {
   return "the sweep is incomplete: part of the revolution is missing. If the driver publishes half a revolution (or "
          "less) a cloud, or the lidar does not look all around, set sensor.check.min_azimuth_coverage below the share "
          "that its clouds cover (/diagnostics: azimuth coverage)";
-}
-
-void SweepCheck::reset() {
-  last_stamp_s_.reset();
-  last_fingerprint_.reset();
-  repetitions_ = 0;
-  any_ = false;
 }
 
 SweepFindings SweepCheck::check(const Sweep& sweep) {
@@ -68,7 +54,7 @@ SweepFindings SweepCheck::check(const Sweep& sweep) {
   findings.partial_start = findings.incomplete && !any_;
   any_ = true;
   findings.low_visibility = findings.far_ratio < params_.min_far_ratio;
-  const std::uint64_t print = fingerprint(sweep.points_lidar);
+  const std::size_t print = fingerprint(sweep.points_lidar);
   repetitions_ = last_fingerprint_ == print ? repetitions_ + 1 : 0;
   last_fingerprint_ = print;
   findings.repetitions = repetitions_;

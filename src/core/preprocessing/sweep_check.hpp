@@ -16,7 +16,7 @@
 // Cost: 0.5 ms for 120 000 points (coverage and range use every n-th point, about 20 000 in all).
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <optional>
 
 #include "core/parameters/check.hpp"
@@ -49,17 +49,15 @@ const char* describeIncomplete();
 /// jumped back.
 class SweepCheck {
  public:
-  using Params = SweepCheckParams;
-
-  explicit SweepCheck(const Params& params) : params_(params) {}
+  explicit SweepCheck(const SweepCheckParams& params) : params_(params) {}
 
   SweepFindings check(const Sweep& sweep);
-  void reset();
+  void reset() { *this = SweepCheck(params_); }
 
  private:
-  Params params_;
+  SweepCheckParams params_;
   std::optional<double> last_stamp_s_;
-  std::optional<std::uint64_t> last_fingerprint_;
+  std::optional<std::size_t> last_fingerprint_;
   int repetitions_ = 0;
   bool any_ = false;  ///< a sweep with points came
 };

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 #include "core/preprocessing/point_times.hpp"
 #include "core/preprocessing/revolution.hpp"
 #include "core/stamp_difference.hpp"

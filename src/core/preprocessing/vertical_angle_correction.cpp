@@ -14,15 +14,12 @@ void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vect
   const float s = static_cast<float>(std::sin(angle_rad));
 
   // With the horizontal distance h: (h, z) is rotated by the angle, and (x, y) scales with h.
-  PointBlock p;
-  forEachBlock(points_lidar.size(), [&](std::size_t first, std::size_t count) {
-    p.load(&points_lidar[first], count);
+  changeBlocks(points_lidar, [&](PointBlock& p) {
     const PointBlock::Array h = (p.x * p.x + p.y * p.y).sqrt().max(1e-6f);
     const PointBlock::Array scale = c - s * p.z / h;
     p.z = c * p.z + s * h;
     p.x *= scale;
     p.y *= scale;
-    p.store(&points_lidar[first], count);
   });
 }
 

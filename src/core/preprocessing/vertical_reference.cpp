@@ -73,12 +73,9 @@ void VerticalReference::apply(std::vector<Eigen::Vector3f>& points_lidar) const 
   if (curvature_per_m_ == 0.0) return;
   const auto half_curvature = static_cast<float>(0.5 * curvature_per_m_);
   const auto reach = static_cast<float>(params_.curvature_range_m);
-  PointBlock p;
-  forEachBlock(points_lidar.size(), [&](std::size_t first, std::size_t count) {
-    p.load(&points_lidar[first], count);
+  changeBlocks(points_lidar, [&](PointBlock& p) {
     const PointBlock::Array h = (p.x * p.x + p.y * p.y).sqrt();
     p.z += half_curvature * h * h.min(reach);
-    p.store(&points_lidar[first], count);
   });
 }
 

@@ -66,9 +66,4 @@ void BeamBiasEstimator::observe(const std::vector<Eigen::Vector3f>& points_cog, 
   elevations_rad_.update(ground, smoothInDistance(ground));
 }
 
-void BeamBiasEstimator::reset() {
-  ranges_m_.reset();
-  elevations_rad_.reset();
-}
-
 }  // namespace fail_aware

@@ -56,7 +56,10 @@ class BeamBiasEstimator {
   void observe(const std::vector<Eigen::Vector3f>& points_cog, const std::vector<std::uint16_t>& rings,
                const Pose& T_cog_lidar, const VoxelMap& map, const Pose& T_odom_cog);
 
-  void reset();
+  void reset() {
+    ranges_m_.reset();
+    elevations_rad_.reset();
+  }
 
  private:
   Params params_;

@@ -42,9 +42,4 @@ void BeamOffsets::update(const std::vector<BeamEvidence>& evidence, const Eigen:
   }
 }
 
-void BeamOffsets::reset() {
-  values_.clear();
-  variances_.clear();
-}
-
 }  // namespace fail_aware

@@ -45,7 +45,7 @@ class BeamOffsets {
   /// information do not count.
   void update(const std::vector<BeamEvidence>& evidence, const Eigen::MatrixXd& shared);
 
-  void reset();
+  void reset() { *this = BeamOffsets(params_); }
 
  private:
   Params params_;

@@ -106,8 +106,12 @@ TEST_F(SweepClockTest, DriverThatBeginsInMidRevolutionDoesNotSetThePeriod) {
     for (int i = 0; i < 20; ++i) {
       turn(0.0, i == 1 ? first_interval_s : kPeriod_s);
       clock.observeRevolution(kPeriod_s);
-      if (i == 1) EXPECT_LE(std::abs(interval_error_s), last.interval_sigma_s + 1e-4) << first_interval_s;
-      if (i > 1) EXPECT_NEAR(interval_error_s, 0.0, 1e-4) << first_interval_s << ", " << i;
+      if (i == 1) {
+        EXPECT_LE(std::abs(interval_error_s), last.interval_sigma_s + 1e-4) << first_interval_s;
+      }
+      if (i > 1) {
+        EXPECT_NEAR(interval_error_s, 0.0, 1e-4) << first_interval_s << ", " << i;
+      }
     }
     EXPECT_NEAR(*clock.period_s(), kPeriod_s, 1e-4) << first_interval_s;
     EXPECT_EQ(clock.outliers(), 0u) << first_interval_s;

@@ -18,7 +18,9 @@ struct Difference {
 };
 
 Difference difference(const Corner& a, const Corner& b, double min_cosine) {
-  const auto agree = [&](std::size_t k, std::size_t l) { return a.normals[k].dot(b.normals[l]) >= min_cosine; };
+  const auto agree = [&](std::size_t k, std::size_t l) {
+    return a.planes[k].normal.dot(b.planes[l].normal) >= min_cosine;
+  };
   const bool straight = agree(0, 0) && agree(1, 1), swapped = agree(0, 1) && agree(1, 0);
   if (!straight && !swapped) return {std::numeric_limits<double>::infinity(), false};
   return {(atHeight(a, b.M.z()).M - b.M).norm(), !straight};
@@ -31,9 +33,9 @@ Corner movedCorner(const Pose& T_a_b, const Corner& corner_b) {
   corner.M = T_a_b * corner_b.M;
   corner.J = T_a_b * corner_b.J;
   corner.N = T_a_b * corner_b.N;
-  for (Eigen::Vector3d& normal : corner.normals) normal = T_a_b.linear() * normal;
-  for (Corner::Rectangle& rectangle : corner.rectangles) {
-    rectangle = {T_a_b * rectangle.low, T_a_b * rectangle.high};
+  for (Corner::Plane& plane : corner.planes) {
+    plane.normal = T_a_b.linear() * plane.normal;
+    plane.rectangle = {T_a_b * plane.rectangle.low, T_a_b * plane.rectangle.high};
   }
   return corner;
 }
@@ -50,11 +52,8 @@ Corner atHeight(const Corner& corner_odom, double z_odom_m) {
 
 Corner withOtherPlane(const Corner& corner_odom) {
   Corner corner = corner_odom;
-  std::swap(corner.normals[0], corner.normals[1]);
-  std::swap(corner.icp_point_to_plane_rms_m[0], corner.icp_point_to_plane_rms_m[1]);
-  std::swap(corner.plane_points[0], corner.plane_points[1]);
-  std::swap(corner.rectangles[0], corner.rectangles[1]);
-  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(corner.normals[0]).normalized();
+  std::swap(corner.planes[0], corner.planes[1]);
+  const Eigen::Vector3d along = Eigen::Vector3d::UnitZ().cross(corner.planes[0].normal).normalized();
   corner.N = corner.M + (along.x() < 0.0 ? -Corner::kPlaneLength : Corner::kPlaneLength) * along;
   return corner;
 }

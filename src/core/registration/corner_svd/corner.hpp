@@ -22,17 +22,19 @@ struct Corner {
   Eigen::Vector3d M = Eigen::Vector3d::Zero();
   Eigen::Vector3d J = Eigen::Vector3d::Zero();  ///< above M
   Eigen::Vector3d N = Eigen::Vector3d::Zero();
-  /// Unit, towards the sensor; the first one belongs to N's plane.
-  std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
-  std::array<double, 2> icp_point_to_plane_rms_m{0.0, 0.0};
-  std::array<int, 2> plane_points{0, 0};  ///< RANSAC inliers
   /// Bounding rectangle of a plane's inliers when last seen: opposite vertices; sides along the line and across it.
   struct Rectangle {
     Eigen::Vector3d low = Eigen::Vector3d::Zero();
     Eigen::Vector3d high = Eigen::Vector3d::Zero();
   };
-  std::array<Rectangle, 2> rectangles;  ///< display only
-  int points() const { return plane_points[0] + plane_points[1]; }
+  struct Plane {
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, towards the sensor
+    double rms_m = 0.0;                                ///< of the RANSAC inliers
+    int points = 0;                                    ///< RANSAC inliers
+    Rectangle rectangle;                               ///< display only
+  };
+  std::array<Plane, 2> planes;  ///< the first one is N's
+  int points() const { return planes[0].points + planes[1].points; }
 
   Eigen::Vector3d lineDirection() const { return (J - M).normalized(); }
 };

@@ -189,19 +189,18 @@ double CornerAlignment::placeVariance(const Corner& corner) const {
   double variance = 0.0;  // of the planes' offsets at the corner
   for (std::size_t k = 0; k < 2; ++k) {
     const double samples =
-        std::max(1.0, static_cast<double>(corner.plane_points[k]) / params_.points_per_independent_sample);
-    variance += kVarianceAtEnd * corner.icp_point_to_plane_rms_m[k] * corner.icp_point_to_plane_rms_m[k] / samples;
+        std::max(1.0, static_cast<double>(corner.planes[k].points) / params_.points_per_independent_sample);
+    variance += kVarianceAtEnd * corner.planes[k].rms_m * corner.planes[k].rms_m / samples;
   }
-  const double sine2 = std::max(0.1, corner.normals[0].cross(corner.normals[1]).squaredNorm());
+  const double sine2 = std::max(0.1, corner.planes[0].normal.cross(corner.planes[1].normal).squaredNorm());
   return params_.min_sigma_m * params_.min_sigma_m + 0.5 * variance / sine2;
 }
 
 double CornerAlignment::directionVariance(const Corner& corner) const {
   const double samples =
-      std::max(1.0, static_cast<double>(corner.plane_points[0]) / params_.points_per_independent_sample);
+      std::max(1.0, static_cast<double>(corner.planes[0].points) / params_.points_per_independent_sample);
   const double sigma = params_.min_direction_sigma_deg * kDegree;
-  return sigma * sigma +
-         corner.icp_point_to_plane_rms_m[0] * corner.icp_point_to_plane_rms_m[0] / samples;  // over a wall of about 3 m
+  return sigma * sigma + corner.planes[0].rms_m * corner.planes[0].rms_m / samples;  // over a wall of about 3 m
 }
 
 }  // namespace fail_aware

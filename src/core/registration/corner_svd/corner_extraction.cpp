@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/geometry/degree.hpp"
-#include "core/parameters/check.hpp"
 #include "core/registration/corner_svd/dbscan.hpp"
 
 namespace fail_aware {
@@ -245,11 +244,11 @@ bool CornerExtractor::makeCorner(const Plane& a, const Plane& b, const Eigen::Ma
   const Plane& other = first ? b : a;
   corner.J = corner.M + Corner::kLineLength * direction;
   corner.N = corner.M + (along.dot(forward) < 0.0 ? -Corner::kPlaneLength : Corner::kPlaneLength) * along;
-  corner.normals = {reference.normal, other.normal};
-  corner.icp_point_to_plane_rms_m = {reference.rms_m, other.rms_m};
-  corner.plane_points = {static_cast<int>(reference.inliers.size()), static_cast<int>(other.inliers.size())};
-  corner.rectangles = {rectangleOf(reference.inliers, corner.M, direction, reference.normal),
-                       rectangleOf(other.inliers, corner.M, direction, other.normal)};
+  const auto described = [&](const Plane& plane) {
+    return Corner::Plane{plane.normal, plane.rms_m, static_cast<int>(plane.inliers.size()),
+                         rectangleOf(plane.inliers, corner.M, direction, plane.normal)};
+  };
+  corner.planes = {described(reference), described(other)};
   return corner.J.allFinite() && corner.N.allFinite();
 }
 

@@ -14,11 +14,10 @@ Corner blended(const Corner& corner, const Corner& seen, double share) {
   mean.J = mean.M + Corner::kLineLength * mix(corner.lineDirection(), seen.lineDirection()).normalized();
   mean.N = mean.M + Corner::kPlaneLength * mix((corner.N - corner.M).eval(), (seen.N - seen.M).eval()).normalized();
   for (std::size_t k = 0; k < 2; ++k) {
-    mean.normals[k] = mix(corner.normals[k], seen.normals[k]).normalized();
-    mean.icp_point_to_plane_rms_m[k] =
-        (1.0 - share) * corner.icp_point_to_plane_rms_m[k] + share * seen.icp_point_to_plane_rms_m[k];
-    mean.plane_points[k] = seen.plane_points[k];
-    mean.rectangles[k] = seen.rectangles[k];
+    mean.planes[k].normal = mix(corner.planes[k].normal, seen.planes[k].normal).normalized();
+    mean.planes[k].rms_m = (1.0 - share) * corner.planes[k].rms_m + share * seen.planes[k].rms_m;
+    mean.planes[k].points = seen.planes[k].points;
+    mean.planes[k].rectangle = seen.planes[k].rectangle;
   }
   return mean;
 }

@@ -21,10 +21,8 @@ Corner cornerAt(double x, double y, double turn_rad = 0.0) {
   corner.M = {x, y, 0.0};
   corner.J = {x, y, 0.5};
   corner.N = {x + std::cos(turn_rad), y + std::sin(turn_rad), 0.0};
-  corner.normals = {Eigen::Vector3d(std::sin(turn_rad), -std::cos(turn_rad), 0),
-                    Eigen::Vector3d(-std::cos(turn_rad), -std::sin(turn_rad), 0)};
-  corner.icp_point_to_plane_rms_m = {0.02, 0.02};
-  corner.plane_points = {400, 400};
+  corner.planes[0] = {{std::sin(turn_rad), -std::cos(turn_rad), 0}, 0.02, 400, {}};
+  corner.planes[1] = {{-std::cos(turn_rad), -std::sin(turn_rad), 0}, 0.02, 400, {}};
   return corner;
 }
 
@@ -194,7 +192,7 @@ TEST(CornerAlignment, StatedCovarianceIsThatOfTheError) {
 TEST(CornerAlignment, CovarianceGrowsWithResiduals) {
   const Measurement good = align(town(), town(), Pose::Identity());
   std::vector<Corner> rough = town();
-  for (Corner& corner : rough) corner.icp_point_to_plane_rms_m = {0.3, 0.3};
+  for (Corner& corner : rough) corner.planes[0].rms_m = corner.planes[1].rms_m = 0.3;
   EXPECT_GT(align(rough, town(), Pose::Identity()).covariance(0, 0), 2.0 * good.covariance(0, 0));
   std::vector<Corner> spread = town();
   const double shift = 0.1;

@@ -100,13 +100,13 @@ TEST(CornerExtraction, FindsALShapedCorner) {
     EXPECT_LT((corner.M - Eigen::Vector3d(12, 7, 0)).norm(), 0.03);
     EXPECT_LT((corner.J - Eigen::Vector3d(12, 7, 0.5)).norm(), 0.03);
     EXPECT_LT((corner.N - Eigen::Vector3d(13, 7, 0)).norm(), 0.03) << "in the wall along x, on the side of growing x";
-    EXPECT_GT(corner.normals[0].dot(Eigen::Vector3d(0, -1, 0)), 0.9999) << "towards the sensor";
-    EXPECT_GT(corner.normals[1].dot(Eigen::Vector3d(-1, 0, 0)), 0.9999);
-    EXPECT_NEAR(corner.icp_point_to_plane_rms_m[0], 0.02, 0.01);
+    EXPECT_GT(corner.planes[0].normal.dot(Eigen::Vector3d(0, -1, 0)), 0.9999) << "towards the sensor";
+    EXPECT_GT(corner.planes[1].normal.dot(Eigen::Vector3d(-1, 0, 0)), 0.9999);
+    EXPECT_NEAR(corner.planes[0].rms_m, 0.02, 0.01);
     EXPECT_GT(corner.points(), 2000);
     // the walls: 8 m along x and 10 m along y, and the ground in line with them as far as their last cell goes; from
     // the ground, or near it, to 6 m or to where the highest beam is
-    const Corner::Rectangle &along_x = corner.rectangles[0], &along_y = corner.rectangles[1];
+    const Corner::Rectangle &along_x = corner.planes[0].rectangle, &along_y = corner.planes[1].rectangle;
     for (const Corner::Rectangle* rectangle : {&along_x, &along_y}) {
       EXPECT_GT(rectangle->low.z(), -kSensorHeight - 0.2);
       EXPECT_LT(rectangle->low.z(), -kSensorHeight + 0.6);

@@ -17,7 +17,8 @@ Corner cornerAt(double x, double y) {
   corner.M = {x, y, 0.0};
   corner.J = {x, y, 0.5};
   corner.N = {x + 1.0, y, 0.0};
-  corner.normals = {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(-1, 0, 0)};
+  corner.planes[0].normal = {0, -1, 0};
+  corner.planes[1].normal = {-1, 0, 0};
   return corner;
 }
 

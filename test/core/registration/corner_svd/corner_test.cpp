@@ -17,11 +17,14 @@ Corner cornerAt(double x, double y) {
   corner.M = {x, y, 0.0};
   corner.J = corner.M + Eigen::Vector3d(0, 0, 0.5);
   corner.N = corner.M + Eigen::Vector3d(1, 0, 0);
-  corner.normals = {Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(-1, 0, 0)};
-  corner.icp_point_to_plane_rms_m = {0.01, 0.02};
-  corner.plane_points = {100, 200};
-  corner.rectangles[0] = {{x, y, -1.0}, {x + 4.0, y, 2.0}};
-  corner.rectangles[1] = {{x, y, -1.0}, {x, y + 3.0, 2.0}};
+  corner.planes[0].normal = {0, -1, 0};
+  corner.planes[1].normal = {-1, 0, 0};
+  corner.planes[0].rms_m = 0.01;
+  corner.planes[1].rms_m = 0.02;
+  corner.planes[0].points = 100;
+  corner.planes[1].points = 200;
+  corner.planes[0].rectangle = {{x, y, -1.0}, {x + 4.0, y, 2.0}};
+  corner.planes[1].rectangle = {{x, y, -1.0}, {x, y + 3.0, 2.0}};
   return corner;
 }
 
@@ -31,17 +34,17 @@ TEST(Corner, MovesAsABody) {
   T.translation() = Eigen::Vector3d(1, 2, 3);
   const Corner moved = movedCorner(T, cornerAt(4, 5));
   EXPECT_TRUE(moved.N.isApprox(T * Eigen::Vector3d(5, 5, 0)));
-  EXPECT_TRUE(moved.normals[1].isApprox(T.linear() * Eigen::Vector3d(-1, 0, 0)));
+  EXPECT_TRUE(moved.planes[1].normal.isApprox(T.linear() * Eigen::Vector3d(-1, 0, 0)));
   EXPECT_NEAR((moved.J - moved.M).norm(), 0.5, 1e-12);
-  EXPECT_TRUE(moved.rectangles[0].low.isApprox(T * Eigen::Vector3d(4, 5, -1)));
-  EXPECT_TRUE(moved.rectangles[0].high.isApprox(T * Eigen::Vector3d(8, 5, 2)));
+  EXPECT_TRUE(moved.planes[0].rectangle.low.isApprox(T * Eigen::Vector3d(4, 5, -1)));
+  EXPECT_TRUE(moved.planes[0].rectangle.high.isApprox(T * Eigen::Vector3d(8, 5, 2)));
 }
 
 TEST(Corner, ItsWallsStayWhereTheyAre) {
   const Corner corner = cornerAt(4, 5), slid = atHeight(corner, 1.0), swapped = withOtherPlane(corner);
-  EXPECT_EQ(slid.rectangles[1].high, corner.rectangles[1].high);
-  EXPECT_EQ(swapped.rectangles[0].high, corner.rectangles[1].high);
-  EXPECT_EQ(swapped.rectangles[1].low, corner.rectangles[0].low);
+  EXPECT_EQ(slid.planes[1].rectangle.high, corner.planes[1].rectangle.high);
+  EXPECT_EQ(swapped.planes[0].rectangle.high, corner.planes[1].rectangle.high);
+  EXPECT_EQ(swapped.planes[1].rectangle.low, corner.planes[0].rectangle.low);
 }
 
 TEST(Corner, SlidesAlongItsTiltedLine) {
@@ -59,8 +62,8 @@ TEST(Corner, TheOtherPlaneHasNOnTheSideOfGrowingX) {
   const Corner corner = movedCorner(turn, cornerAt(4, 5)), other = withOtherPlane(corner);
   EXPECT_NEAR((other.N - other.M).norm(), 1.0, 1e-12);
   EXPECT_GT(other.N.x(), other.M.x());
-  EXPECT_NEAR((other.N - other.M).dot(corner.normals[1]), 0.0, 1e-12);
-  EXPECT_EQ(other.plane_points[0], corner.plane_points[1]);
+  EXPECT_NEAR((other.N - other.M).dot(corner.planes[1].normal), 0.0, 1e-12);
+  EXPECT_EQ(other.planes[0].points, corner.planes[1].points);
   EXPECT_TRUE(withOtherPlane(other).N.isApprox(corner.N));
 }
 
