@@ -13,7 +13,9 @@ enum class SweepStatus {
   kFirst,              ///< defines odom, or, where stamps jumped, goes on from the last pose; not registered
   kCorrected,          ///< measured and fused
   kPredicted,          ///< no usable measurement: the pose is the prediction
-  kStampNotAdvancing,  ///< duplicate, out of order, far ahead: refused, pose, covariance and monitor are the last ones
+  /// Duplicate, out of order, far ahead: refused. Pose, covariance and monitor are the last ones; from the third on the
+  /// state is FAILED (STALE).
+  kStampNotAdvancing,
 };
 
 const char* toString(SweepStatus status);

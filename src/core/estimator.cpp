@@ -64,7 +64,11 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
 void Estimator::takeSetPose(bool motion_known) {
   const FilterState& state = filter_.state();
   const bool is_first = !(state.dt_s > 0.0);  // no motion that could move the pose to this estimate
-  if (!pose_setting_.pending() || (is_first ? !pose_setting_.isAt(state) : !motion_known)) return;
+  if (!pose_setting_.pending()) return;
+  if (is_first ? !pose_setting_.isAt(state) : !motion_known) {
+    pose_setting_.wait(state.stamp_s);
+    return;
+  }
   pose_set_.refused = pose_setting_.outdated(state);
   if (!pose_set_.refused.empty()) return;
   const PoseSetting::AtEstimate set = pose_setting_.take(filter_.stateAsDriven(), T_base_cog_);

@@ -154,7 +154,7 @@ void LocalMapRegistration::reset() {
   map_.reset();
   track_ = EstimateTrack();
   resolver_.reset();
-  road_speed_aid_.clear();
+  road_speed_aid_.reset();
   open_country_aid_.reset();
   builder_.reset();
   prepared_ = false;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/estimator.hpp"
+#include "core/integrity/silence.hpp"
 #include "core/local_map_registration.hpp"
 #include "core/parallel.hpp"
 #include "core/parameters/validate.hpp"
@@ -166,17 +167,20 @@ SweepCondition OdometryPipeline::Stages::condition(const SweepFindings& findings
 /// Resets everything except the estimator.
 void OdometryPipeline::Stages::beginDrive() {
   refused_sweeps = 0;
+  check.beginDrive();
   corrector.reset();
   registration.reset();
   corner_svd.reset();
   monitor.reset();
-  // a request that waits stays valid; its stamp was that of another clock
-  if (start_from_stamp_s) start_from_stamp_s = std::numeric_limits<double>::lowest();
 }
 
 std::optional<SweepPrediction> OdometryPipeline::Stages::predict(double stamp_s) {
   const Estimator::Accepted accepted = estimator.accept(stamp_s);
-  if (accepted.beginsDrive()) beginDrive();
+  if (accepted.beginsDrive()) {
+    beginDrive();
+    // a request that waits stays valid; its stamp was that of another clock
+    if (start_from_stamp_s) start_from_stamp_s = std::numeric_limits<double>::lowest();
+  }
   SweepPrediction prediction;
   if (!accepted.taken() || !estimator.predict(stamp_s, accepted.set_back_s, prediction)) return std::nullopt;
   return exchanged(prediction);
@@ -218,6 +222,8 @@ SweepResult OdometryPipeline::Stages::refused() {
   result.state = exchanged(estimator.state());
   result.T_odom_base = estimator.state().T_odom_cog * T_cog_base();
   result.odometry_covariance = publishedCovariance();
+  // a driver whose stamps stand still is as silent as one that sends nothing
+  if (refused_sweeps >= SilenceParams().stale_sweeps) last_output = staleOutput(last_output);
   result.monitor = last_output;
   return result;
 }
@@ -271,6 +277,7 @@ void OdometryPipeline::startRedundant(double from_stamp_s) { stages_->start_from
 void OdometryPipeline::stopRedundant() {
   stages_->start_from_stamp_s.reset();
   stages_->monitor.stop();
+  stages_->last_output = MonitorOutput();
 }
 
 void OdometryPipeline::reset() {

@@ -111,6 +111,23 @@ TEST_F(EstimatorTest, PoseOfAnotherInstantWaitsForAMotion) {
   EXPECT_TRUE(done);
 }
 
+TEST_F(EstimatorTest, PoseWithoutAStampIsThatOfTheNextSweep) {
+  Pose far = Pose::Identity();
+  far.translation().x() = 500.0;
+  sweep(0.0, kClock_s);
+  EXPECT_EQ(estimator.setPose({0.0, far, 0.01 * Matrix6d::Identity()}), "");
+  bool done = false;
+  for (double t = 0.1; t < 0.45 && !done; t += 0.1) {
+    sweep(t, kClock_s + t);
+    done = estimator.takePoseSet().done;
+    const Pose T_odom_base = estimator.state().T_odom_cog * params.vehicle.T_base_cog().inverse();
+    if (done) {
+      EXPECT_NEAR(T_odom_base.translation().x(), 500.0 + kSpeed_mps * (t - 0.1), 0.2);
+    }
+  }
+  EXPECT_TRUE(done);
+}
+
 TEST_F(EstimatorTest, ExternalPosesJoinTheFusion) {
   estimator.addSource("gps", 0.06);
   EXPECT_NE(estimator.offer("other", ExternalPose()), "");

@@ -457,6 +457,40 @@ TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   EXPECT_TRUE(results.back().monitor.time_to_failure.isKnown()) << "it keeps serving";
 }
 
+TEST(OdometryPipeline, AResetKeepsTheStampOfARequest) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant(driveSweeps()[6].stamp_s - 0.02);
+  run(pipeline, std::vector<Sweep>(driveSweeps().begin(), driveSweeps().begin() + 2));
+  pipeline.reset();
+  const std::vector<SweepResult> results =
+      run(pipeline, std::vector<Sweep>(driveSweeps().begin() + 2, driveSweeps().begin() + 8));
+  EXPECT_EQ(results[3].monitor.t1_stamp_s, -1.0);
+  EXPECT_EQ(results.back().monitor.t1_stamp_s, driveSweeps()[6].stamp_s);
+}
+
+TEST(OdometryPipeline, StampsThatStandStillAreAFailure) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 10);
+  for (std::size_t i = 5; i < 9; ++i) sweeps[i].stamp_s = sweeps[4].stamp_s;
+  const std::vector<SweepResult> results = run(pipeline, sweeps);
+  EXPECT_EQ(results[6].monitor.state, results[4].monitor.state);
+  EXPECT_EQ(results[7].monitor.state, FailAwareState::kFailed);
+  EXPECT_TRUE(results[7].monitor.reasons & kReasonStale);
+  EXPECT_FALSE(results[9].monitor.reasons & kReasonStale) << "until a sweep is accepted";
+}
+
+TEST(OdometryPipeline, WhatIsStoppedSaysNothingMore) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  run(pipeline, std::vector<Sweep>(driveSweeps().begin(), driveSweeps().begin() + 6));
+  pipeline.stopRedundant();
+  const SweepResult refused = stepWith(pipeline, driveSweeps()[5]);
+  EXPECT_EQ(refused.status, SweepStatus::kStampNotAdvancing);
+  EXPECT_EQ(refused.monitor.state, FailAwareState::kUnknown);
+  EXPECT_EQ(refused.monitor.t1_stamp_s, -1.0);
+}
+
 TEST(OdometryPipeline, TimesToFailureAreKnownFromStartRedundantOn) {
   OdometryPipeline pipeline(streetParameters(), 1);
   for (std::size_t i = 0; i < 6; ++i) {

@@ -104,5 +104,20 @@ TEST(Tunnel, BegunInsideTheReliefOfTheRoadTellsTheSpeed) {
   EXPECT_NEAR(samples.back().estimated_m - samples[20].estimated_m, driven_m, 0.04 * driven_m);
 }
 
+TEST(Tunnel, AfterAResetTheSameSweepsGiveTheSameBits) {
+  Tunnel tunnel;
+  tunnel.profile_m = 0.02;  // the road tells the speed
+  OdometryPipeline fresh(tunnelParameters(), 1), reset(tunnelParameters(), 1);
+  for (int i = 0; i < 3; ++i) {
+    Sweep sweep = tunnel.scan(20.0, 12.0, i * kPeriod_s, static_cast<std::uint32_t>(i));
+    reset.step(sweep);
+  }
+  reset.reset();
+  for (int i = 0; i < 25; ++i) {
+    Sweep one = tunnel.scan(20.0, 12.0, i * kPeriod_s, static_cast<std::uint32_t>(i)), other = one;
+    ASSERT_EQ(fresh.step(one).T_odom_base.matrix(), reset.step(other).T_odom_base.matrix()) << i;
+  }
+}
+
 }  // namespace
 }  // namespace fail_aware::tunnel_drive

@@ -43,6 +43,12 @@ class RoadSpeedAid {
     has_agreed_ = false;
   }
 
+  /// For a new drive.
+  void reset() {
+    clear();
+    eighths_seen_.reset();
+  }
+
  private:
   RoadProfileOdometry odometry_;
   bool has_agreed_ = false;      ///< the road's speed with the filter's, since the motion is known

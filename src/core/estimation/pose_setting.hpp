@@ -1,7 +1,7 @@
 // A pose of base_link in odom that is set from outside (set_pose). Not in the paper.
 //
 // The pose is applied at the next estimate, moved from its own stamp to the estimate's stamp by the vehicle's motion (a
-// stamp of 0: the pose is valid at that estimate). A covariance of zero means that the pose is exact.
+// stamp of 0: that of the first estimate after the call). A covariance of zero means that the pose is exact.
 // Refused, with a reason: no valid pose, no valid covariance (or one that is zero for the rotation only), a stamp more
 // than a second away from the last sweep's stamp or from the stamp of the estimate that would apply it.
 // Units m, rad, s; covariance in geometry/pose.hpp's convention. Cost: microseconds.
@@ -28,6 +28,10 @@ class PoseSetting {
   std::string offer(const ExternalPose& pose, std::optional<double> last_stamp_s);
 
   bool pending() const { return pending_.has_value(); }
+  /// The pose waits at an estimate that it cannot be applied to. Without a stamp of its own it gets the estimate's.
+  void wait(double stamp_s) {
+    if (pending_ && !stamp_s_) stamp_s_ = stamp_s;
+  }
   /// The waiting pose is valid at this estimate as it is.
   bool isAt(const FilterState& state) const;
   void clear() { pending_.reset(); }
@@ -40,6 +44,7 @@ class PoseSetting {
 
  private:
   std::optional<ExternalPose> pending_;
+  std::optional<double> stamp_s_;  ///< of pending_; none: that of the next estimate
 };
 
 }  // namespace fail_aware

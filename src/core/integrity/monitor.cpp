@@ -90,7 +90,8 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
   add(condition.time_field_refused, kReasonTimeFieldRefused);
   add(condition.no_answer, kReasonNoAnswer);
   add(condition.dropped_before > 0, kReasonDroppedSweeps);
-  add(startPending(), kReasonMotionUnknown);
+  add(startPending() || (indicator_.started() && !growth_rate_.known() && !state.motionObserved()),
+      kReasonMotionUnknown);
   if (first) return reasons;
   add(state.fusion.valid_inputs == 0, kReasonNoMeasurement);
   add(!state.measurement_applied, kReasonPredictionOnly);
@@ -253,9 +254,12 @@ void FailAwareMonitor::judge(const FilterState& state, MonitorOutput& output) {
     output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
     if (growth_rate_.known()) time_to_alarm = predictFailure(state, output);
   }
-  output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
-  const auto reached = [](const TimeToFailure& t) { return t.status == TimeToFailureStatus::kReached; };
-  if (reached(output.time_to_failure_indicator)) output.reasons |= kReasonEtaThreshold;
+  const bool eta_reached = output.time_to_failure_indicator.status == TimeToFailureStatus::kReached;
+  if (eta_reached) output.reasons |= kReasonEtaThreshold;
+  // While nothing is known of the error's growth, eta alone may only announce a failure, not the absence of one.
+  if (growth_rate_.known() || eta_reached) {
+    output.time_to_failure = combine(output.time_to_failure_indicator, output.time_to_failure_covariance);
+  }
   if (output.protection_level_m >= params_.predictor.alert_limit_m) output.reasons |= kReasonCovarianceLimit;
   output.state =
       hysteresis_.update(stateFor(combine(output.time_to_failure_indicator, time_to_alarm), output.time_to_failure,

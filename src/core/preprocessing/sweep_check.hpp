@@ -53,6 +53,12 @@ class SweepCheck {
 
   SweepFindings check(const Sweep& sweep);
   void reset() { *this = SweepCheck(params_); }
+  /// Of the last drive only the stamp stays: a first sweep long after it, or before it, is told.
+  void beginDrive() {
+    const std::optional<double> stamp_s = last_stamp_s_;
+    reset();
+    last_stamp_s_ = stamp_s;
+  }
 
  private:
   SweepCheckParams params_;

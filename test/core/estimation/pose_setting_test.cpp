@@ -50,6 +50,23 @@ TEST(PoseSetting, WithoutAStampItHoldsAtTheEstimate) {
   EXPECT_TRUE(set.covariance.isZero(1e-15)) << "known exactly";
 }
 
+TEST(PoseSetting, WithoutAStampItIsThatOfTheFirstEstimate) {
+  PoseSetting setting;
+  EXPECT_EQ(setting.offer(poseAt(0.0), 100.0), "");
+  setting.wait(100.1);
+  setting.wait(100.2);
+  EXPECT_TRUE(setting.isAt(movingAt(100.1)));
+  EXPECT_FALSE(setting.isAt(movingAt(100.2)));
+  EXPECT_EQ(setting.outdated(movingAt(100.6)), "");
+  PoseSetting late = setting;
+  EXPECT_NE(late.outdated(movingAt(101.2)), "");
+  EXPECT_FALSE(late.pending());
+  const Pose T_then_now = expSe3(0.5 * (Vector6d() << 20.0, 0.0, 0.0, 0.0, 0.0, 0.4).finished());
+  EXPECT_TRUE(setting.take(movingAt(100.6), kBaseCog).T_odom_cog.isApprox(kSet * kBaseCog * T_then_now, 1e-9));
+  EXPECT_EQ(setting.offer(poseAt(0.0), 100.6), "");
+  EXPECT_TRUE(setting.isAt(movingAt(100.7))) << "nothing of the last one is left";
+}
+
 TEST(PoseSetting, SaysWhyItRefuses) {
   PoseSetting setting;
   EXPECT_NE(setting.offer(poseAt(100.0, -1.0), 100.0).find("covariance"), std::string::npos);

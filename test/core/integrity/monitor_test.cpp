@@ -198,6 +198,28 @@ TEST(FailAwareMonitor, RequestWhileBlindCountsWhatFollows) {
   EXPECT_GT(drive(monitor, road, 40).sigma_x_m, 0.9) << "no measurement tells what was lost";
 }
 
+TEST(FailAwareMonitor, WithoutAKnownGrowthEtaPromisesNothing) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  const auto tunnel = [&] {  // measured, but not along the road; no motion was ever observed
+    FilterState state = blindedSweep(road);
+    state.measurement_applied = true;
+    return state;
+  };
+  for (int i = 0; i < 5; ++i) monitor.update(tunnel(), {});
+  monitor.start();
+  MonitorOutput output;
+  for (int i = 0; i < 100; ++i) {
+    output = monitor.update(tunnel(), {});
+    ASSERT_EQ(output.state, FailAwareState::kUnknown) << i;
+    ASSERT_FALSE(output.time_to_failure.isKnown()) << i;
+    ASSERT_TRUE(output.reasons & kReasonMotionUnknown) << i;
+  }
+  EXPECT_GE(output.t1_stamp_s, 0.0) << "it serves";
+  EXPECT_TRUE(output.time_to_failure_indicator.isKnown());
+  EXPECT_TRUE(drive(monitor, road, 2).time_to_failure.isKnown()) << "observed";
+}
+
 TEST(FailAwareMonitor, RequestInAGapCountsTheGap) {
   FailAwareMonitor monitor{independentSweeps()};
   Road road;

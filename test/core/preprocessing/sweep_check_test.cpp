@@ -146,5 +146,19 @@ TEST(SweepCheck, ParametersAreChecked) {
   EXPECT_THROW(validate(params), ParameterError);
 }
 
+TEST(SweepCheck, ADriveThatBeginsKeepsTheStampAlone) {
+  SweepCheck check{SweepCheckParams()};
+  for (int i = 0; i < 3; ++i) check.check(streetSweep(0));
+  check.beginDrive();
+  Sweep half = streetSweep(0);
+  half.stamp_s += 10.0;
+  keepOnly(half, [](const Eigen::Vector3f& p) { return azimuthDeg(p) > 0.0; });
+  const SweepFindings findings = check.check(half);
+  EXPECT_TRUE(findings.partial_start);
+  EXPECT_TRUE(findings.time_jump);
+  EXPECT_EQ(findings.repetitions, 0);
+  EXPECT_FALSE(check.check(half).partial_start);
+}
+
 }  // namespace
 }  // namespace fail_aware::sweep_check_test
