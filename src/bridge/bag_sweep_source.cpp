@@ -43,6 +43,11 @@ void open(rosbag::Bag& bag, const std::string& path) {
         ", not a ROS 1 bag; convert its folder: pip install rosbags; rosbags-convert --src FOLDER --dst FILE.bag");
   }
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": not a file");
+  std::string magic(5, '\0');
+  if (!std::ifstream(path, std::ios::binary).read(magic.data(), static_cast<std::streamsize>(magic.size()))) {
+    throw InputError(path + ": cannot be read, or is empty");
+  }
+  if (magic != "#ROSB") throw InputError(path + ": not a ROS 1 bag: it does not begin with #ROSBAG");
   try {
     bag.open(path, rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {

@@ -62,6 +62,12 @@ PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
     throw ParameterError(node.resolveName(part) + ": not on the parameter server; load a file of cfg/" + part +
                          "s there (launch/odometry.launch does)");
   }
+  for (const std::string part : {"vehicle", "sensor"}) {  // as calibrate_azimuth writes them, for offline tools
+    if (!node.hasParam("profile/" + part)) continue;
+    throw ParameterError(node.resolveName("profile") + ": keys of " + part +
+                         " do not belong here: set them in a copy of cfg/" + part + "s' file and give " + part +
+                         ":=/path/FILE.yaml");
+  }
   PipelineParameters parameters;
   readParameters(node, "profile", parameters.profile, MissingKeys::kKeep);
   readParameters(node, "vehicle", parameters.vehicle);

@@ -125,9 +125,13 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
     using Level = diagnostic_msgs::DiagnosticStatus;
     const bool failed = output_.state == FailAwareState::kFailed || output_.state == FailAwareState::kFailing;
-    const auto level = failed ? Level::ERROR : output_.state == FailAwareState::kOk ? Level::OK : Level::WARN;
+    // before t1 the state is always UNKNOWN: the standby state tells whether all is well
+    const bool on_standby = output_.state == FailAwareState::kUnknown && !monitor_->monitor().started();
+    const FailAwareState told = on_standby ? output_.standby_state : output_.state;
+    const auto level = failed ? Level::ERROR : told == FailAwareState::kOk ? Level::OK : Level::WARN;
     const std::string reasons = reasonText(output_.reasons);
-    status.summary(level, std::string(toString(output_.state)) + (reasons.empty() ? "" : ": " + reasons));
+    status.summary(level, (on_standby ? "on standby: " : "") + std::string(toString(told)) +
+                              (reasons.empty() ? "" : ": " + reasons));
     if (const std::string fault = clock_.fault(); !fault.empty()) {
       status.summary(std::max<decltype(level)>(level, Level::WARN), status.message + "; " + fault);
     }

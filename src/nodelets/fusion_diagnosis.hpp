@@ -80,7 +80,7 @@ class FusionDiagnosis {
     } else if (clouds_.heardAt().isZero()) {
       const std::string type = publishedType(cloud_topic_);
       status.summary(Level::WARN, whyNoCloud(cloud_topic_, type));
-      if (isAnotherType(type) && !starts) faults_.say("no cloud", status.message);
+      if (!starts) faults_.say("no cloud", status.message);
     } else if (progress_.sweeps() == 0) {
       status.summary(Level::WARN, scheduler_.lastRefused().empty() ? "no sweep yet" : no_usable_cloud);
     } else if (const double silent_s = secondsSince(clouds_.heardAt()); silent_s > kSilent_s) {

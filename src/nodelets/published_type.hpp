@@ -25,7 +25,7 @@ inline bool isAnotherType(const std::string& type) { return !type.empty() && typ
 
 /// One line for the user. `type`: publishedType(topic).
 inline std::string whyNoCloud(const std::string& topic, const std::string& type) {
-  if (type.empty()) return "no cloud yet: nobody publishes " + topic;
+  if (type.empty()) return "no cloud yet: nobody publishes " + topic + " (another topic: cloud:=/your/points)";
   if (!isAnotherType(type)) return "no cloud yet on " + topic;
   return "no cloud yet: " + topic + " carries " + type + ", and the odometry reads sensor_msgs/PointCloud2: give the " +
          "topic of the lidar's clouds (cloud:=/your/points)";

@@ -9,6 +9,7 @@
 #include <boost/make_shared.hpp>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "bridge/graph_message_conversion.hpp"
 #include "bridge/parameter_server.hpp"
@@ -50,7 +51,10 @@ class SweepCorrectionNodelet : public GraphNodelet {
   }
 
   void onPrediction(const messages::SweepPredictionConstPtr& prediction) {
-    if (prediction->dt <= 0.0) corrector_->reset();  // a drive begins, even if this sweep's cloud does not arrive
+    const bool begins = !(prediction->dt > 0.0);  // a drive, even if this sweep's cloud does not arrive
+    if (begins) corrector_->reset();
+    if (begins && std::exchange(drives_, false)) check_->beginDrive();  // not for each sweep before a drive's first
+    drives_ = !begins;
     correct(inputs_.add(prediction));
   }
 
@@ -85,6 +89,7 @@ class SweepCorrectionNodelet : public GraphNodelet {
   std::unique_ptr<SweepCheck> check_;
   std::unique_ptr<SweepCorrector> corrector_;
   std::unique_ptr<CorrectionDiagnosis> diagnosis_;
+  bool drives_ = false;
   Sweep sweep_;  ///< this and corrected_: reuse their memory
   CorrectedSweep corrected_;
   ros::Publisher publisher_, check_publisher_;

@@ -85,12 +85,15 @@ class Calibration {
     options_.episodes.alert_limit_m = alertLimitOf(runs_, options.alert_limit_m);
     progress_.update(0);
     as_is_ = replay([](MonitorParameters&) {});
+    failed_ = std::count_if(as_is_.begin(), as_is_.end(), [](const FailAwareEpisode& e) { return e.failed; });
   }
 
   void fitThreshold() {
     if (options_.eta_failed_by) {
       threshold_ = add("monitor.indicator.threshold", etaThreshold(as_is_, *options_.eta_failed_by),
                        "too few failures, or they come before eta grows");
+    } else if (failed_ == 0) {
+      add("monitor.indicator.threshold", std::nullopt, "no start fails: what eta is then tells nothing of a failure");
     } else {
       threshold_ = add("monitor.indicator.threshold", quietEtaThreshold(as_is_, options_.eta_passed_by),
                        "every episode failed, or eta did not grow");
@@ -145,8 +148,9 @@ class Calibration {
           "monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm is up too long "
           "whatever it is");
     }
+    const bool all_failed = failed_ == static_cast<std::ptrdiff_t>(as_is_.size());
     add("monitor.predictor.alarm_confidence", alarm,
-        "every episode failed, or the alarm is up too long whatever it is");
+        all_failed ? "every start fails" : "the alarm is up too long whatever it is");
   }
 
   int report() {
@@ -155,10 +159,10 @@ class Calibration {
     for (const std::string& note : notes_) std::cerr << kName << ": " << note << '\n';
     if (list_.empty()) return reportError(kName, "nothing could be fitted: give more runs", kExitFailed);
     printAndKeep(formatYaml(list_), options_.output);
-    const auto failed = std::count_if(as_is_.begin(), as_is_.end(), [](const FailAwareEpisode& e) { return e.failed; });
+    printChanges(kName, toList(runs_.front().params.profile), list_);
     reportVerdict(kName,
                   std::to_string(list_.size()) + " parameters fitted to " + std::to_string(as_is_.size()) +
-                      " starts, " + std::to_string(failed) + " of which fail",
+                      " starts, " + std::to_string(failed_) + " of which fail",
                   "judge it on other runs: evaluate_fail_aware --parameters " +
                       (options_.output.empty() ? "FILE (--output FILE keeps it)" : options_.output));
     return kExitDone;
@@ -190,6 +194,7 @@ class Calibration {
   ProgressBar progress_;
   std::size_t replayed_ = 0;
   std::vector<FailAwareEpisode> as_is_;
+  std::ptrdiff_t failed_ = 0;  ///< of as_is_
   std::optional<double> threshold_, confidence_;
   ParameterList list_;
   std::vector<std::string> notes_;

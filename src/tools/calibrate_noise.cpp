@@ -88,6 +88,7 @@ int run(const Options& options) {
     if (isOfIncrement(key) || isOfDrift(key)) list.emplace_back(key, value);
   }
   printAndKeep(formatYaml(list), options.output);
+  printChanges(kName, toList(given), list);
   reportVerdict(kName,
                 "fitted to " + std::to_string(increments.size()) + " motions; runs: " + std::to_string(runs.size()),
                 "judge it on other runs: evaluate_fail_aware --parameters " +

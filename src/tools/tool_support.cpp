@@ -10,6 +10,7 @@
 #include <iostream>
 #include <optional>
 #include <sstream>
+#include <variant>
 
 namespace fail_aware {
 
@@ -32,6 +33,16 @@ std::string callOf(const std::string& tool) {
 
 void reportVerdict(const std::string& name, const std::string& verdict, const std::string& next) {
   std::cerr << name << ": " << verdict << '\n' << name << ": next: " << next << std::endl;
+}
+
+void printChanges(const std::string& name, const ParameterList& given, const ParameterList& fitted) {
+  for (const auto& [key, value] : fitted) {
+    for (const auto& [given_key, before] : given) {
+      const double *const was = std::get_if<double>(&before), *const is = std::get_if<double>(&value);
+      if (given_key == key && was && is && *was != *is)
+        std::cerr << name << ": " << key << ": " << *was << " -> " << *is << '\n';
+    }
+  }
 }
 
 namespace {

@@ -13,6 +13,7 @@
 
 #include "core/io/input_error.hpp"
 #include "core/parameters/check.hpp"
+#include "core/parameters/parameter_map.hpp"
 
 namespace fail_aware {
 
@@ -28,6 +29,9 @@ std::string callOf(const std::string& tool);
 
 /// The two lines that close a run, on stderr: "NAME: VERDICT" and "NAME: next: NEXT".
 void reportVerdict(const std::string& name, const std::string& verdict, const std::string& next);
+
+/// A line on stderr for each number of `fitted` that is another one now: "NAME: KEY: OLD -> NEW". The old ones are in `given`.
+void printChanges(const std::string& name, const ParameterList& given, const ParameterList& fitted);
 
 /// Runs `work` (returns an exit code) and turns exceptions into a line and an exit code.
 template <class Work>

@@ -290,9 +290,9 @@ TEST_F(BagSweepSourceTest, CloudsThatCannotBeUsedAreData) {
 TEST_F(BagSweepSourceTest, RefusesWhatIsNoBagWithClouds) {
   expectRefused("", "no such file");
   std::ofstream(path_).close();
-  expectRefused("", "not a complete bag");
+  expectRefused("", "cannot be read, or is empty");
   std::ofstream(path_) << "hello\n";
-  expectRefused("", "not a complete bag");
+  expectRefused("", "not a ROS 1 bag");
   { rosbag::Bag bag(path_, rosbag::bagmode::Write); }
   expectRefused("", "the bag has no messages");
   {

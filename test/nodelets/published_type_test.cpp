@@ -13,7 +13,7 @@ TEST(WhyNoCloud, AnotherTypeIsNamedWithWhatIsNeeded) {
 }
 
 TEST(WhyNoCloud, ATopicThatNobodyPublishesIsNamed) {
-  EXPECT_EQ(whyNoCloud("/points", ""), "no cloud yet: nobody publishes /points");
+  EXPECT_EQ(whyNoCloud("/points", ""), "no cloud yet: nobody publishes /points (another topic: cloud:=/your/points)");
 }
 
 TEST(WhyNoCloud, TheRightTypeIsNoFault) {

@@ -42,7 +42,9 @@ TEST_F(Calibrate, NoiseFindsThatTheFilterSaidTwiceTheTruth) {
   const fs::path yaml = folder_ / "noise.yaml";
   run(CALIBRATE_NOISE, options("run") + " --output '" + yaml.string() + "'");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  EXPECT_EQ(result_.err.find("per_root_metre"), std::string::npos) << result_.err;
+  EXPECT_EQ(result_.err.find("per_root_metre_m left"), std::string::npos) << result_.err;
+  EXPECT_EQ(result_.err.find("per_root_metre_deg left"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("filter.increment_scale: 1 -> 0.2"), std::string::npos) << result_.err;
   EXPECT_NE(result_.err.find("evaluate_fail_aware --parameters " + yaml.string()), std::string::npos) << result_.err;
   EXPECT_EQ(result_.out, contentOf(yaml));
   ProfileParameters fitted;
@@ -98,16 +100,22 @@ TEST_F(Calibrate, NoiseRefusesTheTruthOfAnotherDrive) {
   EXPECT_NE(result_.err.find("slow: half of its motions differ"), std::string::npos) << result_.err;
 }
 
-TEST_F(Calibrate, EtaStaysQuietWhereNothingFails) {
-  MadeUpRun good;
+TEST_F(Calibrate, EtaStaysQuietInStartsThatDoNotFail) {
+  MadeUpRun good, failing;
+  failing.sweeps = 120;
+  failing.drift_m = 0.02;
   PipelineParameters article;
   article.profile.monitor.indicator.average_s = article.profile.monitor.indicator.reference_speed_mps = 0.0;
   good.write(folder_ / "good", article);
-  run(CALIBRATE_FAIL_AWARE, options("good") + " --eta-passed-by 0");
+  failing.write(folder_ / "failing", article);
+  run(CALIBRATE_FAIL_AWARE, options("good") + options("failing") + " --eta-passed-by 0");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   const ProfileParameters fitted = fittedProfile();
   // sigma alternates by 1e-6 rad: 2e-6 a sweep from the third on, over the 400 sweeps of the first episode
   EXPECT_NEAR(fitted.monitor.indicator.threshold, 2e-6 * 398, 1e-9);
+  EXPECT_NE(result_.err.find("monitor.indicator.threshold: 0.001 -> 0.000796"), std::string::npos) << result_.err;
+  run(CALIBRATE_FAIL_AWARE, options("good") + " --eta-passed-by 0");
+  EXPECT_NE(result_.err.find("threshold left as it is: no start fails"), std::string::npos) << result_.err;
 }
 
 /// Predictions that are far too early even at the smallest confidence, and an alarm that is up all the time.

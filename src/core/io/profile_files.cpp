@@ -26,6 +26,7 @@ std::string resolve(const fs::path& folder, const std::string& name, const std::
   const fs::path file = isPath(name) ? fs::path(name) : folder / (name + ".yaml");
   std::error_code error;  // an invalid file name counts as a missing file
   if (fs::is_regular_file(file, error)) return file.string();
+  if (isPath(name)) throw InputError(name + ": no such file");
   std::vector<std::string> known;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.path().extension() == ".yaml") known.push_back(entry.path().stem().string());
