@@ -233,7 +233,7 @@ ReadResult BagSweepSource::next(Sweep& sweep) {
   if (withoutSlash(cloud->header.frame_id) != lidar_frame_) {
     sweep = Sweep();
     sweep.stamp_s = cloud->header.stamp.toSec();
-    return {ReadStatus::kUnreadable,
+    return {ReadStatus::kOtherFrame,
             name() + ": its frame is '" + cloud->header.frame_id + "', the first one's '" + lidar_frame_ + "'"};
   }
   const CloudReadResult read = readCloud(*cloud, sweep);

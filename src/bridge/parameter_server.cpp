@@ -65,7 +65,7 @@ PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
   for (const std::string part : {"vehicle", "sensor"}) {  // as calibrate_azimuth writes them, for offline tools
     if (!node.hasParam("profile/" + part)) continue;
     throw ParameterError(node.resolveName("profile") + ": keys of " + part +
-                         " do not belong here: set them in a copy of cfg/" + part + "s' file and give " + part +
+                         " do not belong here: set them in a copy of a file of cfg/" + part + "s, and give " + part +
                          ":=/path/FILE.yaml");
   }
   PipelineParameters parameters;

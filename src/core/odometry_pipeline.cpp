@@ -272,6 +272,8 @@ OdometryPipeline::~OdometryPipeline() = default;
 
 SweepResult OdometryPipeline::step(Sweep& sweep) { return stages_->step(sweep); }
 
+SweepResult OdometryPipeline::refuse() { return stages_->refused(); }
+
 void OdometryPipeline::startRedundant(double from_stamp_s) { stages_->start_from_stamp_s = from_stamp_s; }
 
 void OdometryPipeline::stopRedundant() {

@@ -72,6 +72,9 @@ class OdometryPipeline {
   /// moves from `sweep`.
   SweepResult step(Sweep& sweep);
 
+  /// In place of step(), for a sweep that is none of this drive: the result of a stamp that is refused.
+  SweepResult refuse();
+
   /// Starts the time t1 at the next accepted sweep that is not before `from_stamp_s`; from t1 on the odometry serves as
   /// the localisation. MonitorOutput says which sweep it was.
   void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());

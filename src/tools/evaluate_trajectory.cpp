@@ -252,8 +252,11 @@ std::string verdict(const Json& json) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Compares an estimated trajectory with the true one: KITTI metric, absolute error, time to failure.",
-               kName);
+  CLI::App app(
+      "Compares an estimated trajectory with the true one: KITTI metric, absolute error, starts whose error passes the "
+      "alert limit.\n"
+      "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
+      kName);
   Options options;
   declareOptions(app, options);
   if (!parseArguments(app, argc, argv)) return kExitDone;

@@ -194,7 +194,7 @@ double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, d
     const double stamp_s = sweep.stamp_s;
     const std::size_t points_dropped = sweep.points_dropped;
     poses.offer(stamp_s);
-    const SweepResult result = pipeline.step(sweep);
+    const SweepResult result = read.status == ReadStatus::kOtherFrame ? pipeline.refuse() : pipeline.step(sweep);
     if (!result.pose_set.refused.empty()) warn("--set-pose: refused: " + result.pose_set.refused);
     results.add(read, drive.name(), stamp_s, points_dropped, result);
     progress.update(i + 1);

@@ -277,7 +277,7 @@ TEST_F(BagSweepSourceTest, CloudsThatCannotBeUsedAreData) {
   Sweep sweep;
   EXPECT_EQ(source.next(sweep).status, ReadStatus::kOk);
   ReadResult result = source.next(sweep);
-  EXPECT_EQ(result.status, ReadStatus::kUnreadable);
+  EXPECT_EQ(result.status, ReadStatus::kOtherFrame);
   EXPECT_NE(result.message.find("cloud 1 of /points: its frame is 'radar'"), std::string::npos) << result.message;
   EXPECT_TRUE(sweep.empty());
   result = source.next(sweep);

@@ -1,6 +1,9 @@
 // kitti_to_bag, and offline_odometry over the bag it makes; KITTI_TO_BAG and OFFLINE_ODOMETRY are
 // the tools' paths.
 #include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/PointCloud2.h>
 
 #include <array>
 #include <cstdio>
@@ -168,6 +171,32 @@ TEST_F(BagTools, PartsOfADriveAreOne) {
   EXPECT_EQ(nlohmann::json::parse(run.out)["sweeps"], kScansOfTheBag);
   ASSERT_FALSE(trajectory("whole").empty());
   EXPECT_TRUE(trajectory("parts") == trajectory("whole"));
+}
+
+/// Clouds of a second lidar on the topic, each just before the first lidar's of the same stamp.
+TEST_F(BagTools, AnotherLidarsCloudsAreLeftOut) {
+  const std::string drive = makeDrive(false), both = (folder_ / "both.bag").string();
+  ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "'").exit_code, 0);
+  ASSERT_EQ(offline("--bag '" + bag() + "'", "one").exit_code, 0);
+  {
+    const rosbag::Bag from(bag());
+    rosbag::Bag to(both, rosbag::bagmode::Write);
+    int clouds = 0;
+    for (const rosbag::MessageInstance& message : rosbag::View(from)) {
+      const sensor_msgs::PointCloud2ConstPtr cloud = message.instantiate<sensor_msgs::PointCloud2>();
+      if (cloud && clouds++ > 0) {
+        sensor_msgs::PointCloud2 other = *cloud;
+        other.header.frame_id = "other_lidar";
+        to.write(message.getTopic(), message.getTime() - ros::Duration(0.01), other);
+      }
+      to.write(message.getTopic(), message.getTime(), message);
+    }
+  }
+  const ToolRun run = offline("--bag '" + both + "'", "both");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("its frame is 'other_lidar'"), std::string::npos) << run.err;
+  ASSERT_FALSE(trajectory("one").empty());
+  EXPECT_TRUE(trajectory("both") == trajectory("one"));
 }
 
 TEST_F(BagTools, KittiToBagRefusesInOneLine) {

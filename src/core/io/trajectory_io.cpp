@@ -89,6 +89,7 @@ void requireRows(std::size_t rows, const std::string& path, const char* what) {
 std::vector<Pose> readKittiTrajectory(const std::string& path) {
   std::vector<Pose> poses;
   forEachRow(path, [&](const std::string& text, const std::string& where) {
+    if (text.front() == '#') throw InputError(where + "not KITTI's rows of 12 numbers; match_truth makes them");
     poses.push_back(poseFromRow(parseNumbers(text, 12, where), where));
   });
   requireRows(poses.size(), path, "poses");
