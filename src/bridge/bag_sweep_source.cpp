@@ -23,31 +23,36 @@ const std::string kCloudType = ros::message_traits::datatype<sensor_msgs::PointC
 const std::vector<std::string> kTransformTopics = {"/tf_static", "tf_static", "/tf", "tf"};
 
 /// What a file or folder is that users mistake for a ROS 1 bag; empty: nothing of that kind.
-std::string otherRecording(const std::string& path) {
+std::string otherRecording(const std::string& path, const std::string& begin) {
   std::error_code error;
   if (std::filesystem::exists(std::filesystem::path(path) / "metadata.yaml", error)) return "a ROS 2 bag";
-  char begin[16] = {};
-  std::ifstream(path, std::ios::binary).read(begin, sizeof(begin));
   const std::string extension = std::filesystem::path(path).extension().string();
-  if (std::string(begin, 15) == "SQLite format 3" || extension == ".db3") return "a ROS 2 bag (sqlite3)";
-  if (std::string(begin, 5) == "\x89MCAP" || extension == ".mcap") return "an MCAP file (ROS 2 bag)";
+  if (begin.rfind("SQLite format 3", 0) == 0 || extension == ".db3") return "a ROS 2 bag (sqlite3)";
+  if (begin.rfind("\x89MCAP", 0) == 0 || extension == ".mcap") return "an MCAP file (ROS 2 bag)";
   return {};
+}
+
+/// The first bytes; fewer, or none, where there are no more.
+std::string beginOf(const std::string& path) {
+  std::string begin(15, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(file.gcount()));
+  return begin;
 }
 
 void open(rosbag::Bag& bag, const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path + ": no such file");
-  if (const std::string other = otherRecording(path); !other.empty()) {
+  const std::string begin = beginOf(path);
+  if (const std::string other = otherRecording(path, begin); !other.empty()) {
     throw InputError(
         path + ": is " + other +
         ", not a ROS 1 bag; convert its folder: pip install rosbags; rosbags-convert --src FOLDER --dst FILE.bag");
   }
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": not a file");
-  std::string magic(5, '\0');
-  if (!std::ifstream(path, std::ios::binary).read(magic.data(), static_cast<std::streamsize>(magic.size()))) {
-    throw InputError(path + ": cannot be read, or is empty");
-  }
-  if (magic != "#ROSB") throw InputError(path + ": not a ROS 1 bag: it does not begin with #ROSBAG");
+  if (begin.empty()) throw InputError(path + ": cannot be read, or is empty");
+  if (begin.rfind("#ROSBAG", 0) != 0) throw InputError(path + ": not a ROS 1 bag: it does not begin with #ROSBAG");
   try {
     bag.open(path, rosbag::bagmode::Read);
   } catch (const rosbag::BagUnindexedException&) {

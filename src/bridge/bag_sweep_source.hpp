@@ -1,9 +1,9 @@
 // The clouds of one topic of a bag as a source of sweeps. Several bags can form one drive (rosbag record --split);
 // their messages are read in the order of recording, whatever the order of the paths.
 //
-// Clouds are converted by bridge/point_cloud_conversion.hpp. A cloud whose frame differs from the first one's is of another
-// lidar; one that cannot be read from the file is unreadable. The transform base -> lidar comes from /tf_static of all bags; if it is
-// missing there, from /tf, where it must be constant.
+// Clouds are converted by bridge/point_cloud_conversion.hpp. A cloud whose frame differs from the first one's is of
+// another lidar; one that cannot be read from the file is unreadable. The transform base -> lidar comes from /tf_static
+// of all bags; if it is missing there, from /tf, where it must be constant.
 // The constructor throws InputError with one line for: a file that cannot be opened, that is not a bag (a ROS 2 bag is
 // named as such), that has no index (the recording was cut off), no message or no cloud; the same file twice; several
 // cloud topics and none named; a topic that does not exist or has another type. Memory: one cloud, the indices.

@@ -77,7 +77,7 @@ struct OdometryPipeline::Stages {
   SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
   void estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report, SweepResult& result);
   const MonitorOutput& judge(const SweepResult& result);
-  Matrix6d publishedCovariance() const;
+  void describeState(SweepResult& result) const;
   SweepResult refused();
   void beginDrive();
   void measure(const SweepPrediction& prediction, SweepResult& result);
@@ -201,27 +201,26 @@ void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const
     inputs.push_back({source.name, source.used ? &source.measurement : nullptr, source.kind});
   }
   const FilterState& state = estimator.update(inputs, report.middle_s, report.revolution_s, report.tilt_moment);
-  result.odometry_covariance = publishedCovariance();
+  describeState(result);
   result.pose_set = estimator.takePoseSet();
-  result.state = exchanged(state);
-  result.T_odom_base = state.T_odom_cog * T_cog_base();
   result.status = !state.started              ? SweepStatus::kNotStarted
                   : !(prediction.dt_s > 0.0)  ? SweepStatus::kFirst
                   : state.measurement_applied ? SweepStatus::kCorrected
                                               : SweepStatus::kPredicted;
 }
 
-Matrix6d OdometryPipeline::Stages::publishedCovariance() const {
-  return covarianceAfterOffset(estimator.odometryCovariance(), estimator.state().T_odom_cog, T_cog_base());
+void OdometryPipeline::Stages::describeState(SweepResult& result) const {
+  const Pose& T_odom_cog = estimator.state().T_odom_cog;
+  result.state = exchanged(estimator.state());
+  result.T_odom_base = T_odom_cog * T_cog_base();
+  result.odometry_covariance = covarianceAfterOffset(estimator.odometryCovariance(), T_odom_cog, T_cog_base());
 }
 
 SweepResult OdometryPipeline::Stages::refused() {
   ++refused_sweeps;
   SweepResult result;
   result.status = SweepStatus::kStampNotAdvancing;
-  result.state = exchanged(estimator.state());
-  result.T_odom_base = estimator.state().T_odom_cog * T_cog_base();
-  result.odometry_covariance = publishedCovariance();
+  describeState(result);
   // a driver whose stamps stand still is as silent as one that sends nothing
   if (refused_sweeps >= SilenceParams().stale_sweeps) last_output = staleOutput(last_output);
   result.monitor = last_output;
@@ -269,11 +268,8 @@ OdometryPipeline::OdometryPipeline(const PipelineParameters& params, int threads
 }
 
 OdometryPipeline::~OdometryPipeline() = default;
-
 SweepResult OdometryPipeline::step(Sweep& sweep) { return stages_->step(sweep); }
-
 SweepResult OdometryPipeline::refuse() { return stages_->refused(); }
-
 void OdometryPipeline::startRedundant(double from_stamp_s) { stages_->start_from_stamp_s = from_stamp_s; }
 
 void OdometryPipeline::stopRedundant() {
@@ -289,11 +285,8 @@ void OdometryPipeline::reset() {
 }
 
 const VerticalReference& OdometryPipeline::verticalReference() const { return stages_->corrector.verticalReference(); }
-
 std::string OdometryPipeline::seamContradiction() const { return stages_->corrector.seamContradiction(); }
-
 const SweepClock& OdometryPipeline::sweepClock() const { return stages_->estimator.sweepClock(); }
-
 std::string OdometryPipeline::setPose(const ExternalPose& pose) { return stages_->estimator.setPose(pose); }
 
 void OdometryPipeline::addSource(const std::string& name, double tolerance_s) {

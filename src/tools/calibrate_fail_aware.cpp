@@ -11,11 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/parameters/yaml_parameters.hpp"
 #include "evaluation/conformal_risk.hpp"
 #include "evaluation/fail_aware_calibration.hpp"
 #include "fail_aware_run.hpp"
-#include "result_files.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -93,7 +91,7 @@ class Calibration {
       threshold_ = add("monitor.indicator.threshold", etaThreshold(as_is_, *options_.eta_failed_by),
                        "too few failures, or they come before eta grows");
     } else if (failed_ == 0) {
-      add("monitor.indicator.threshold", std::nullopt, "no start fails: what eta is then tells nothing of a failure");
+      add("monitor.indicator.threshold", std::nullopt, "no start fails, so nothing shows what eta is at a failure");
     } else {
       threshold_ = add("monitor.indicator.threshold", quietEtaThreshold(as_is_, options_.eta_passed_by),
                        "every episode failed, or eta did not grow");
@@ -158,13 +156,9 @@ class Calibration {
     progress_.finish();
     for (const std::string& note : notes_) std::cerr << kName << ": " << note << '\n';
     if (list_.empty()) return reportError(kName, "nothing could be fitted: give more runs", kExitFailed);
-    printAndKeep(formatYaml(list_), options_.output);
-    printChanges(kName, toList(runs_.front().params.profile), list_);
-    reportVerdict(kName,
-                  std::to_string(list_.size()) + " parameters fitted to " + std::to_string(as_is_.size()) +
-                      " starts, " + std::to_string(failed_) + " of which fail",
-                  "judge it on other runs: evaluate_fail_aware --parameters " +
-                      (options_.output.empty() ? "FILE (--output FILE keeps it)" : options_.output));
+    reportFitted(kName, toList(runs_.front().params.profile), list_, options_.output,
+                 std::to_string(list_.size()) + " parameters fitted to " + std::to_string(as_is_.size()) + " starts, " +
+                     std::to_string(failed_) + " of which fail");
     return kExitDone;
   }
 

@@ -7,11 +7,9 @@
 #include <vector>
 
 #include "core/io/input_error.hpp"
-#include "core/parameters/yaml_parameters.hpp"
 #include "evaluation/noise_calibration.hpp"
 #include "evaluation/quantile.hpp"
 #include "fail_aware_run.hpp"
-#include "result_files.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -87,12 +85,8 @@ int run(const Options& options) {
   for (const auto& [key, value] : all) {
     if (isOfIncrement(key) || isOfDrift(key)) list.emplace_back(key, value);
   }
-  printAndKeep(formatYaml(list), options.output);
-  printChanges(kName, toList(given), list);
-  reportVerdict(kName,
-                "fitted to " + std::to_string(increments.size()) + " motions; runs: " + std::to_string(runs.size()),
-                "judge it on other runs: evaluate_fail_aware --parameters " +
-                    (options.output.empty() ? "FILE (--output FILE keeps it)" : options.output));
+  reportFitted(kName, toList(given), list, options.output,
+               "fitted to " + std::to_string(increments.size()) + " motions; runs: " + std::to_string(runs.size()));
   return kExitDone;
 }
 

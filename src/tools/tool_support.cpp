@@ -12,6 +12,9 @@
 #include <sstream>
 #include <variant>
 
+#include "core/parameters/yaml_parameters.hpp"
+#include "result_files.hpp"
+
 namespace fail_aware {
 
 int reportError(const std::string& name, std::string message, int exit_code) {
@@ -35,7 +38,9 @@ void reportVerdict(const std::string& name, const std::string& verdict, const st
   std::cerr << name << ": " << verdict << '\n' << name << ": next: " << next << std::endl;
 }
 
-void printChanges(const std::string& name, const ParameterList& given, const ParameterList& fitted) {
+void reportFitted(const std::string& name, const ParameterList& given, const ParameterList& fitted,
+                  const std::string& output, const std::string& verdict) {
+  printAndKeep(formatYaml(fitted), output);
   for (const auto& [key, value] : fitted) {
     for (const auto& [given_key, before] : given) {
       const double *const was = std::get_if<double>(&before), *const is = std::get_if<double>(&value);
@@ -43,6 +48,9 @@ void printChanges(const std::string& name, const ParameterList& given, const Par
         std::cerr << name << ": " << key << ": " << *was << " -> " << *is << '\n';
     }
   }
+  reportVerdict(name, verdict,
+                "judge it on other runs: evaluate_fail_aware --parameters " +
+                    (output.empty() ? "FILE (--output FILE keeps it)" : output));
 }
 
 namespace {

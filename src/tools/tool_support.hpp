@@ -30,8 +30,10 @@ std::string callOf(const std::string& tool);
 /// The two lines that close a run, on stderr: "NAME: VERDICT" and "NAME: next: NEXT".
 void reportVerdict(const std::string& name, const std::string& verdict, const std::string& next);
 
-/// A line on stderr for each number of `fitted` that is another one now: "NAME: KEY: OLD -> NEW". The old ones are in `given`.
-void printChanges(const std::string& name, const ParameterList& given, const ParameterList& fitted);
+/// Ends a calibration. Writes `fitted` as yaml to stdout and, if `output` is not empty, to that file. On stderr: a line
+/// "NAME: KEY: OLD -> NEW" for each number that differs from `given`, then `verdict` and what to do next.
+void reportFitted(const std::string& name, const ParameterList& given, const ParameterList& fitted,
+                  const std::string& output, const std::string& verdict);
 
 /// Runs `work` (returns an exit code) and turns exceptions into a line and an exit code.
 template <class Work>

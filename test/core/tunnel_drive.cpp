@@ -106,7 +106,7 @@ TEST(Tunnel, BegunInsideTheReliefOfTheRoadTellsTheSpeed) {
 
 TEST(Tunnel, AfterAResetTheSameSweepsGiveTheSameBits) {
   Tunnel tunnel;
-  tunnel.profile_m = 0.02;  // the road tells the speed
+  tunnel.profile_m = 0.02;  // the odometry takes the speed from the road
   OdometryPipeline fresh(tunnelParameters(), 1), reset(tunnelParameters(), 1);
   for (int i = 0; i < 3; ++i) {
     Sweep sweep = tunnel.scan(20.0, 12.0, i * kPeriod_s, static_cast<std::uint32_t>(i));

@@ -53,7 +53,7 @@ class SweepCheck {
 
   SweepFindings check(const Sweep& sweep);
   void reset() { *this = SweepCheck(params_); }
-  /// Of the last drive only the stamp stays: a first sweep long after it, or before it, is told.
+  /// Forgets all but the last stamp: a first sweep that comes long after it, or before it, still gives time_jump.
   void beginDrive() {
     const std::optional<double> stamp_s = last_stamp_s_;
     reset();
