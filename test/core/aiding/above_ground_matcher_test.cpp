@@ -81,6 +81,22 @@ Points joined(Points a, const Points& b) {
   return a;
 }
 
+/// The sides of round posts that face a sensor at `T_odom_cog`, as seen from there.
+Points nearSidesSeenAt(const Pose& T_odom_cog) {
+  constexpr double kRadius_m = 0.06;
+  Points points;
+  for (double x = -40.0; x <= 60.0; x += 10.0) {
+    for (const double y : {-5.0, 5.0}) {
+      const double towards_rad = std::atan2(T_odom_cog.translation().y() - y, T_odom_cog.translation().x() - x);
+      for (const double across : {-0.6, 0.0, 0.6}) {
+        const double angle_rad = towards_rad + std::asin(across);
+        addPost(x + kRadius_m * std::cos(angle_rad), y + kRadius_m * std::sin(angle_rad), points);
+      }
+    }
+  }
+  return seenAt(T_odom_cog, points);
+}
+
 TEST(AboveGroundPoints, OnASlopeAPostStandsAndTheGroundDoesNot) {
   Points points;
   for (int x = -200; x <= 200; ++x) {
@@ -213,6 +229,21 @@ TEST(AboveGroundMatcher, PlanesOfARoomOrAWallTellAndThoseOfAFieldDoNot) {
   EXPECT_GT(ratioIn(road), 0.2) << "across the road";
   EXPECT_LT(ratioIn(field), 0.001);
   EXPECT_EQ(match.ratioOfPlanes(posts(), VoxelMap(), Pose::Identity(), 0.01), 0.0);
+}
+
+TEST(AboveGroundMatcher, NearSidesOfPostsDoNotShortenTheWay) {
+  AboveGroundMatcher::Params params = anyRatio();
+  params.min_contrast = 0.0;
+  double sum_m = 0.0;
+  constexpr int kWays = 10;
+  for (int i = 1; i <= kWays; ++i) {
+    const Pose T_odom_cog = planarPose(1.0 * i, 0.0, 0.0);
+    const auto found =
+        matchAgainst(nearSidesSeenAt(Pose::Identity()), params).find(nearSidesSeenAt(T_odom_cog), T_odom_cog);
+    ASSERT_TRUE(found);
+    sum_m += found->T_odom_cog.translation().x() / T_odom_cog.translation().x() - 1.0;
+  }
+  EXPECT_NEAR(sum_m / kWays, 0.0, 4e-4);  // -6e-4 without allowing for it
 }
 
 }  // namespace
