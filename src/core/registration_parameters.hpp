@@ -7,7 +7,7 @@
 #include "core/initial_guess/initial_guess.hpp"
 #include "core/initial_guess/motion_initialization.hpp"
 #include "core/initial_guess/relocalization.hpp"
-#include "core/map/reference_map.hpp"
+#include "core/map/local_map.hpp"
 #include "core/preprocessing/registration_cloud.hpp"
 #include "core/registration/beam_bias_estimator.hpp"
 #include "core/registration/corner_svd/corner_alignment.hpp"
@@ -28,7 +28,7 @@ struct RegistrationParameters {
   /// none; never if it came compensated).
   bool refine_deskew = true;
   RegistrationCloudBuilder::Params cloud;
-  ReferenceMap::Params reference;
+  LocalMap::Params reference;
   MotionInitialization::Params initialization;
   RoadProfileOdometry::Params road_profile;
   Relocalization::Params relocalization;

@@ -4,20 +4,35 @@
 // The map belongs to one odom frame (FilterState::odom_reset_count counts the resets of odom); after a reset of odom
 // the map starts empty. FilterState::map_update decides which sweeps are inserted; an empty map takes any sweep. While
 // the map holds only its first sweep, that sweep can be deskewed again when the first motion is found
-// (motion_initialization.hpp).
+// (motion_initialization.hpp). `sweeps` = 1 is the article's registration of consecutive sweeps; 0 keeps everything within
+// `range_m`.
 // Frames: points in the frame of the centre of gravity; poses in odom.
-// Cost: that of reference_map.hpp, and one copy of the first sweep.
+// Cost: one insertion (voxel_map.hpp) a sweep, and one copy of the first sweep.
 #pragma once
 
 #include "core/map/above_ground_reference.hpp"
-#include "core/map/reference_map.hpp"
+#include "core/map/voxel_map.hpp"
+#include "core/parameters/check.hpp"
 #include "core/preprocessing/registration_cloud.hpp"
 
 namespace fail_aware {
 
 class LocalMap {
  public:
-  LocalMap(const ReferenceMap::Params& map, const AboveGroundReference::Params& above_ground);
+  struct Params {
+    int sweeps = 0;
+    double range_m = 100.0;
+    VoxelMap::Params voxels;
+
+    template <class Self, class Visitor>
+    static void visit(Self& self, Visitor&& v) {
+      v("sweeps", self.sweeps, within(0, 1));
+      v("range_m", self.range_m, within(0.1, 2000.0));
+      v("voxels", self.voxels);
+    }
+  };
+
+  LocalMap(const Params& params, const AboveGroundReference::Params& above_ground);
 
   /// True: odom was reset and the map was cleared.
   bool enterOdom(int odom_reset_count);
@@ -25,7 +40,7 @@ class LocalMap {
   /// Empties the map for a restart; the next sweep becomes the first one.
   void clear();
   /// Empties the map but keeps the above-ground points.
-  void clearPoints() { reference_.clear(); }
+  void clearPoints();
 
   /// Inserts a sweep at its estimate. keep_above_ground: also keep its above-ground points, if they are due.
   void insert(const RegistrationCloud& cloud, const Pose& T_odom_cog, double time_s, bool keep_above_ground);
@@ -37,8 +52,8 @@ class LocalMap {
   /// For a new drive; the reset count of odom is kept.
   void reset();
 
-  bool empty() const { return map().empty(); }
-  const VoxelMap& map() const { return reference_.map(); }
+  bool empty() const { return map_.empty(); }
+  const VoxelMap& map() const { return map_; }
   const AboveGroundReference& aboveGround() const { return above_ground_; }
 
   struct Sweep {
@@ -51,7 +66,11 @@ class LocalMap {
   const Sweep& newest() const { return newest_; }
 
  private:
-  ReferenceMap reference_;
+  void add(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T_odom_cog);
+
+  Params params_;
+  VoxelMap map_;
+  Eigen::Vector3d trimmed_at_odom_ = Eigen::Vector3d::Zero();
   AboveGroundReference above_ground_;
   RegistrationCloud first_cloud_;
   Pose T_odom_cog_first_ = Pose::Identity();

@@ -28,7 +28,7 @@ InitialGuess drivingGuess() {
 TEST(OpenCountryAid, InARoomThereIsNone) {
   const AboveGroundMatcher::Params params;
   OpenCountryAid aid(params, IcpPointToPlane::Params());
-  LocalMap map(ReferenceMap::Params(), params.reference);
+  LocalMap map(LocalMap::Params(), params.reference);
   RegistrationScan scan;
   scan.cloud.map_points_cog = seenFrom(sampleScene(room(), 40.0, 0.01, 1), Pose::Identity());
   scan.cloud.plane_points_cog = scan.cloud.map_points_cog;
