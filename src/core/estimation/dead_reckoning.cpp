@@ -73,7 +73,7 @@ double DeadReckoning::yawAcceleration_rad_s2(double speed_mps) const {
   return params_.yaw_acceleration_rad_s2 * slowness * slowness;
 }
 
-DeadReckoning::Motion DeadReckoning::predict(const Motion& before, double dt_s) {
+MotionDerivatives DeadReckoning::predict(const MotionDerivatives& before, double dt_s) {
   const double kept = std::exp(-dt_s / params_.acceleration_time_s);
   Matrix6d F = Matrix6d::Identity();
   F.topRightCorner<3, 3>().diagonal().setConstant(dt_s);
@@ -86,18 +86,18 @@ DeadReckoning::Motion DeadReckoning::predict(const Motion& before, double dt_s) 
   Eigen::Matrix2d F_yaw;
   F_yaw << 1.0, dt_s, 0.0, yaw_kept;
   S_yaw_ = (F_yaw * S_yaw_ * F_yaw.transpose()).eval();
-  const double yaw_acceleration = yawAcceleration_rad_s2(before.velocity_mps.norm());
+  const double yaw_acceleration = yawAcceleration_rad_s2(before.velocity_body_mps.norm());
   S_yaw_(1, 1) += (1.0 - yaw_kept * yaw_kept) * yaw_acceleration * yaw_acceleration;
 
-  Motion motion;
-  motion.velocity_mps = before.velocity_mps + dt_s * before.acceleration_mps2;
-  motion.acceleration_mps2 = kept * before.acceleration_mps2;
-  motion.yaw_rate_rad_s = before.yaw_rate_rad_s + dt_s * before.yaw_acceleration_rad_s2;
-  motion.yaw_acceleration_rad_s2 = yaw_kept * before.yaw_acceleration_rad_s2;
+  MotionDerivatives motion = before;
+  motion.velocity_body_mps += dt_s * before.acceleration_body_mps2;
+  motion.acceleration_body_mps2 *= kept;
+  motion.rpy_rates_rad_s.z() += dt_s * before.rpy_accelerations_rad_s2.z();
+  motion.rpy_accelerations_rad_s2.z() *= yaw_kept;
   return motion;
 }
 
-void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motion& motion) {
+void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, MotionDerivatives& motion) {
   const double max_sigma_m = largestSigma(params_.max_measured_sigma_m, dt_s);
   // along R's eigenvectors, so that unobserved directions can be left out completely
   const auto eigen = symmetricEigen(measured.R);
@@ -111,31 +111,31 @@ void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, Motio
     const bool from_map = variance <= params_.observed_sigma_m * params_.observed_sigma_m;
     const double previous = from_map ? axis.head<3>().dot(measured.P_previous * axis.head<3>()) : variance;
     const Vector6d gain = S_axis / (axis.dot(S_axis) + (variance + std::max(variance, previous)) / (dt_s * dt_s));
-    const double innovation = axis.head<3>().dot(measured.velocity_mps - motion.velocity_mps);
-    motion.velocity_mps += innovation * gain.head<3>();
-    motion.acceleration_mps2 += innovation * gain.tail<3>();
+    const double innovation = axis.head<3>().dot(measured.velocity_mps - motion.velocity_body_mps);
+    motion.velocity_body_mps += innovation * gain.head<3>();
+    motion.acceleration_body_mps2 += innovation * gain.tail<3>();
     S_ -= (gain * S_axis.transpose()).eval();
     S_ = symmetric(S_);
     kept_ *= std::clamp(1.0 - gain[0] * axis[0], 0.0, 1.0);
   }
 }
 
-void DeadReckoning::correctYawRate(const Measured& measured, double dt_s, Motion& motion) {
+void DeadReckoning::correctYawRate(const Measured& measured, double dt_s, MotionDerivatives& motion) {
   const double max_sigma_rad = largestSigma(params_.max_measured_sigma_deg * kDegree, dt_s);
   if (std::sqrt(measured.yaw_variance) > max_sigma_rad) return;
   const Eigen::Vector2d S_rate = S_yaw_.col(0);
   const Eigen::Vector2d gain = S_rate / (S_rate[0] + 2.0 * measured.yaw_variance / (dt_s * dt_s));
-  const double innovation = measured.yaw_rate_rad_s - motion.yaw_rate_rad_s;
-  motion.yaw_rate_rad_s += innovation * gain[0];
-  motion.yaw_acceleration_rad_s2 += innovation * gain[1];
+  const double innovation = measured.yaw_rate_rad_s - motion.rpy_rates_rad_s.z();
+  motion.rpy_rates_rad_s.z() += innovation * gain[0];
+  motion.rpy_accelerations_rad_s2.z() += innovation * gain[1];
   S_yaw_ -= gain * S_rate.transpose();
 }
 
-DeadReckoning::Motion DeadReckoning::filter(const Motion& before, double dt_s, const Measured* measured) {
+MotionDerivatives DeadReckoning::filter(const MotionDerivatives& before, double dt_s, const Measured* measured) {
   kept_ = active_ ? 1.0 : 0.0;
   active_ = measured == nullptr || !isObservedWith(*measured);
   observed_in_a_row_ = measured && observes(*measured) ? observed_in_a_row_ + 1 : 0;
-  Motion motion = predict(before, dt_s);
+  MotionDerivatives motion = predict(before, dt_s);
   if (measured) {
     correctVelocity(*measured, dt_s, motion);
     correctYawRate(*measured, dt_s, motion);

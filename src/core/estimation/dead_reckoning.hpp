@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 
+#include "core/estimation/vehicle/motion_derivatives.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/parameters/check.hpp"
 #include "core/types/speed_error.hpp"
@@ -55,13 +56,6 @@ class DeadReckoning {
     }
   };
 
-  struct Motion {
-    Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
-    Eigen::Vector3d acceleration_mps2 = Eigen::Vector3d::Zero();
-    double yaw_rate_rad_s = 0.0;
-    double yaw_acceleration_rad_s2 = 0.0;
-  };
-
   /// The motion since the last estimate as one sweep measures it.
   struct Measured {
     Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
@@ -90,8 +84,9 @@ class DeadReckoning {
   /// From the first sweep that is not observed until `observed_sweeps` consecutive observed ones.
   bool active() const { return active_; }
 
-  /// Finishes a sweep, or one without a measurement (null). `before`: at the last sweep; returns the motion now.
-  Motion filter(const Motion& before, double dt_s, const Measured* measured);
+  /// Finishes a sweep, or one without a measurement (null). `before`: at the last sweep; returns the motion now (roll and
+  /// pitch turn as before).
+  MotionDerivatives filter(const MotionDerivatives& before, double dt_s, const Measured* measured);
 
   /// Covariance that the uncertain motion adds to the next increment (x y z, m^2; yaw, rad^2). Zero unless active.
   Eigen::Matrix4d incrementCovariance(double dt_s) const;
@@ -108,10 +103,10 @@ class DeadReckoning {
 
  private:
   double yawAcceleration_rad_s2(double speed_mps) const;
-  Motion predict(const Motion& before, double dt_s);
+  MotionDerivatives predict(const MotionDerivatives& before, double dt_s);
   bool isObservedWith(const Measured& measured) const;
-  void correctVelocity(const Measured& measured, double dt_s, Motion& motion);
-  void correctYawRate(const Measured& measured, double dt_s, Motion& motion);
+  void correctVelocity(const Measured& measured, double dt_s, MotionDerivatives& motion);
+  void correctYawRate(const Measured& measured, double dt_s, MotionDerivatives& motion);
 
   Params params_;
   Matrix6d S_ = Matrix6d::Zero();                    ///< of (velocity, acceleration)

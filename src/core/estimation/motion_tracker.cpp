@@ -108,18 +108,16 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
 
 void MotionTracker::filterVelocity(const MotionDerivatives& last, double dt_s,
                                    const DeadReckoning::Measured* measured) {
-  DeadReckoning::Motion before;
-  before.velocity_mps = last.velocity_body_mps;
-  before.yaw_rate_rad_s = last.rpy_rates_rad_s.z();
-  if (measured) {
-    before.acceleration_mps2 = last.acceleration_body_mps2;
-    before.yaw_acceleration_rad_s2 = last.rpy_accelerations_rad_s2.z();
+  MotionDerivatives before = last;
+  if (!measured) {
+    before.acceleration_body_mps2.setZero();
+    before.rpy_accelerations_rad_s2.setZero();
   }
-  const DeadReckoning::Motion motion = dead_reckoning_.filter(before, dt_s, measured);
-  motion_.velocity_body_mps = motion.velocity_mps;
-  motion_.acceleration_body_mps2 = motion.acceleration_mps2;
-  motion_.rpy_rates_rad_s.z() = motion.yaw_rate_rad_s;
-  motion_.rpy_accelerations_rad_s2.z() = motion.yaw_acceleration_rad_s2;
+  const MotionDerivatives motion = dead_reckoning_.filter(before, dt_s, measured);
+  motion_.velocity_body_mps = motion.velocity_body_mps;
+  motion_.acceleration_body_mps2 = motion.acceleration_body_mps2;
+  motion_.rpy_rates_rad_s.z() = motion.rpy_rates_rad_s.z();
+  motion_.rpy_accelerations_rad_s2.z() = motion.rpy_accelerations_rad_s2.z();
 }
 
 void MotionTracker::blendVelocity(const MotionDerivatives& of_poses, double ratio) {

@@ -28,9 +28,9 @@ DeadReckoning::Measured measured(double speed_mps, double sigma_along_m, double 
   return m;
 }
 
-DeadReckoning::Motion motionOf(double speed_mps) {
-  DeadReckoning::Motion motion;
-  motion.velocity_mps.x() = speed_mps;
+MotionDerivatives motionOf(double speed_mps) {
+  MotionDerivatives motion;
+  motion.velocity_body_mps.x() = speed_mps;
   return motion;
 }
 
@@ -64,12 +64,12 @@ TEST(DeadReckoning, AnObservedButUnsureSpeedIsFilteredAndNotDeadReckoned) {
   EXPECT_EQ(dead_reckoning.sureness(unsure), 0.0);
   EXPECT_NEAR(dead_reckoning.sureness(measured(14.0, 0.03)), 0.5, 1e-9);
   EXPECT_EQ(dead_reckoning.sureness(measured(14.0, 0.01)), 1.0);
-  const DeadReckoning::Motion motion = dead_reckoning.filter(motionOf(10.0), kDt_s, &unsure);
+  const MotionDerivatives motion = dead_reckoning.filter(motionOf(10.0), kDt_s, &unsure);
   EXPECT_FALSE(dead_reckoning.active());
   EXPECT_EQ(dead_reckoning.speedError().variance_m2_s2, 0.0);
   EXPECT_TRUE(dead_reckoning.incrementCovariance(kDt_s).isZero());
-  EXPECT_GT(motion.velocity_mps.x(), 10.01);
-  EXPECT_LT(motion.velocity_mps.x(), 10.5) << "of 4 m/s in a tenth of a second";
+  EXPECT_GT(motion.velocity_body_mps.x(), 10.01);
+  EXPECT_LT(motion.velocity_body_mps.x(), 10.5) << "of 4 m/s in a tenth of a second";
 
   const DeadReckoning::Measured useless = measured(14.0, 3.0);
   dead_reckoning.filter(motionOf(10.0), kDt_s, &useless);
@@ -96,11 +96,11 @@ TEST(DeadReckoning, KeepsTheSpeedThatNothingObserves) {
   DeadReckoning dead_reckoning = lastObserved();
   EXPECT_FALSE(dead_reckoning.active());
   EXPECT_TRUE(dead_reckoning.incrementCovariance(kDt_s).isZero());
-  DeadReckoning::Motion motion = motionOf(10.0);
+  MotionDerivatives motion = motionOf(10.0);
   const DeadReckoning::Measured stands = measured(0.0, 30.0);
   for (int i = 0; i < 200; ++i) {
     motion = dead_reckoning.filter(motion, kDt_s, i % 2 == 0 ? &stands : nullptr);
-    ASSERT_NEAR(motion.velocity_mps.x(), 10.0, 1e-9) << i;
+    ASSERT_NEAR(motion.velocity_body_mps.x(), 10.0, 1e-9) << i;
   }
   EXPECT_TRUE(dead_reckoning.active());
   observe(dead_reckoning, measured(10.0, 0.01));
@@ -126,11 +126,11 @@ TEST(DeadReckoning, OneSurePoseBetweenUnsureOnesDoesNotEndIt) {
 
 TEST(DeadReckoning, AnAccelerationThatNothingObservesDiesOut) {
   DeadReckoning dead_reckoning = lastObserved();
-  DeadReckoning::Motion motion = motionOf(10.0);
-  motion.acceleration_mps2.x() = 1.0;
+  MotionDerivatives motion = motionOf(10.0);
+  motion.acceleration_body_mps2.x() = 1.0;
   for (int i = 0; i < 100; ++i) motion = dead_reckoning.filter(motion, kDt_s, nullptr);
-  EXPECT_NEAR(motion.velocity_mps.x(), 10.0 + 1.5, 0.1) << "acceleration times its correlation time";
-  EXPECT_NEAR(motion.acceleration_mps2.x(), 0.0, 0.01);
+  EXPECT_NEAR(motion.velocity_body_mps.x(), 10.0 + 1.5, 0.1) << "acceleration times its correlation time";
+  EXPECT_NEAR(motion.acceleration_body_mps2.x(), 0.0, 0.01);
 }
 
 TEST(DeadReckoning, WhatTakesBackAPositionsErrorIsNoSpeed) {
@@ -141,7 +141,7 @@ TEST(DeadReckoning, WhatTakesBackAPositionsErrorIsNoSpeed) {
     DeadReckoning dead_reckoning = after_a_second;
     DeadReckoning::Measured found = measured(11.0, sigma_m);  // 0.1 m ahead of what was predicted
     found.P_previous(0, 0) = previous_sigma_m * previous_sigma_m;
-    return dead_reckoning.filter(motionOf(10.0), kDt_s, &found).velocity_mps.x();
+    return dead_reckoning.filter(motionOf(10.0), kDt_s, &found).velocity_body_mps.x();
   };
   EXPECT_LT(speedWith(0.1), 10.3);
   EXPECT_GT(speedWith(0.015), 10.6);
@@ -153,30 +153,30 @@ TEST(DeadReckoning, FollowsAnUnsureSpeedThatChanges) {
   DeadReckoning dead_reckoning = lastObserved();
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  DeadReckoning::Motion motion = motionOf(10.0);
+  MotionDerivatives motion = motionOf(10.0);
   const double sigma_m = 0.08;
   for (int i = 1; i <= 80; ++i) {
     const double true_mps = 10.0 + 1.5 * i * kDt_s;
     const DeadReckoning::Measured m = measured(true_mps + std::sqrt(2.0) * sigma_m / kDt_s * normal(random), sigma_m);
     motion = dead_reckoning.filter(motion, kDt_s, &m);
     if (i > 30) {
-      ASSERT_NEAR(motion.velocity_mps.x(), true_mps, 1.5) << i;
+      ASSERT_NEAR(motion.velocity_body_mps.x(), true_mps, 1.5) << i;
     }
   }
   EXPECT_LT(std::sqrt(dead_reckoning.speedError().variance_m2_s2), 0.7);
-  EXPECT_NEAR(motion.acceleration_mps2.x(), 1.5, 0.8);
+  EXPECT_NEAR(motion.acceleration_body_mps2.x(), 1.5, 0.8);
 }
 
 TEST(DeadReckoning, AnUnknownSpeedTakesTheFirstMeasurement) {
   DeadReckoning dead_reckoning{DeadReckoning::Params()};
   dead_reckoning.reset({15.0, 0.0, 0.0}, 0.0);
   const DeadReckoning::Measured nothing = measured(0.0, 3.0), found = measured(20.0, 0.05, 0.0, 0.01);
-  DeadReckoning::Motion motion = motionOf(0.0);
+  MotionDerivatives motion = motionOf(0.0);
   for (int i = 0; i < 50; ++i) motion = dead_reckoning.filter(motion, kDt_s, &nothing);
-  EXPECT_EQ(motion.velocity_mps.x(), 0.0);
+  EXPECT_EQ(motion.velocity_body_mps.x(), 0.0);
   EXPECT_GT(std::sqrt(dead_reckoning.speedError().variance_m2_s2), 15.0) << "not a confident standstill";
   motion = dead_reckoning.filter(motion, kDt_s, &found);
-  EXPECT_NEAR(motion.velocity_mps.x(), 20.0, 0.2);
+  EXPECT_NEAR(motion.velocity_body_mps.x(), 20.0, 0.2);
 }
 
 TEST(DeadReckoning, TheAccumulatedVarianceIsThatOfAContinuedError) {
@@ -220,15 +220,15 @@ TEST(DeadReckoning, AMeasuredSpeedForgetsTheErrorBefore) {
 
 TEST(DeadReckoning, TheYawRateCoastsLikewise) {
   DeadReckoning dead_reckoning = lastObserved();
-  DeadReckoning::Motion motion = motionOf(10.0);
-  motion.yaw_rate_rad_s = 0.2;
+  MotionDerivatives motion = motionOf(10.0);
+  motion.rpy_rates_rad_s.z() = 0.2;
   const DeadReckoning::Measured useless = measured(10.0, 0.01, -3.0, 0.1), unsure = measured(10.0, 0.01, 0.3, 0.005);
   for (int i = 0; i < 20; ++i) {
     motion = dead_reckoning.filter(motion, kDt_s, &useless);
-    ASSERT_NEAR(motion.yaw_rate_rad_s, 0.2, 1e-12);
+    ASSERT_NEAR(motion.rpy_rates_rad_s.z(), 0.2, 1e-12);
   }
   for (int i = 0; i < 100; ++i) motion = dead_reckoning.filter(motion, kDt_s, &unsure);
-  EXPECT_NEAR(motion.yaw_rate_rad_s, 0.3, 0.02);
+  EXPECT_NEAR(motion.rpy_rates_rad_s.z(), 0.3, 0.02);
 }
 
 // Measured turns that come and go are noise at 25 m/s and may be bends at 5 m/s.
@@ -236,11 +236,12 @@ TEST(DeadReckoning, TheFasterTheSlowerItBelievesInATurn) {
   double largest_rad_s[2] = {0.0, 0.0};
   for (const bool fast : {false, true}) {
     DeadReckoning dead_reckoning = lastObserved();
-    DeadReckoning::Motion motion = motionOf(fast ? 25.0 : 5.0);
+    MotionDerivatives motion = motionOf(fast ? 25.0 : 5.0);
     for (int i = 0; i < 100; ++i) {
-      DeadReckoning::Measured turning = measured(motion.velocity_mps.x(), 0.01, i / 10 % 2 == 0 ? 0.3 : -0.3, 0.01);
+      DeadReckoning::Measured turning =
+          measured(motion.velocity_body_mps.x(), 0.01, i / 10 % 2 == 0 ? 0.3 : -0.3, 0.01);
       motion = dead_reckoning.filter(motion, kDt_s, &turning);
-      if (i >= 20) largest_rad_s[fast] = std::max(largest_rad_s[fast], std::abs(motion.yaw_rate_rad_s));
+      if (i >= 20) largest_rad_s[fast] = std::max(largest_rad_s[fast], std::abs(motion.rpy_rates_rad_s.z()));
     }
   }
   EXPECT_GT(largest_rad_s[false], 0.25);
@@ -288,14 +289,14 @@ TEST(DeadReckoning, AMeanOverAGapDoesNotObserveTheMotion) {
 TEST(DeadReckoning, AMeanOverAGapCorrectsTheMotion) {
   DeadReckoning dead_reckoning{DeadReckoning::Params()};
   dead_reckoning.reset(Eigen::Vector3d::Constant(0.1), 0.01);
-  DeadReckoning::Motion before;
-  before.velocity_mps.x() = 5.0;
-  before.yaw_rate_rad_s = 0.3;
+  MotionDerivatives before;
+  before.velocity_body_mps.x() = 5.0;
+  before.rpy_rates_rad_s.z() = 0.3;
   DeadReckoning::Measured mean = measured(2.0, 0.01, 0.0, 0.01);
   dead_reckoning.widenForGap(4.0, mean);
-  const DeadReckoning::Motion after = dead_reckoning.filter(before, 4.0, &mean);
-  EXPECT_LT(after.velocity_mps.x(), 3.5);
-  EXPECT_LT(after.yaw_rate_rad_s, 0.2);
+  const MotionDerivatives after = dead_reckoning.filter(before, 4.0, &mean);
+  EXPECT_LT(after.velocity_body_mps.x(), 3.5);
+  EXPECT_LT(after.rpy_rates_rad_s.z(), 0.2);
 }
 
 TEST(DeadReckoning, ErrorsOfAGapOfSecondsGoOn) {
