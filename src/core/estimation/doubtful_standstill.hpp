@@ -13,7 +13,8 @@
 
 namespace fail_aware {
 
-inline bool isDoubtfulStandstill(const std::vector<FusionInput>& inputs) {
+/// Leaves the corners out while the ICPs doubt the standstill.
+inline void leaveOutCornersOfConvoys(std::vector<FusionInput>& inputs) {
   const auto isAnIcp = [](const FusionInput& input) {
     return input.isOfAnIcp() && input.measurement != nullptr && input.measurement->ok();
   };
@@ -21,12 +22,7 @@ inline bool isDoubtfulStandstill(const std::vector<FusionInput>& inputs) {
     return !isAnIcp(input) ||
            (input.measurement->min_information_ratio == 0.0 && input.measurement->degenerate_directions > 0);
   };
-  return std::any_of(inputs.begin(), inputs.end(), isAnIcp) && std::all_of(inputs.begin(), inputs.end(), isOpen);
-}
-
-/// Then the corners are left out.
-inline void leaveOutCornersOfConvoys(std::vector<FusionInput>& inputs) {
-  if (!isDoubtfulStandstill(inputs)) return;
+  if (std::none_of(inputs.begin(), inputs.end(), isAnIcp) || !std::all_of(inputs.begin(), inputs.end(), isOpen)) return;
   for (FusionInput& input : inputs) {
     if (input.name == kCornerSvd) input.measurement = nullptr;
   }

@@ -7,7 +7,6 @@
 #include "core/estimation/largest_values.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
-#include "core/geometry/rotation.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
@@ -175,7 +174,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   if ((any_inside || result.prediction_overruled) && !params_.literal) fuseByInformation(candidates, &result);
   result.R_map = result.R;
   if (result.has_measurement) addPartial(partial, predicted_state, P, &result);
-  for (int i = 3; i < 6; ++i) result.z[i] = wrapAngle(result.z[i]);
+  result.z = wrapAngles(result.z);
   judgeDisagreement(candidates, params_.agreement_distance_m, &result);
   return result;
 }

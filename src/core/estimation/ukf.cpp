@@ -38,14 +38,14 @@ bool Ukf::reset(const Vector6d& state, const Matrix6d& covariance) {
 
 bool Ukf::predict(const Model& model, const Matrix6d& Q) {
   if (!isCovariance(Q)) return false;
-  SigmaPoints points = sigmaPoints(state_, covariance_, weights_);
+  SigmaPoints points = sigmaPoints(state_, covariance_);
   for (Vector6d& point : points) {
     point = model(point);
     if (!point.allFinite()) return false;
   }
   Vector6d mean;
   Matrix6d covariance;
-  unscentedMoments(points, weights_, mean, covariance);
+  unscentedMoments(points, mean, covariance);
   // strongly curved models can make the weighted sum indefinite; it is repaired before Q is added
   covariance = floored(covariance, 0.0) + symmetric(Q);
   if (!mean.allFinite() || !covariance.allFinite()) return false;

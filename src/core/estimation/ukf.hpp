@@ -37,7 +37,6 @@ class Ukf {
   double nis() const { return nis_; }
 
  private:
-  UnscentedWeights weights_ = unscentedWeights();
   Vector6d state_ = Vector6d::Zero();
   Matrix6d covariance_ = kMinSigma * kMinSigma * Matrix6d::Identity();
   double nis_ = 0.0;

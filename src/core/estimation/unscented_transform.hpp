@@ -14,25 +14,13 @@
 
 namespace fail_aware {
 
-struct UnscentedWeights {
-  double spread = 0.0;  ///< sqrt(N + lambda)
-  double mean_centre = 0.0;
-  double covariance_centre = 0.0;
-  double other = 0.0;  ///< weight of every other point, in mean and covariance
-};
-
-UnscentedWeights unscentedWeights();
-
-/// Of states (x, y, z, roll, pitch, yaw): the last three wrap. Its counterpart: stateDifference().
-Vector6d stateSum(const Vector6d& a, const Vector6d& step);
-
 /// Symmetric S with S S = C (C symmetric; eigenvalues below 0 count as 0).
 Matrix6d symmetricSquareRoot(const Matrix6d& C);
 
 /// Point 0 is the mean, 1..N the positive side, N+1..2N the negative side.
 using SigmaPoints = std::array<Vector6d, 13>;
-SigmaPoints sigmaPoints(const Vector6d& mean, const Matrix6d& covariance, const UnscentedWeights& weights);
+SigmaPoints sigmaPoints(const Vector6d& mean, const Matrix6d& covariance);
 
-void unscentedMoments(const SigmaPoints& points, const UnscentedWeights& weights, Vector6d& mean, Matrix6d& covariance);
+void unscentedMoments(const SigmaPoints& points, Vector6d& mean, Matrix6d& covariance);
 
 }  // namespace fail_aware

@@ -58,11 +58,14 @@ Vector6d vectorFromPose(const Pose& T) {
   return v;
 }
 
-Vector6d stateDifference(const Vector6d& a, const Vector6d& b) {
-  Vector6d d = a - b;
-  for (int i = 3; i < 6; ++i) d[i] = wrapAngle(d[i]);
-  return d;
+Vector6d wrapAngles(const Vector6d& state) {
+  Vector6d wrapped = state;
+  for (int i = 3; i < 6; ++i) wrapped[i] = wrapAngle(state[i]);
+  return wrapped;
 }
+
+Vector6d stateSum(const Vector6d& a, const Vector6d& b) { return wrapAngles(a + b); }
+Vector6d stateDifference(const Vector6d& a, const Vector6d& b) { return wrapAngles(a - b); }
 
 Matrix6d poseFromStateJacobian(const Eigen::Vector3d& rpy_rad) {
   Matrix6d J = Matrix6d::Identity();

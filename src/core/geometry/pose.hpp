@@ -23,7 +23,9 @@ Vector6d logSe3(const Pose& T);
 Pose poseFromVector(const Vector6d& x_y_z_roll_pitch_yaw);
 Vector6d vectorFromPose(const Pose& T);
 
-/// Difference of two state vectors, angles wrapped: a - b.
+/// The state vector with its angles wrapped; sum and difference of state vectors, likewise.
+Vector6d wrapAngles(const Vector6d& state);
+Vector6d stateSum(const Vector6d& a, const Vector6d& b);
 Vector6d stateDifference(const Vector6d& a, const Vector6d& b);
 
 /// J with (dt, dr about fixed axes) = J d(x, y, z, roll, pitch, yaw), at the given angles.

@@ -52,9 +52,7 @@ LateralState VehicleModel::lateralState(const MotionDerivatives& motion) const {
 Vector6d VehicleModel::predict(const Vector6d& state, const MotionDerivatives& motion, double dt_s,
                                const RoadPlane& road) const {
   if (!motion.valid || !(dt_s > 0.0)) return state;
-  Vector6d after = params_.literal ? predictLiteral(state, motion, dt_s) : predictMended(state, motion, dt_s, road);
-  for (int i = 3; i < 6; ++i) after[i] = wrapAngle(after[i]);
-  return after;
+  return wrapAngles(params_.literal ? predictLiteral(state, motion, dt_s) : predictMended(state, motion, dt_s, road));
 }
 
 Vector6d VehicleModel::predictLiteral(const Vector6d& state, const MotionDerivatives& motion, double dt_s) const {
