@@ -121,7 +121,8 @@ void findPlane(benchmark::State& state) {
   const std::vector<Eigen::Vector3f>& points = scene().cloud.plane_points_cog;
   for (auto _ : state) {
     const Eigen::Vector3d query = scene().T_odom_cog_guess * points[i].cast<double>();
-    benchmark::DoNotOptimize(scene().map.findPlane(query, match));
+    VoxelMap::Neighborhood neighborhood;
+    benchmark::DoNotOptimize(scene().map.findPlane(query, match, neighborhood));
     i = (i + 1) % points.size();
   }
 }

@@ -179,11 +179,6 @@ std::uint32_t VoxelMap::lookUp(std::uint32_t place, Neighborhood& neighborhood) 
   return voxel;
 }
 
-bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const {
-  Neighborhood neighborhood;
-  return findPlane(query_odom, match, neighborhood);
-}
-
 bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, Neighborhood& neighborhood) const {
   const Eigen::Vector3d scaled = query_odom * inverse_size_;
   if (!isInReach(scaled)) return false;
@@ -195,14 +190,7 @@ bool VoxelMap::findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, N
     const PlanePatch& plane = planes_[i];
     if (plane.samples <= 0.0f) return false;
     const Eigen::Vector3f offset = (query_odom - centreOf(neighborhood.at(place))).cast<float>() - plane.mean;
-    match.normal = plane.normal;
-    match.distance_m = plane.normal.dot(offset);
-    match.tangential_m = plane.tangent.dot(offset);
-    match.variance = plane.variance;
-    match.normal_variance = plane.normal_variance;
-    match.spread = plane.spread;
-    match.samples = plane.samples;
-    match.voxel = i;
+    match = {&plane, plane.normal.dot(offset), plane.tangent.dot(offset)};
     return true;
   };
   if (consider(own)) return true;

@@ -116,19 +116,13 @@ class VoxelMap {
   }
 
   struct PlaneMatch {
-    float distance_m;        ///< signed, along the normal: n . (query - mean)
-    Eigen::Vector3f normal;  ///< odom axes
-    float variance;          ///< m^2 along the normal
-    float normal_variance;   ///< as in PlanePatch, and so is spread
-    float spread;
-    float tangential_m;  ///< distance of the query from the mean, along PlanePatch::tangent
-    float samples;
-    std::uint32_t voxel;  ///< index, valid until the map changes
+    const PlanePatch* plane;  ///< valid until the map changes
+    float distance_m;         ///< signed, along the normal: n . (query - mean)
+    float tangential_m;       ///< distance of the query from the mean, along PlanePatch::tangent
   };
   /// The plane of the query's own voxel, or, if that has none, of the nearest of the neighbours that share a face
   /// with the query's octant (3 voxels). False when there is none.
   bool findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match, Neighborhood& neighborhood) const;
-  bool findPlane(const Eigen::Vector3d& query_odom, PlaneMatch& match) const;
 
   struct PointMatch {
     Eigen::Vector3f offset_m;  ///< neighbour - query

@@ -103,18 +103,19 @@ class PlanePairs {
       const Eigen::Vector3d arm = positionOf(Eigen::Vector3d(R * q.cast<double>()), i);
       pair.position = arm + t;
       if (!map_.findPlane(pair.position, match, neighborhoods_[k])) continue;
-      if (!(std::abs(match.distance_m) <= max_distance_m) || !filter_.keeps(match.normal)) continue;
+      const PlanePatch& plane = *match.plane;
+      if (!(std::abs(match.distance_m) <= max_distance_m) || !filter_.keeps(plane.normal)) continue;
       const double r = match.distance_m;
-      pair.normal = match.normal.cast<double>();
-      pair.normal_variance = match.normal_variance;
+      pair.normal = plane.normal.cast<double>();
+      pair.normal_variance = plane.normal_variance;
       pair.J << pair.normal, arm.cross(pair.normal);
       pair.residual_m = r;
       pair.kernel_weight = gemanMcClureWeight(r * r, kernel2);
       pair.kernel_curvature = gemanMcClureCurvature(r * r, r * r, kernel2);
-      pair.weight = pair.kernel_weight / (point_variance + match.variance + tiltVariance(match));
+      pair.weight = pair.kernel_weight / (point_variance + plane.variance + tiltVariance(match));
       if (params_.range_weight_m > 0.0) pair.weight *= static_cast<double>(q.norm()) / params_.range_weight_m;
       pair.share = pair.weight;
-      if (filter_.isGround(match.normal)) {
+      if (filter_.isGround(plane.normal)) {
         pair.weight *= params_.ground_weight;
         pair.share *= params_.ground_share;
       }
@@ -128,7 +129,7 @@ class PlanePairs {
   /// known at all. Among the points it does no harm: spread evenly, they reach as far as sqrt(3 spread). A point's distance
   /// from the plane counts by the square of the tilt; the kernel's curvature leaves that out.
   double tiltVariance(const VoxelMap::PlaneMatch& match) const {
-    const double spread = match.spread, tangential_m = match.tangential_m, distance_m = match.distance_m;
+    const double spread = match.plane->spread, tangential_m = match.tangential_m, distance_m = match.distance_m;
     const double beyond = std::max(0.0, tangential_m * tangential_m - 3.0 * spread);
     const double tilt = std::min(1.0, params_.scan_line_sigma_m * params_.scan_line_sigma_m / spread);
     return tilt * beyond + tilt * tilt * distance_m * distance_m;

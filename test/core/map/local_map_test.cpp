@@ -154,7 +154,8 @@ TEST(LocalMap, PlanesOfOneSweepDoNotMixWithTheLast) {
   add(reference, seenFrom(sampleScene(floor, 30.0, 0.0, 1), Pose::Identity()), Pose::Identity());
   add(reference, seenFrom(sampleScene(floor, 30.0, 0.0, 2), Pose::Identity()), poseOf(0.0, 0.0, 0.2, 0.0, 0.0, 0.0));
   VoxelMap::PlaneMatch match;
-  ASSERT_TRUE(reference.map().findPlane(Eigen::Vector3d(0.5, 0.5, kGround_m + 0.2), match));
+  VoxelMap::Neighborhood neighborhood;
+  ASSERT_TRUE(reference.map().findPlane(Eigen::Vector3d(0.5, 0.5, kGround_m + 0.2), match, neighborhood));
   EXPECT_NEAR(match.distance_m, 0.0f, 1e-4f);
 }
 

@@ -117,9 +117,10 @@ TEST(IcpPointToPlane, AStepIsThatOfFiniteDifferences) {
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3d q = point.cast<double>();
     VoxelMap::PlaneMatch match;
-    if (!map.findPlane(T0 * q, match) || std::abs(match.distance_m) > params.max_distance_m) continue;
+    VoxelMap::Neighborhood neighborhood;
+    if (!map.findPlane(T0 * q, match, neighborhood) || std::abs(match.distance_m) > params.max_distance_m) continue;
     ++used;
-    const Eigen::Vector3d n = match.normal.cast<double>();
+    const Eigen::Vector3d n = match.plane->normal.cast<double>();
     const auto residual = [&](const Vector6d& dx) { return match.distance_m + n.dot(applyStep(T0, dx) * q - T0 * q); };
     Vector6d J;
     for (int i = 0; i < 6; ++i) {
@@ -127,7 +128,7 @@ TEST(IcpPointToPlane, AStepIsThatOfFiniteDifferences) {
     }
     const double r = residual(Vector6d::Zero());
     const double kernel = 0.09 / (0.09 + r * r);
-    const double weight = kernel * kernel / (0.03 * 0.03 + match.variance);
+    const double weight = kernel * kernel / (0.03 * 0.03 + match.plane->variance);
     H += weight * J * J.transpose();
     b -= weight * r * J;
   }
