@@ -61,7 +61,7 @@ class CorrectionDiagnosis {
     status.add("sweeps timed by a guess", guessed_.count);
     status.add("sweeps timed as those before", held_);
     status.add("points without a usable time", outliers_);
-    status.add("correction", toString(report_.correction.status));
+    status.add("correction", toString(report_.correction));
   }
 
  private:

@@ -82,41 +82,22 @@ Vector6d lidarTwist(const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, co
   return logSe3((T_odom_cog_begin * T_cog_lidar).inverse() * T_odom_cog_end * T_cog_lidar) / dt_s;
 }
 
-CorrectionResult SweepCorrection::correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
+CorrectionStatus SweepCorrection::correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
                                           const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, double dt_s,
                                           const Pose& T_cog_lidar, CorrectedSweep& out) const {
   const std::vector<float>& times_s = times_relative_to_stamp_s;
-  CorrectionResult result;
   out.stamp_s = sweep.stamp_s;
   out.rings = sweep.rings;
-  if (!params_.enabled || times_s.empty()) {
-    result.status = CorrectionStatus::kOff;
-  } else if (times_s.size() != sweep.size() || !asArray(times_s).allFinite()) {
-    result.status = CorrectionStatus::kBadTimes;
-  } else {
-    result.status = CorrectionStatus::kNoMotion;
-    if (dt_s > 0.0 && std::isfinite(dt_s)) {
-      const Vector6d twist = lidarTwist(T_odom_cog_begin, T_odom_cog_end, T_cog_lidar, dt_s);
-      if (isUsable(twist)) {
-        result.status = CorrectionStatus::kCorrected;
-        result.twist_lidar = twist;
-      }
-    }
-  }
-
-  if (result.corrected()) {
-    out.points_lidar.resize(sweep.size());
-    moveByTwist(sweep.points_lidar.data(), times_s, result.twist_lidar, params_.max_truncation_m,
-                out.points_lidar.data());
-  } else {
-    out.points_lidar = sweep.points_lidar;
-  }
-  if (result.corrected() || result.status == CorrectionStatus::kNoMotion) {
-    out.times_s = times_s;
-  } else {
-    out.times_s.clear();
-  }
-  return result;
+  out.points_lidar = sweep.points_lidar;
+  out.times_s.clear();
+  if (!params_.enabled || times_s.empty()) return CorrectionStatus::kOff;
+  if (times_s.size() != sweep.size() || !asArray(times_s).allFinite()) return CorrectionStatus::kBadTimes;
+  out.times_s = times_s;
+  if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return CorrectionStatus::kNoMotion;
+  const Vector6d twist_lidar = lidarTwist(T_odom_cog_begin, T_odom_cog_end, T_cog_lidar, dt_s);
+  if (!isUsable(twist_lidar)) return CorrectionStatus::kNoMotion;
+  moveByTwist(out.points_lidar.data(), times_s, twist_lidar, params_.max_truncation_m, out.points_lidar.data());
+  return CorrectionStatus::kCorrected;
 }
 
 bool SweepCorrection::redeskew(std::vector<Eigen::Vector3f>& points_lidar,

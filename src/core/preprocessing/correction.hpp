@@ -32,13 +32,6 @@ enum class CorrectionStatus {
 
 const char* toString(CorrectionStatus status);
 
-struct CorrectionResult {
-  CorrectionStatus status = CorrectionStatus::kOff;
-  Vector6d twist_lidar = Vector6d::Zero();  ///< (m/s, rad/s), the motion that was removed
-
-  bool corrected() const { return status == CorrectionStatus::kCorrected; }
-};
-
 struct SweepCorrectionParams {
   bool enabled = true;
   /// truncation error of the power series for a point 200 m away: far below range noise
@@ -62,7 +55,7 @@ class SweepCorrection {
 
   /// `out` holds the sweep's points and rings in the same order, and the given times or none (kOff, kBadTimes). With
   /// kNoMotion the times are kept, so that `redeskew` can remove the motion once it is known.
-  CorrectionResult correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
+  CorrectionStatus correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
                            const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, double dt_s,
                            const Pose& T_cog_lidar, CorrectedSweep& out) const;
 

@@ -22,7 +22,7 @@ namespace fail_aware {
 
 struct SweepCorrectorReport {
   TimingResult timing;
-  CorrectionResult correction;
+  CorrectionStatus correction = CorrectionStatus::kOff;
   /// Middle of the points' times, s relative to the stamp; 0 if nothing was corrected. At this instant the sweep's
   /// place does not depend on the motion that was corrected for.
   double middle_s = 0.0;

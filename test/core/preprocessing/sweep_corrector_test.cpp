@@ -82,14 +82,13 @@ TEST(SweepCorrector, MovesEveryPointToTheStamp) {
     const SweepCorrectorReport report =
         makeCorrector(timingParams(reference)).correct(moving.sweep, predictionAt(3.0, 0.107), kT_cog_lidar, corrected);
     EXPECT_TRUE(report.timing.ok());
-    EXPECT_TRUE(report.correction.corrected());
+    EXPECT_EQ(report.correction, CorrectionStatus::kCorrected);
     EXPECT_EQ(corrected.stamp_s, 3.0);
     ASSERT_EQ(corrected.points_lidar.size(), moving.truth_lidar.size());
     ASSERT_EQ(corrected.times_s.size(), moving.truth_lidar.size());
     EXPECT_NEAR(corrected.times_s.front(), -position * kPeriod_s, 1e-3);
     EXPECT_NEAR(report.middle_s, (0.5 - position) * kPeriod_s, 1e-3);
     EXPECT_LT(worstError(corrected.points_lidar, moving.truth_lidar), 2e-3) << reference;
-    EXPECT_TRUE(report.correction.twist_lidar.isApprox(lidarTwist(cogAt(0.0), cogAt(1.0), kT_cog_lidar, 1.0), 1e-6));
   }
 }
 
@@ -133,7 +132,7 @@ TEST(SweepCorrector, InTheFirstSweepPointsStayAndTimesAreKept) {
   first.stamp_s = 3.0;
   const SweepCorrectorReport report = makeCorrector().correct(moving.sweep, first, kT_cog_lidar, corrected);
   EXPECT_TRUE(report.timing.ok());
-  EXPECT_EQ(report.correction.status, CorrectionStatus::kNoMotion);
+  EXPECT_EQ(report.correction, CorrectionStatus::kNoMotion);
   EXPECT_EQ(report.middle_s, 0.0);
   EXPECT_EQ(corrected.points_lidar, moving.sweep.points_lidar);
   ASSERT_EQ(corrected.times_s.size(), moving.sweep.size());
@@ -164,7 +163,7 @@ TEST(SweepCorrector, LeavesOutThePointsWithoutAUsableTime) {
   const SweepCorrectorReport report =
       makeCorrector(timing).correct(sweep, predictionAt(3.0, 0.1), kT_cog_lidar, corrected);
   EXPECT_EQ(report.timing.outliers, 2u);
-  EXPECT_TRUE(report.correction.corrected());
+  EXPECT_EQ(report.correction, CorrectionStatus::kCorrected);
   ASSERT_EQ(corrected.points_lidar.size(), truth.size());
   EXPECT_LT(worstError(corrected.points_lidar, truth), 2e-3);
   EXPECT_EQ(sweep.size(), truth.size());
@@ -184,7 +183,7 @@ TEST(SweepCorrector, WithoutTimingPointsStay) {
   const SweepCorrectorReport report =
       makeCorrector(timing).correct(moving.sweep, predictionAt(3.0, 0.1), kT_cog_lidar, corrected);
   EXPECT_FALSE(report.timing.ok());
-  EXPECT_EQ(report.correction.status, CorrectionStatus::kOff);
+  EXPECT_EQ(report.correction, CorrectionStatus::kOff);
   EXPECT_EQ(corrected.points_lidar, moving.sweep.points_lidar);
   EXPECT_TRUE(corrected.times_s.empty());
 }
@@ -198,7 +197,7 @@ TEST(SweepCorrector, AnEmptySweepLeavesNothingOfTheOneBefore) {
   empty.stamp_s = 3.1;
   const SweepCorrectorReport report = corrector.correct(empty, predictionAt(3.1, 0.1), kT_cog_lidar, corrected);
   EXPECT_FALSE(report.timing.ok());
-  EXPECT_FALSE(report.correction.corrected());
+  EXPECT_NE(report.correction, CorrectionStatus::kCorrected);
   EXPECT_TRUE(corrected.points_lidar.empty());
   EXPECT_TRUE(corrected.times_s.empty());
   EXPECT_EQ(corrected.stamp_s, 3.1);
