@@ -114,14 +114,6 @@ sensor_msgs::PointCloud2ConstPtr cloudAt(const rosbag::View::iterator& at, std::
   }
 }
 
-ReadStatus toReadStatus(CloudStatus status) {
-  switch (status) {
-    case CloudStatus::kOk: return ReadStatus::kOk;
-    case CloudStatus::kEmpty: return ReadStatus::kNoFinitePoint;
-    default: return ReadStatus::kUnreadable;
-  }
-}
-
 }  // namespace
 
 BagSweepSource::BagSweepSource(const std::vector<std::string>& paths, const std::string& topic) {
@@ -232,7 +224,7 @@ ReadResult BagSweepSource::next(Sweep& sweep) {
   if (!cloud) {
     sweep = Sweep();
     sweep.stamp_s = recorded.toSec() + stamp_minus_recorded_s_;
-    return {ReadStatus::kUnreadable, name() + ": cannot be read: " + reason};
+    return {ReadStatus::kNoPoints, name() + ": cannot be read: " + reason};
   }
   stamp_minus_recorded_s_ = cloud->header.stamp.toSec() - recorded.toSec();
   if (withoutSlash(cloud->header.frame_id) != lidar_frame_) {
@@ -243,7 +235,7 @@ ReadResult BagSweepSource::next(Sweep& sweep) {
   }
   const CloudReadResult read = readCloud(*cloud, sweep);
   if (read.ok()) return {};
-  return {toReadStatus(read.status), name() + ": " + read.reason};
+  return {ReadStatus::kNoPoints, name() + ": " + read.reason};
 }
 
 std::string BagSweepSource::name() const {

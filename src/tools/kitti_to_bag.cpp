@@ -79,9 +79,7 @@ bool isSimulated(const std::string& directory) {
 }
 
 int run(const Options& options) {
-  KittiDirectoryParams params;
-  params.nominal_period_s = options.period_s;
-  const KittiDirectory directory = KittiDirectory::open(options.directory, params);
+  const KittiDirectory directory = KittiDirectory::open(options.directory, options.period_s);
   const long last = options.scans.end(directory.size(), options.directory);
   if (options.point_times && !directory.hasPointTimes()) {
     throw InputError("--point-times: " + options.directory + " has no folder stamps/");

@@ -191,10 +191,8 @@ void keepReturns(const std::vector<char>& bytes, Sweep& sweep) {
 
 }  // namespace
 
-void KittiDirectoryParams::validate() const { requirePositive("nominal_period_s", nominal_period_s); }
-
-KittiDirectory KittiDirectory::open(const std::string& directory, const Params& params) {
-  params.validate();
+KittiDirectory KittiDirectory::open(const std::string& directory, double nominal_period_s) {
+  requirePositive("nominal_period_s", nominal_period_s);
   fs::path root(directory);
   std::error_code error;
   if (!fs::is_directory(root, error)) throw InputError(directory + ": no such directory");
@@ -225,7 +223,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, const Params& 
   } else {
     for (std::size_t i = 0; i < scans.size(); ++i) {
       const double number = static_cast<double>(numbers.empty() ? i : numbers[i]);
-      kitti.stamps_s_.push_back(wholeMicroseconds(number * params.nominal_period_s));
+      kitti.stamps_s_.push_back(wholeMicroseconds(number * nominal_period_s));
     }
   }
   if (fs::is_directory(root / "stamps", error)) kitti.stamps_folder_ = (root / "stamps").string();
@@ -237,15 +235,15 @@ ReadResult KittiDirectory::read(std::size_t i, Sweep& sweep) const {
   sweep.stamp_s = i < size() ? stamps_s_[i] : 0.0;
   clearPoints(sweep);
   if (i >= size()) {
-    return {ReadStatus::kUnreadable, "scan " + std::to_string(i) + ": there are only " + std::to_string(size())};
+    return {ReadStatus::kNoPoints, "scan " + std::to_string(i) + ": there are only " + std::to_string(size())};
   }
 
   const std::string& path = scan_paths_[i];
   std::vector<char> bytes;
-  if (!readBytes(path, bytes)) return {ReadStatus::kUnreadable, path + ": cannot be read"};
-  if (bytes.empty()) return {ReadStatus::kEmpty, path + ": empty file"};
+  if (!readBytes(path, bytes)) return {ReadStatus::kNoPoints, path + ": cannot be read"};
+  if (bytes.empty()) return {ReadStatus::kNoPoints, path + ": empty file"};
   if (bytes.size() % kPointBytes != 0) {
-    return {ReadStatus::kTruncated,
+    return {ReadStatus::kNoPoints,
             path + ": " + std::to_string(bytes.size()) + " bytes is not a multiple of " + std::to_string(kPointBytes)};
   }
 
@@ -259,7 +257,7 @@ ReadResult KittiDirectory::read(std::size_t i, Sweep& sweep) const {
   }
   keepReturns(bytes, sweep);
   if (sweep.empty()) {
-    return {ReadStatus::kNoFinitePoint, path + ": none of " + std::to_string(count) + " points is finite and a return"};
+    return {ReadStatus::kNoPoints, path + ": none of " + std::to_string(count) + " points is finite and a return"};
   }
   return {message.empty() ? ReadStatus::kOk : ReadStatus::kSideFileUnusable, message};
 }

@@ -32,16 +32,10 @@ namespace fail_aware {
 /// A file in the folder of a drive that was not written to its end.
 inline constexpr const char* kKittiUnfinished = "unfinished";
 
-struct KittiDirectoryParams {
-  double nominal_period_s = kUsualPeriod_s;  ///< used without times.txt
-  void validate() const;
-};
-
 class KittiDirectory {
  public:
-  using Params = KittiDirectoryParams;
-
-  static KittiDirectory open(const std::string& directory, const Params& params = Params());
+  /// nominal_period_s: used without times.txt.
+  static KittiDirectory open(const std::string& directory, double nominal_period_s = kUsualPeriod_s);
 
   std::size_t size() const { return scan_paths_.size(); }
   const std::vector<std::string>& scanPaths() const { return scan_paths_; }

@@ -13,11 +13,8 @@ namespace fail_aware {
 enum class ReadStatus {
   kOk,
   kSideFileUnusable,  ///< points are good; point times or rings are missing or of another number, and are left out
-  kUnreadable,
-  kOtherFrame,    ///< of another lidar than the first sweep: no sweep of this drive
-  kTruncated,     ///< the size is not a multiple of a point's size
-  kEmpty,         ///< zero bytes
-  kNoFinitePoint  ///< every point was dropped
+  kOtherFrame,        ///< of another lidar than the first sweep: no sweep of this drive
+  kNoPoints           ///< unreadable, or no point is usable
 };
 
 struct ReadResult {

@@ -74,7 +74,7 @@ TEST_F(KittiWriterTest, EmptySweepsAndSweepsWithoutTimes) {
   const KittiDirectory directory = KittiDirectory::open(folder_.string());
   EXPECT_FALSE(directory.hasPointTimes());
   EXPECT_EQ(directory.read(0, sweep).status, ReadStatus::kOk);
-  EXPECT_EQ(directory.read(1, sweep).status, ReadStatus::kEmpty);
+  EXPECT_EQ(directory.read(1, sweep).status, ReadStatus::kNoPoints);
 }
 
 TEST_F(KittiWriterTest, SweepsWithoutRings) {
