@@ -22,7 +22,6 @@
 #include "core/estimation/stamp_order.hpp"
 #include "core/estimation/sweep_clock.hpp"
 #include "core/pipeline_parameters.hpp"
-#include "core/types/pose_set.hpp"
 
 namespace fail_aware {
 

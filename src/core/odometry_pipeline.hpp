@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/estimation/pose_setting.hpp"
 #include "core/estimation/sweep_clock.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/pipeline_parameters.hpp"
@@ -20,7 +21,6 @@
 #include "core/types/filter_state.hpp"
 #include "core/types/fusion_input.hpp"
 #include "core/types/measurement.hpp"
-#include "core/types/pose_set.hpp"
 #include "core/types/sweep_condition.hpp"
 #include "core/types/timing_result.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"

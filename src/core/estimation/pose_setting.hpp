@@ -16,6 +16,12 @@
 
 namespace fail_aware {
 
+/// The outcome of a pose that was set, in one sweep.
+struct PoseSet {
+  bool done = false;    ///< odom was reset to the new pose
+  std::string refused;  ///< the reason for a refusal; empty: it is done, it waits for a motion, or there was none
+};
+
 class PoseSetting {
  public:
   struct AtEstimate {
