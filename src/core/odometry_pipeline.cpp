@@ -54,8 +54,6 @@ struct OdometryPipeline::Stages {
                   p.profile.vertical_reference),
         estimator(p),
         registration(p.profile.registration, p.sensor.correctedTiming()),
-        icp_point_to_point(p.profile.registration.icp_point_to_point),
-        icp_point_to_plane(p.profile.registration.icp_point_to_plane),
         corner_svd(p.profile.registration.corner_extraction, p.profile.registration.corner_reference,
                    p.profile.registration.corner_alignment),
         monitor(p.profile.monitor),
@@ -89,8 +87,6 @@ struct OdometryPipeline::Stages {
   SweepCorrector corrector;
   Estimator estimator;
   LocalMapRegistration registration;
-  IcpPointToPoint icp_point_to_point;
-  IcpPointToPlane icp_point_to_plane;
   CornerSvd corner_svd;
   FailAwareMonitor monitor;
   tbb::task_arena arena;
@@ -109,9 +105,13 @@ std::vector<OdometryPipeline::Stages::Source> OdometryPipeline::Stages::makeSour
   using Kind = FusionInput::Kind;
   return {
       {kIcpPointToPoint, use.use_icp_point_to_point, Kind::kPose, true,
-       [this](const SweepPrediction&) { return registration.align(icp_point_to_point); }},
+       [this, icp = IcpPointToPoint(use.icp_point_to_point)](const SweepPrediction&) {
+         return registration.align(icp);
+       }},
       {kIcpPointToPlane, use.use_icp_point_to_plane, Kind::kPose, true,
-       [this](const SweepPrediction& p) { return registration.align(icp_point_to_plane, p.sigma_yaw_rad); }},
+       [this, icp = IcpPointToPlane(use.icp_point_to_plane)](const SweepPrediction& p) {
+         return registration.align(icp, p.sigma_yaw_rad);
+       }},
       {kCornerSvd, use.use_corner_svd, Kind::kPose, false,
        [this](const SweepPrediction& p) { return corner_svd.measure(corrected, p, T_cog_lidar); }},
       {kRoadProfile, true, Kind::kMotion, true, [this](const SweepPrediction&) { return registration.roadProfile(); }},
