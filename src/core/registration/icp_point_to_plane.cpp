@@ -7,49 +7,51 @@
 
 namespace fail_aware {
 
+namespace {
+
+NormalEquations linearize(const Pose& T_odom_cog, double kernel_m, PlanePairs& pairs) {
+  NormalEquations equations;
+  pairs.forEach(T_odom_cog, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
+  equations.H = equations.H.selfadjointView<Eigen::Lower>();
+  return equations;
+}
+
+/// The weakest horizontal direction; nullopt where every horizontal direction is well observed.
+std::optional<WeakHorizontal> weakHorizontal(const NormalEquations& equations, const InformationSupport::Params& params,
+                                             const Pose& T_odom_cog, double kernel_m, PlanePairs& pairs) {
+  const Eigen::Matrix2d horizontal = equations.H.topLeftCorner<2, 2>();
+  const Eigen::Vector2d weakest = weakestHorizontal(horizontal);
+  if (!(weakest.dot(horizontal * weakest) < params.below_ratio * equations.weight)) return std::nullopt;
+  InformationSupport support(params);
+  pairs.forEach(T_odom_cog, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) {
+    const double along = weakest.dot(pair.normal.head<2>());
+    support.add(pair.position, pair.weight * along * along, pair.weight * pair.normal_variance);
+  });
+  return WeakHorizontal{weakest, support.countedRatio()};
+}
+
+}  // namespace
+
 Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                                    const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   Measurement result;
   result.T_odom_cog = T_odom_cog_predicted;
   if (map.empty()) return result;
   PlanePairs pairs(params_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad);
-  const auto linearize = [&](const Pose& T, double kernel_m, const Eigen::Vector2d* direction,
-                             InformationSupport* support) {
-    NormalEquations equations;
-    pairs.forEach(T, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) {
-      pair.addTo(equations);
-      if (!support) return;
-      const double along = direction->dot(pair.normal.head<2>());
-      support->add(pair.position, pair.weight * along * along, pair.weight * pair.normal_variance);
-    });
-    equations.H = equations.H.selfadjointView<Eigen::Lower>();
-    return equations;
-  };
-
   Pose T = T_odom_cog_predicted;
   NormalEquations equations;
   bool converged = false;
   Vector6d step = Vector6d::Zero();
   double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
-  std::optional<Eigen::Vector2d> weak_direction;
-  double counted_ratio = 1.0;
+  std::optional<WeakHorizontal> weak;
   for (result.iterations = 1; result.iterations <= params_.max_iterations; ++result.iterations) {
-    equations = linearize(T, kernel_m, nullptr, nullptr);
+    equations = linearize(T, kernel_m, pairs);
     if (static_cast<int>(equations.inliers) < params_.min_inliers) {
       result.status = MeasurementStatus::kTooFewPoints;
       return result;
     }
-    if (result.iterations == 1) {
-      const Eigen::Matrix2d horizontal = equations.H.topLeftCorner<2, 2>();
-      const Eigen::Vector2d weakest = weakestHorizontal(horizontal);
-      if (weakest.dot(horizontal * weakest) < params_.support.below_ratio * equations.weight) {
-        InformationSupport support(params_.support);
-        linearize(T, kernel_m, &weakest, &support);
-        weak_direction = weakest;
-        counted_ratio = support.countedRatio();
-      }
-    }
-    if (weak_direction) discount(equations, *weak_direction, counted_ratio);
+    if (result.iterations == 1) weak = weakHorizontal(equations, params_.support, T, kernel_m, pairs);
+    if (weak) discount(equations, weak->direction, weak->counted_ratio);
     const Solution solution = solveObserved(equations, params_.observability);
     result.degenerate_directions = solution.degenerate_directions;
     result.min_information_ratio = solution.min_horizontal_ratio;

@@ -113,7 +113,7 @@ class IcpPointToPoint {
                     std::vector<SeedTrack>* tracks = nullptr) const;
 
  private:
-  using Weak = std::optional<PointPairs::WeakHorizontal>;
+  using Weak = std::optional<WeakHorizontal>;
 
   /// The result of a descent on all points.
   struct Refined {

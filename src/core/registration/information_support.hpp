@@ -48,6 +48,12 @@ class InformationSupport {
   std::unordered_map<VoxelKey, Place, VoxelHash> places_;
 };
 
+/// A horizontal direction (unit vector in odom) along which only a part of the information counts.
+struct WeakHorizontal {
+  Eigen::Vector2d direction;
+  double counted_ratio;
+};
+
 /// The horizontal direction with the least information, a unit vector in odom.
 Eigen::Vector2d weakestHorizontal(const Eigen::Matrix2d& information);
 

@@ -47,62 +47,45 @@ struct PairSums {
   }
 };
 
-}  // namespace
-
-NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog, double kernel_m,
-                                      Neighborhoods& neighborhoods) const {
-  const Eigen::Matrix3d R = T_odom_cog.linear();
-  const Eigen::Vector3d t = T_odom_cog.translation();
-  const double kernel2 = kernel_m * kernel_m;
-  // residual e = p - (R q + t); a step changes it by -dt - dr x arm, so J = [I, -[arm]x] acts on -e
-  const auto add = [&](std::size_t k, PairSums& sums) {
-    VoxelMap::PointMatch match;
-    const Eigen::Vector3d arm = R * points_cog_[k * stride].cast<double>();
-    if (!map_.findNearest(arm + t, params_.max_distance_m, match, neighborhoods[k])) return;
-    const double e2 = match.distance2_m2;
-    const Eigen::Vector3d e = match.offset_m.cast<double>();
-    const double w = gemanMcClureWeight(e2, kernel2);
-    NormalEquations& equations = sums.equations;
-    sums.w += w;
-    sums.w_arm += w * arm;
-    sums.w_arm_arm.selfadjointView<Eigen::Lower>().rankUpdate(arm, w);
-    equations.b.head<3>() += w * e;
-    equations.b.tail<3>() += w * arm.cross(e);
-    equations.squared_error += w * e2;
-    ++equations.inliers;
-    if (!params_.surface_information) {
-      equations.curvature += w * gemanMcClureCurvature(e2 / 3.0, e2, kernel2);  // mean over all directions
-      return;
-    }
-    double curvature = 0.0;
-    int directions = 0;
-    const auto inform = [&](const Eigen::Vector3d& n) {
-      Vector6d J;
-      J << n, arm.cross(n);
-      equations.information.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
-      const double along = n.dot(e);
-      equations.information_b += w * along * J;
-      curvature += gemanMcClureCurvature(along * along, e2, kernel2);
-      ++directions;
-    };
-    if (forEachInformedDirection(map_.surface(match.voxel), inform)) {
-      equations.information_weight += w;
-      equations.curvature += w * curvature / directions;
-    }
+// Residual e = p - (R q + t); a step changes it by -dt - dr x arm, arm = R q, so J = [I, -[arm]x] acts on -e.
+// `surface`: that the partner lies on; null: the pair informs equally in all directions.
+void addPair(const Eigen::Vector3d& arm, const VoxelMap::PointMatch& match, const PlanePatch* surface, double kernel2,
+             PairSums& sums) {
+  const double e2 = match.distance2_m2;
+  const Eigen::Vector3d e = match.offset_m.cast<double>();
+  const double w = gemanMcClureWeight(e2, kernel2);
+  NormalEquations& equations = sums.equations;
+  sums.w += w;
+  sums.w_arm += w * arm;
+  sums.w_arm_arm.selfadjointView<Eigen::Lower>().rankUpdate(arm, w);
+  equations.b.head<3>() += w * e;
+  equations.b.tail<3>() += w * arm.cross(e);
+  equations.squared_error += w * e2;
+  ++equations.inliers;
+  if (surface == nullptr) {
+    equations.curvature += w * gemanMcClureCurvature(e2 / 3.0, e2, kernel2);  // mean over all directions
+    return;
+  }
+  double curvature = 0.0;
+  int directions = 0;
+  const auto inform = [&](const Eigen::Vector3d& n) {
+    Vector6d J;
+    J << n, arm.cross(n);
+    equations.information.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
+    const double along = n.dot(e);
+    equations.information_b += w * along * J;
+    curvature += gemanMcClureCurvature(along * along, e2, kernel2);
+    ++directions;
   };
-  // neither the blocks nor the order of their sums depends on the number of threads
-  neighborhoods.resize((points_cog_.size() + stride - 1) / stride);
-  const auto sums = sumByHalves<PairSums>(0, neighborhoods.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    PairSums of_block;
-    for (std::size_t k = begin; k != end; ++k) {
-      if (k + VoxelMap::kPrefetchAhead < end) map_.prefetchPoints(neighborhoods[k + VoxelMap::kPrefetchAhead]);
-      add(k, of_block);
-    }
-    return of_block;
-  });
+  if (forEachInformedDirection(*surface, inform)) {
+    equations.information_weight += w;
+    equations.curvature += w * curvature / directions;
+  }
+}
 
+NormalEquations equationsOf(const PairSums& sums, bool surface_information) {
   NormalEquations equations = sums.equations;
-  equations.has_information = equations.slides = params_.surface_information;
+  equations.has_information = equations.slides = surface_information;
   equations.information = equations.information.selfadjointView<Eigen::Lower>();
   if (equations.information_weight > 0.0) {  // pairs with unknown surface inform as the others do
     const double all = sums.w / equations.information_weight;
@@ -121,16 +104,37 @@ NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog
   return equations;
 }
 
-std::optional<PointPairs::WeakHorizontal> PointPairs::weakHorizontal(std::size_t stride, const Pose& T_odom_cog,
-                                                                     double kernel_m,
-                                                                     Neighborhoods& neighborhoods) const {
+}  // namespace
+
+NormalEquations PointPairs::linearize(std::size_t stride, const Pose& T_odom_cog, double kernel_m,
+                                      Neighborhoods& neighborhoods) const {
+  const Eigen::Matrix3d R = T_odom_cog.linear();
+  const Eigen::Vector3d t = T_odom_cog.translation();
+  const double kernel2 = kernel_m * kernel_m;
+  // neither the blocks nor the order of their sums depends on the number of threads
+  neighborhoods.resize((points_cog_.size() + stride - 1) / stride);
+  const auto sums = sumByHalves<PairSums>(0, neighborhoods.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    PairSums of_block;
+    VoxelMap::PointMatch match;
+    for (std::size_t k = begin; k != end; ++k) {
+      if (k + VoxelMap::kPrefetchAhead < end) map_.prefetchPoints(neighborhoods[k + VoxelMap::kPrefetchAhead]);
+      const Eigen::Vector3d arm = R * points_cog_[k * stride].cast<double>();
+      if (!map_.findNearest(arm + t, params_.max_distance_m, match, neighborhoods[k])) continue;
+      addPair(arm, match, params_.surface_information ? &map_.surface(match.voxel) : nullptr, kernel2, of_block);
+    }
+    return of_block;
+  });
+  return equationsOf(sums, params_.surface_information);
+}
+
+std::optional<WeakHorizontal> PointPairs::weakHorizontal(std::size_t stride, const Pose& T_odom_cog, double kernel_m,
+                                                         Neighborhoods& neighborhoods) const {
   if (!params_.surface_information) return std::nullopt;
   const NormalEquations equations = linearize(stride, T_odom_cog, kernel_m, neighborhoods);
   const Eigen::Matrix2d horizontal = equations.information.topLeftCorner<2, 2>();
   if (!(equations.information_weight > 0.0)) return std::nullopt;
-  WeakHorizontal weak;
-  weak.direction = weakestHorizontal(horizontal);
-  if (weak.direction.dot(horizontal * weak.direction) > params_.support.below_ratio * equations.information_weight) {
+  const Eigen::Vector2d weakest = weakestHorizontal(horizontal);
+  if (weakest.dot(horizontal * weakest) > params_.support.below_ratio * equations.information_weight) {
     return std::nullopt;
   }
   InformationSupport support(params_.support);
@@ -141,12 +145,11 @@ std::optional<PointPairs::WeakHorizontal> PointPairs::weakHorizontal(std::size_t
     if (!map_.findNearest(p, params_.max_distance_m, match)) continue;
     const double w = gemanMcClureWeight(match.distance2_m2, kernel2);
     forEachInformedDirection(map_.surface(match.voxel), [&](const Eigen::Vector3d& n) {
-      const double along = weak.direction.dot(n.head<2>());
+      const double along = weakest.dot(n.head<2>());
       support.add(p, w * along * along);
     });
   }
-  weak.counted_ratio = support.countedRatio();
-  return weak;
+  return WeakHorizontal{weakest, support.countedRatio()};
 }
 
 }  // namespace fail_aware

@@ -31,11 +31,6 @@ class PointPairs {
     InformationSupport::Params support;
   };
 
-  struct WeakHorizontal {
-    Eigen::Vector2d direction;
-    double counted_ratio = 1.0;  ///< ratio of the information on this direction that counts
-  };
-
   /// Keeps references to the points and to the map.
   PointPairs(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map, const Params& params)
       : points_cog_(points_cog), map_(map), params_(params) {}
