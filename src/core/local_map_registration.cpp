@@ -1,5 +1,7 @@
 #include "core/local_map_registration.hpp"
 
+#include <optional>
+
 #include "core/geometry/rotation.hpp"
 #include "core/initial_guess/first_motion.hpp"
 #include "core/registration/look_ahead.hpp"
@@ -11,6 +13,13 @@ namespace {
 
 constexpr double kMaxSearchTime_s = 1.0;  // since the first sweep; later the first sweep is out of sight
 
+// Azimuth timing of compensated sweeps serves the deskew refinement only; without it no times are needed.
+std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& params,
+                                                 const SweepTimingParams& timing) {
+  if (timing.source != "none" || !params.deskew_refinement.enabled) return std::nullopt;
+  return timing;
+}
+
 Measurement withoutPose(MeasurementStatus status) {
   Measurement measurement;
   measurement.status = status;
@@ -21,9 +30,11 @@ Measurement withoutPose(MeasurementStatus status) {
 
 LocalMapRegistration::LocalMapRegistration(const RegistrationParameters& params, const SweepTimingParams& timing)
     : params_(params),
-      builder_(params.scan(), timing),
+      builder_(RegistrationCloudBuilder(params.cloud, compensatedHead(params, timing)),
+               {params.beam_bias, params.icp_point_to_plane}),
       map_(params.reference, params.above_ground.reference),
-      resolver_(params.initialGuess()),
+      resolver_({params.initialization, params.cloud.min_range_m}, {params.relocalization, params.icp_point_to_point},
+                {params.deskew_refinement, params.icp_point_to_plane}),
       road_speed_aid_(params.road_profile),
       open_country_aid_(params.above_ground, params.icp_point_to_plane) {}
 

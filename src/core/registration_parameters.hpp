@@ -4,7 +4,6 @@
 #include "core/aiding/above_ground_matcher.hpp"
 #include "core/aiding/road_profile_odometry.hpp"
 #include "core/initial_guess/deskew_refinement.hpp"
-#include "core/initial_guess/initial_guess.hpp"
 #include "core/initial_guess/motion_initialization.hpp"
 #include "core/initial_guess/relocalization.hpp"
 #include "core/map/local_map.hpp"
@@ -15,7 +14,6 @@
 #include "core/registration/corner_svd/corner_reference.hpp"
 #include "core/registration/icp_point_to_plane.hpp"
 #include "core/registration/icp_point_to_point.hpp"
-#include "core/registration/registration_scan.hpp"
 
 namespace fail_aware {
 
@@ -62,14 +60,6 @@ struct RegistrationParameters {
     v("corner_alignment", self.corner_alignment);
   }
   void checkRules() const;
-
-  RegistrationScanBuilder::Params scan() const {
-    return {cloud, beam_bias, icp_point_to_plane, deskew_refinement.enabled};
-  }
-  InitialGuessResolver::Params initialGuess() const {
-    return {initialization,     cloud.min_range_m, relocalization,
-            icp_point_to_point, deskew_refinement, icp_point_to_plane};
-  }
 };
 
 }  // namespace fail_aware

@@ -21,11 +21,6 @@ InitialGuess predictedGuess(const RegistrationScan& scan, const SweepPrediction&
   return guess;
 }
 
-InitialGuessResolver::InitialGuessResolver(const Params& params)
-    : first_motion_(params.initialization, params.min_range_m),
-      relocalization_(params.relocalization, params.icp_point_to_point),
-      deskew_refinement_(params.deskew_refinement, params.icp_point_to_plane) {}
-
 InitialGuess InitialGuessResolver::resolve(const CorrectedSweep& sweep, const RegistrationScan& scan,
                                            const LocalMap& map, const EstimateTrack& track,
                                            const SweepPrediction& prediction) {
@@ -121,7 +116,6 @@ InitialGuessResolver::Better InitialGuessResolver::refineDeskew(const Registrati
 void InitialGuessResolver::reset() {
   first_motion_.reset();
   first_time_s_.reset();
-
   clock_jump_detector_.reset();
 }
 

@@ -46,16 +46,9 @@ InitialGuess predictedGuess(const RegistrationScan& scan, const SweepPrediction&
 
 class InitialGuessResolver {
  public:
-  struct Params {
-    MotionInitialization::Params initialization;
-    double min_range_m = 0.0;  ///< of the points that the search for the first motion uses
-    Relocalization::Params relocalization;
-    IcpPointToPoint::Params icp_point_to_point;  ///< of the relocalization
-    DeskewRefinement::Params deskew_refinement;
-    IcpPointToPlane::Params icp_point_to_plane;  ///< of the deskew refinement
-  };
-
-  explicit InitialGuessResolver(const Params& params);
+  InitialGuessResolver(const MotionInitialization& first_motion, const Relocalization& relocalization,
+                       const DeskewRefinement& deskew_refinement)
+      : first_motion_(first_motion), relocalization_(relocalization), deskew_refinement_(deskew_refinement) {}
 
   /// `sweep`: the full sweep of the scan. track: the estimates before it.
   InitialGuess resolve(const CorrectedSweep& sweep, const RegistrationScan& scan, const LocalMap& map,
@@ -79,7 +72,6 @@ class InitialGuessResolver {
 
   MotionInitialization first_motion_;
   std::optional<double> first_time_s_;  ///< time of the sweep that first_motion_ holds
-
   Relocalization relocalization_;
   ClockJumpDetector clock_jump_detector_;
   DeskewRefinement deskew_refinement_;

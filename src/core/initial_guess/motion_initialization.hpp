@@ -73,7 +73,7 @@ class MotionInitialization {
   static constexpr double kFineStep = 0.25;
 
   /// `min_range_m`: nearer points belong to the vehicle.
-  explicit MotionInitialization(const Params& params, double min_range_m);
+  MotionInitialization(const Params& params, double min_range_m);
 
   /// The sweep that later ones are compared with. Points are used as they are: pass a sweep that is not deskewed.
   void setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar);

@@ -1,28 +1,11 @@
 #include "core/registration/registration_scan.hpp"
 
-#include <optional>
-
 namespace fail_aware {
-
-namespace {
-
-// Azimuth timing of compensated sweeps serves the deskew refinement only; without it no times are needed.
-std::optional<SweepTimingParams> compensatedHead(const RegistrationScanBuilder::Params& params,
-                                                 const SweepTimingParams& timing) {
-  if (timing.source != "none" || !params.times_compensated_sweeps) return std::nullopt;
-  return timing;
-}
-
-}  // namespace
 
 void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s) {
   cloud.redeskew(other_twist_cog - twist_cog, still_s);
   twist_cog = other_twist_cog;
 }
-
-RegistrationScanBuilder::RegistrationScanBuilder(const Params& params, const SweepTimingParams& timing)
-    : builder_(params.cloud, compensatedHead(params, timing)),
-      beam_bias_estimator_(params.beam_bias, params.icp_point_to_plane) {}
 
 void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                     const Pose& T_cog_lidar, RegistrationScan& scan) {

@@ -26,15 +26,8 @@ struct RegistrationScan {
 
 class RegistrationScanBuilder {
  public:
-  struct Params {
-    RegistrationCloudBuilder::Params cloud;
-    BeamBiasEstimator::Params beam_bias;
-    IcpPointToPlane::Params icp_point_to_plane;  ///< pairs of the beams' errors
-    bool times_compensated_sweeps = true;        ///< by the azimuth: the deskew refinement asks for the times
-  };
-
-  /// timing: SensorParameters::correctedTiming(); tells whether sweeps come compensated, and how the head rotates.
-  RegistrationScanBuilder(const Params& params, const SweepTimingParams& timing);
+  RegistrationScanBuilder(const RegistrationCloudBuilder& builder, const BeamBiasEstimator& beam_bias_estimator)
+      : builder_(builder), beam_bias_estimator_(beam_bias_estimator) {}
 
   /// Builds the scan, deskewed for the prediction. `scan` is reused.
   void build(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,

@@ -14,8 +14,10 @@ using Found = InitialGuess::Found;
 class InitialGuessTest : public ::testing::Test {
  protected:
   InitialGuessTest()
-      : builder_(params().scan(), SweepTimingParams()),
-        resolver_(params().initialGuess()),
+      : builder_(RegistrationCloudBuilder(params().cloud), {params().beam_bias, params().icp_point_to_plane}),
+        resolver_({params().initialization, params().cloud.min_range_m},
+                  {params().relocalization, params().icp_point_to_point},
+                  {params().deskew_refinement, params().icp_point_to_plane}),
         map_(params().reference, params().above_ground.reference) {
     drive_.twist_cog = planarTwist(12.0, 0.2);
   }

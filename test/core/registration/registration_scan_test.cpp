@@ -14,9 +14,11 @@ SweepPrediction predictedAhead(double distance_m, double dt_s) {
   return prediction;
 }
 
+RegistrationScanBuilder makeBuilder() { return {RegistrationCloudBuilder({}), BeamBiasEstimator({}, {})}; }
+
 TEST(RegistrationScan, KnowsTheMotionThatItIsDeskewedFor) {
   const SyntheticDrive drive;
-  RegistrationScanBuilder builder{RegistrationScanBuilder::Params(), SweepTimingParams()};
+  RegistrationScanBuilder builder = makeBuilder();
   RegistrationScan scan;
   builder.build(drive.sweep(0.0, 1), predictedAhead(0.0, 0.0), drive.T_cog_lidar, scan);
   EXPECT_TRUE(scan.usable);
@@ -27,7 +29,7 @@ TEST(RegistrationScan, KnowsTheMotionThatItIsDeskewedFor) {
 
 TEST(RegistrationScan, TooFewPointsAreNotUsable) {
   const SyntheticDrive drive;
-  RegistrationScanBuilder builder{RegistrationScanBuilder::Params(), SweepTimingParams()};
+  RegistrationScanBuilder builder = makeBuilder();
   RegistrationScan scan;
   CorrectedSweep sweep = drive.sweep(0.0, 1);
   sweep.points_lidar.resize(300);
