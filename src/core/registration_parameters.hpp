@@ -7,6 +7,7 @@
 #include "core/initial_guess/motion_initialization.hpp"
 #include "core/initial_guess/relocalization.hpp"
 #include "core/map/local_map.hpp"
+#include "core/parameters/check.hpp"
 #include "core/preprocessing/registration_cloud.hpp"
 #include "core/registration/beam_bias_estimator.hpp"
 #include "core/registration/corner_svd/corner_alignment.hpp"
@@ -59,7 +60,10 @@ struct RegistrationParameters {
     v("corner_reference", self.corner_reference);
     v("corner_alignment", self.corner_alignment);
   }
-  void checkRules() const;
+  void checkRules() const {
+    requireParameter(use_icp_point_to_point || use_icp_point_to_plane, "use_icp_point_to_point", use_icp_point_to_point,
+                     "true, or use_icp_point_to_plane be true (corners alone cannot find the first motion)");
+  }
 };
 
 }  // namespace fail_aware

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/integrity/monitor_replay.hpp"
-#include "core/io/kitti_sweep_source.hpp"
+#include "core/io/kitti_directory.hpp"
 #include "core/io/profile_files.hpp"
 #include "core/odometry_pipeline.hpp"
 #include "core/parameters/mounting.hpp"
