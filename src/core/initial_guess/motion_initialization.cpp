@@ -151,23 +151,19 @@ std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep&
   return points_cog;
 }
 
-AboveGroundPoints MotionInitialization::aboveGround(const std::vector<Eigen::Vector3f>& points_cog,
-                                                    std::size_t enough) const {
-  return findAboveGroundPoints(points_cog, {params_.cell_m, params_.column_m, params_.min_height_m}, enough);
-}
-
 void MotionInitialization::setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar) {
   const std::vector<Eigen::Vector3f> points_cog = thinned(sweep, T_cog_lidar);
   first_.clear();
   first_.insert(points_cog, Pose::Identity());
-  hidden_in_first_ = OcclusionImage(aboveGround(points_cog, points_cog.size()), T_cog_lidar.translation());
+  hidden_in_first_ = OcclusionImage(findAboveGroundPoints(points_cog, params_.above_ground, points_cog.size()),
+                                    T_cog_lidar.translation());
 }
 
 std::optional<MotionInitialization::Found> MotionInitialization::find(const CorrectedSweep& sweep,
                                                                       const Pose& T_cog_lidar, double dt_s) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
   constexpr std::size_t kEnough = 2000;
-  const AboveGroundPoints standing = aboveGround(thinned(sweep, T_cog_lidar), kEnough);
+  const AboveGroundPoints standing = findAboveGroundPoints(thinned(sweep, T_cog_lidar), params_.above_ground, kEnough);
   const Search search{params_, standing, first_, hidden_in_first_, dt_s};
   const std::vector<Tried> tried = search.bySpeed();
   const auto best = std::max_element(tried.begin(), tried.end());

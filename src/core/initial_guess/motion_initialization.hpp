@@ -5,7 +5,7 @@
 // distances of its points to the first sweep. Neither sweep is deskewed, so both are distorted alike. Misleading points
 // are removed or limited:
 // - The scan line pattern on the ground, slopes included, moves with the sensor and fits best at standstill: only
-//   points at least `min_height_m` above the lowest point of their column are used.
+//   points at least 0.4 m above the lowest point of their column are used.
 // - Walls and rails along the road fit at any speed but, if thinned, best at standstill: the sweeps stay dense.
 // - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle.
 // - Hedges and rails fit a little better at standstill, as the beams hit them in the same pattern. The score is the log
@@ -46,12 +46,9 @@ class MotionInitialization {
     double max_range_m = 60.0;  ///< farthest points used: beyond it points are sparse
     double thinning_m = 0.1;    ///< voxel size of the sweeps: coarser sweeps fit best at standstill, see above
     double kernel_m = 0.5;      ///< Geman-McClure scale of the distance to the nearest point; 0.15 m at the end
-    /// horizontal cells, one vote each: about the size of a vehicle, so that one ahead has few votes
-    double cell_m = 3.0;
-    /// horizontal size of the columns in which height is measured: within a column a slope lifts a point by less than
-    /// min_height_m
-    double column_m = 0.5;
-    double min_height_m = 0.4;  ///< a point this far above the lowest of its column is above ground; a kerb is not
+    /// cells, one vote each, of about the size of a vehicle, so that one ahead has few votes; within a column a slope lifts
+    /// a point by less than 0.4 m, and a kerb is no higher
+    AboveGroundPointsParams above_ground{3.0, 0.5, 0.4};
     /// While the speed is unknown, a sweep that moved less than standstill_m counts as standing only if its weakest
     /// horizontal direction has at least standstill_ratio of the information: objects that travel with the vehicle
     /// imitate standstill. The search rejects a step below standstill_m that fits badly; 0: it does not.
@@ -93,7 +90,6 @@ class MotionInitialization {
 
  private:
   std::vector<Eigen::Vector3f> thinned(const CorrectedSweep& sweep, const Pose& T_cog_lidar) const;
-  AboveGroundPoints aboveGround(const std::vector<Eigen::Vector3f>& points_cog, std::size_t enough) const;
 
   Params params_;
   double min_range_m_;

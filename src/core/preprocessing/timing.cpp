@@ -91,15 +91,9 @@ StampReference SweepTiming::referenceOr(StampReference automatic) const {
 TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
                                  std::vector<float>& times_relative_to_stamp_s, double stamp_error_s) {
   TimingResult result;
-
-  result.period_s = kUsualPeriod_s;
-  if (params_.sweep_period_s > 0.0) {
-    result.period_s = params_.sweep_period_s;
-    result.period_known = true;
-  } else if (measured_period_s > 0.0) {
-    result.period_s = measured_period_s;
-    result.period_known = true;
-  }
+  const double known_s = params_.sweep_period_s > 0.0 ? params_.sweep_period_s : measured_period_s;
+  result.period_known = known_s > 0.0;
+  result.period_s = result.period_known ? known_s : kUsualPeriod_s;
   result.reference = referenceOr(StampReference::kEnd);
 
   if (params_.source == "none" || sweep.empty()) {

@@ -4,30 +4,24 @@
 
 namespace fail_aware {
 
-namespace {
-
-double squared(double value) { return value * value; }
-
-}  // namespace
-
 SuspensionAxis pitchAxis(const VehicleParameters& vehicle) {
-  const double l_f2 = squared(vehicle.cog_to_front_axle_m);
-  const double l_r2 = squared(vehicle.cog_to_rear_axle_m);
+  const double l_f = vehicle.cog_to_front_axle_m, l_r = vehicle.cog_to_rear_axle_m;
+  const double l_f2 = l_f * l_f, l_r2 = l_r * l_r;
   const double arm = vehicle.cog_above_pitch_axis_m;
   const double spring = (vehicle.spring_front_n_per_m * l_f2 + vehicle.spring_rear_n_per_m * l_r2) / 2.0;
   const double damper = (vehicle.damper_front_ns_per_m * l_f2 + vehicle.damper_rear_ns_per_m * l_r2) / 2.0;
-  const double inertia = vehicle.inertia_y_kg_m2 + vehicle.mass_kg * squared(arm);
+  const double inertia = vehicle.inertia_y_kg_m2 + vehicle.mass_kg * (arm * arm);
   return {damper / inertia, (spring + vehicle.mass_kg * kGravity_mps2 * arm) / inertia,
           vehicle.mass_kg * arm / inertia};
 }
 
 SuspensionAxis rollAxis(const VehicleParameters& vehicle) {
-  const double t_f2 = squared(vehicle.track_front_m);
-  const double t_r2 = squared(vehicle.track_rear_m);
+  const double t_f = vehicle.track_front_m, t_r = vehicle.track_rear_m;
+  const double t_f2 = t_f * t_f, t_r2 = t_r * t_r;
   const double arm = vehicle.cog_above_roll_axis_m;
   const double spring = (vehicle.spring_front_n_per_m * t_f2 + vehicle.spring_rear_n_per_m * t_r2) / 2.0;
   const double damper = vehicle.damper_front_ns_per_m * t_f2 + vehicle.damper_rear_ns_per_m * t_r2;
-  const double inertia = vehicle.inertia_x_kg_m2 + vehicle.mass_kg * squared(arm);
+  const double inertia = vehicle.inertia_x_kg_m2 + vehicle.mass_kg * (arm * arm);
   return {damper / inertia, (spring + vehicle.mass_kg * kGravity_mps2 * arm) / inertia,
           vehicle.mass_kg * arm / inertia};
 }
