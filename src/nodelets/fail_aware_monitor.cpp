@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bridge/graph_message_conversion.hpp"
 #include "bridge/marker_conversion.hpp"
@@ -54,8 +55,8 @@ class FailAwareMonitorNodelet : public GraphNodelet {
         private_node, tuning, [this](const FailAwareMonitorTuning& changed) { monitor_->setLimits(changed.monitor); });
     publisher_ = node.advertise<messages::TimeToFailure>(topics::kTimeToFailure, topics::kQueue);
     marker_publisher_ = node.advertise<visualization_msgs::MarkerArray>(topics::kMarkers, 1);
-    start_service_ = private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this);
-    stop_service_ = private_node.advertiseService("stop_redundant", &FailAwareMonitorNodelet::onStopRedundant, this);
+    services_ = {private_node.advertiseService("start_redundant", &FailAwareMonitorNodelet::onStartRedundant, this),
+                 private_node.advertiseService("stop_redundant", &FailAwareMonitorNodelet::onStopRedundant, this)};
     silence_ = SilenceWatch(params.silence, now_s());
     subscriber_ = node.subscribe(topics::kFilterState, topics::kQueue, &FailAwareMonitorNodelet::onState, this);
     timer_ = node.createSteadyTimer(ros::WallDuration(kTimerPeriod_s),
@@ -163,7 +164,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;
   ros::Subscriber subscriber_;
-  ros::ServiceServer start_service_, stop_service_;
+  std::vector<ros::ServiceServer> services_;
   ros::SteadyTimer timer_;
   std::unique_ptr<Health> health_;
 };
