@@ -1,6 +1,5 @@
 #include "core/estimation/odometry_covariance.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,9 @@
 #include "core/estimation/ukf.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/estimation/unscented_transform.hpp"
 #include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {

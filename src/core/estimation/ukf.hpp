@@ -11,7 +11,6 @@
 
 #include <functional>
 
-#include "core/estimation/unscented_transform.hpp"
 #include "core/geometry/pose.hpp"
 
 namespace fail_aware {

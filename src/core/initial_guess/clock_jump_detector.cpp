@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/geometry/rotation.hpp"
+#include "core/geometry/pose.hpp"
 
 namespace fail_aware {
 

@@ -20,12 +20,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
 #include "core/initial_guess/occlusion_image.hpp"
+#include "core/map/above_ground_points.hpp"
 #include "core/map/voxel_map.hpp"
 #include "core/parameters/check.hpp"
 #include "core/types/corrected_sweep.hpp"
