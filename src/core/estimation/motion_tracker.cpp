@@ -13,12 +13,10 @@ namespace fail_aware {
 namespace {
 
 constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
+constexpr double kFastest_mps = 80.0;       // no car on a road is faster
+constexpr double kFastestTurn_rad_s = 3.0;  // half a turn a second
 
 }  // namespace
-
-MotionTracker::MotionTracker(const Limits& limits, const DeadReckoning::Params& dead_reckoning,
-                             const MotionHistory::Params& history, const RoadPlaneEstimator& road)
-    : limits_(limits), dead_reckoning_(dead_reckoning), history_(history), road_(road) {}
 
 void MotionTracker::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s) {
   history_.clear();
@@ -165,9 +163,9 @@ void MotionTracker::updateMotion(const Sweep& sweep) {
     }
   }
   const double speed = motion_.velocity_body_mps.norm();
-  if (speed > limits_.max_speed_mps) motion_.velocity_body_mps *= limits_.max_speed_mps / speed;
+  if (speed > kFastest_mps) motion_.velocity_body_mps *= kFastest_mps / speed;
   double& yaw_rate = motion_.rpy_rates_rad_s.z();
-  yaw_rate = std::clamp(yaw_rate, -limits_.max_yaw_rate_rps, limits_.max_yaw_rate_rps);
+  yaw_rate = std::clamp(yaw_rate, -kFastestTurn_rad_s, kFastestTurn_rad_s);
 }
 
 }  // namespace fail_aware

@@ -23,11 +23,6 @@ namespace fail_aware {
 
 class MotionTracker {
  public:
-  /// The derivatives are limited to these.
-  struct Limits {
-    double max_speed_mps = 80.0;    ///< no car on a road is faster
-    double max_yaw_rate_rps = 3.0;  ///< half a turn a second
-  };
   /// A finished sweep.
   struct Sweep {
     const SweepPrediction& prediction;
@@ -38,8 +33,9 @@ class MotionTracker {
     bool forget_history = false;  ///< earlier poses say nothing about the current motion
   };
 
-  MotionTracker(const Limits& limits, const DeadReckoning::Params& dead_reckoning, const MotionHistory::Params& history,
-                const RoadPlaneEstimator& road);
+  MotionTracker(const DeadReckoning::Params& dead_reckoning, const MotionHistory::Params& history,
+                const RoadPlaneEstimator& road)
+      : dead_reckoning_(dead_reckoning), history_(history), road_(road) {}
 
   /// Forgets the motion; only its standard deviations are known.
   void reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s);
@@ -73,7 +69,6 @@ class MotionTracker {
   DeadReckoning::Measured measuredMotion(const Sweep& sweep) const;
   DeadReckoning::Measured measuredTurn(const Sweep& sweep) const;
 
-  Limits limits_;
   DeadReckoning dead_reckoning_;
   MotionHistory history_;
   RoadPlaneEstimator road_;

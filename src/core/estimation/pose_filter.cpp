@@ -64,7 +64,7 @@ PoseFilter::PoseFilter(const Params& params, const VehicleModel& model, const Mo
     : params_(params),
       model_(model),
       fusion_(fusion),
-      motion_(params.limits, params.dead_reckoning, history, RoadPlaneEstimator(model.vehicle())),
+      motion_(params.dead_reckoning, history, RoadPlaneEstimator(model.vehicle())),
       consistency_(params.consistency) {
   reset(Pose::Identity());
 }

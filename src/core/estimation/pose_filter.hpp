@@ -37,8 +37,7 @@ class PoseFilter {
     double initial_speed_sigma_mps = 15.0;
     double initial_sigma_m = 1e-3;    ///< sigma of the start position: odom begins there by definition
     double initial_sigma_deg = 0.01;  ///< sigma of the start attitude
-    MotionTracker::Limits limits;
-    double increment_scale = 0.43;  ///< scales the covariances of one sweep's increment and registration
+    double increment_scale = 0.43;    ///< scales the covariances of one sweep's increment and registration
     /// factor on both during dead reckoning: weakly observed measurements also mislead
     double dead_reckoning_increment_factor = 3.0;
     double increment_floor_m = 0.0005;   ///< least standard deviation of a sweep's increment

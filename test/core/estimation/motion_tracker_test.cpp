@@ -9,8 +9,7 @@ namespace {
 class MotionTrackerTest : public testing::Test {
  protected:
   MotionTrackerTest()
-      : tracker({80.0, 3.0}, DeadReckoning::Params(), MotionHistory::Params(),
-                RoadPlaneEstimator(VehicleParameters())) {
+      : tracker(DeadReckoning::Params(), MotionHistory::Params(), RoadPlaneEstimator(VehicleParameters())) {
     tracker.reset({15.0, 1.0, 1.0}, 0.3);
   }
 
