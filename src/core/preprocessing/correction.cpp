@@ -9,6 +9,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kFarthestPoint_m = 200.0;
+constexpr double kMaxTruncation_m = 1e-4;  // of the power series there: far below range noise
 constexpr int kMaxOrder = 8;
 constexpr double kMaxSpeed_mps = 1000.0;
 constexpr double kMaxRate_radps = 100.0;
@@ -21,27 +22,26 @@ Eigen::Map<const Eigen::ArrayXf> asArray(const std::vector<float>& values) {
   return {values.data(), static_cast<Eigen::Index>(values.size())};
 }
 
-/// The lowest order with a remainder below the tolerance; kMaxOrder + 1 if there is none. With a = |s w|, the term of
+/// The lowest order with a remainder below kMaxTruncation_m; kMaxOrder + 1 if there is none. With a = |s w|, the term of
 /// order k is at most |s| (|w| r + |u|) a^(k-1) / k!, and all terms from the k-th on sum to at most e^a times that.
-int seriesOrder(const Vector6d& twist, double longest_s, double tolerance_m) {
+int seriesOrder(const Vector6d& twist, double longest_s) {
   const double a = longest_s * twist.tail<3>().norm();
   double bound = (a * kFarthestPoint_m + longest_s * twist.head<3>().norm()) * std::exp(a);
   for (int order = 0; order <= kMaxOrder; ++order) {
-    if (bound < tolerance_m) return order;
+    if (bound < kMaxTruncation_m) return order;
     bound *= a / (order + 2);
   }
   return kMaxOrder + 1;
 }
 
-/// out = Exp(s twist) in for each point and its s; `in` and `out` may be the same array.
-void moveByTwist(const Eigen::Vector3f* in, const std::vector<float>& times_s, const Vector6d& twist,
-                 double tolerance_m, Eigen::Vector3f* out) {
+/// p <- Exp(s twist) p for each point and its s.
+void moveByTwist(const std::vector<float>& times_s, const Vector6d& twist, std::vector<Eigen::Vector3f>& points) {
   const double longest_s = asArray(times_s).abs().maxCoeff();
-  const int order = seriesOrder(twist, longest_s, tolerance_m);
+  const int order = seriesOrder(twist, longest_s);
   if (order > kMaxOrder) {
     for (std::size_t i = 0; i < times_s.size(); ++i) {
       const Pose T = expSe3(static_cast<double>(times_s[i]) * twist);
-      out[i] = (T * in[i].cast<double>()).cast<float>();
+      points[i] = (T * points[i].cast<double>()).cast<float>();
     }
     return;
   }
@@ -51,7 +51,7 @@ void moveByTwist(const Eigen::Vector3f* in, const std::vector<float>& times_s, c
   PointBlock p, q;
   PointBlock::Array s = PointBlock::Array::Zero();
   forEachBlock(times_s.size(), [&](std::size_t first, std::size_t count) {
-    p.load(in + first, count);
+    p.load(&points[first], count);
     q = p;
     for (std::size_t i = 0; i < count; ++i) s.data()[i] = times_s[first + i];
     for (int k = order; k > 0; --k) {
@@ -62,7 +62,7 @@ void moveByTwist(const Eigen::Vector3f* in, const std::vector<float>& times_s, c
       q.x = x;
       q.y = y;
     }
-    q.store(out + first, count);
+    q.store(&points[first], count);
   });
 }
 
@@ -96,17 +96,16 @@ CorrectionStatus SweepCorrection::correct(const Sweep& sweep, const std::vector<
   if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return CorrectionStatus::kNoMotion;
   const Vector6d twist_lidar = lidarTwist(T_odom_cog_begin, T_odom_cog_end, T_cog_lidar, dt_s);
   if (!isUsable(twist_lidar)) return CorrectionStatus::kNoMotion;
-  moveByTwist(out.points_lidar.data(), times_s, twist_lidar, params_.max_truncation_m, out.points_lidar.data());
+  moveByTwist(times_s, twist_lidar, out.points_lidar);
   return CorrectionStatus::kCorrected;
 }
 
 bool SweepCorrection::redeskew(std::vector<Eigen::Vector3f>& points_lidar,
-                               const std::vector<float>& times_relative_to_stamp_s,
-                               const Vector6d& delta_twist_lidar) const {
+                               const std::vector<float>& times_relative_to_stamp_s, const Vector6d& delta_twist_lidar) {
   const std::vector<float>& times_s = times_relative_to_stamp_s;
   if (times_s.empty() || times_s.size() != points_lidar.size() || !asArray(times_s).allFinite()) return false;
   if (!isUsable(delta_twist_lidar)) return false;
-  moveByTwist(points_lidar.data(), times_s, delta_twist_lidar, params_.max_truncation_m, points_lidar.data());
+  moveByTwist(times_s, delta_twist_lidar, points_lidar);
   return true;
 }
 

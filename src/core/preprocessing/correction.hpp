@@ -34,8 +34,6 @@ const char* toString(CorrectionStatus status);
 
 struct SweepCorrectionParams {
   bool enabled = true;
-  /// truncation error of the power series for a point 200 m away: far below range noise
-  double max_truncation_m = 1e-4;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -63,8 +61,8 @@ class SweepCorrection {
   /// delta = refined twist - twist used. Exact to first order: the error is about s^2/2 (|delta_w| |u| + |w|
   /// |delta_u|), under 1 mm in a half sweep for 20 m/s and a refinement of 0.02 rad/s. (Correcting by minus the used
   /// twist and then by the refined one is exact.) False, points unchanged, if times or twist cannot be used.
-  bool redeskew(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
-                const Vector6d& delta_twist_lidar) const;
+  static bool redeskew(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
+                       const Vector6d& delta_twist_lidar);
 
  private:
   Params params_;
