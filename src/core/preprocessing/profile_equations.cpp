@@ -7,9 +7,19 @@
 
 namespace fail_aware {
 
-ProfileEquations::ProfileEquations(const ProfileNoise& noise, const UprightProfile& profile,
-                                   const std::vector<UprightProfile::Beam>& beams, const std::vector<BeamRange>& ranges,
-                                   const Eigen::MatrixXd& P) {
+namespace {
+
+// Sigma of the true lean of walls, of trunks and poles, and of the latter towards the sensor: those of what people build,
+// in addition to the standard error.
+constexpr double kSurface_deg = 0.1, kLine_deg = 0.3, kLineAway_deg = 0.5;
+constexpr double kPoint_m = 0.015;  // sigma of a point's offset
+constexpr double kBeam_m = 0.003;   // sigma of a beam's mean offset, in addition
+constexpr double kEdge_m = 0.006;   // the same for trunks and poles: their edges fall between two columns of the head
+
+}  // namespace
+
+ProfileEquations::ProfileEquations(const UprightProfile& profile, const std::vector<UprightProfile::Beam>& beams,
+                                   const std::vector<BeamRange>& ranges, const Eigen::MatrixXd& P) {
   const auto n = static_cast<Eigen::Index>(profile.size);
   const bool surface = profile.kind == UprightProfile::Kind::kSurface;
   const Eigen::Vector2d& m = profile.direction;
@@ -22,9 +32,8 @@ ProfileEquations::ProfileEquations(const ProfileNoise& noise, const UprightProfi
     const UprightProfile::Beam& beam = beams[profile.first + static_cast<std::size_t>(i)];
     const Eigen::Index at = VerticalState::kBeams + beam.ring;
     of.push_back(at);
-    const double point = noise.point_sigma_m,
-                 common = std::hypot(noise.beam_sigma_m, surface ? 0.0 : noise.line_sigma_m);
-    w[i] = 1.0 / (common * common + point * point / static_cast<double>(beam.points));
+    const double common = std::hypot(kBeam_m, surface ? 0.0 : kEdge_m);
+    w[i] = 1.0 / (common * common + kPoint_m * kPoint_m / static_cast<double>(beam.points));
     z[i] = static_cast<double>(beam.height_m);
     oblique[i] = static_cast<double>(beam.obliqueness);
     rest[i] = static_cast<double>(beam.offset_m);
@@ -56,8 +65,7 @@ ProfileEquations::ProfileEquations(const ProfileNoise& noise, const UprightProfi
   straight_values = b - unit * lean_value;
   // to unit variance, that of the true lean included
   const double sigma =
-      surface ? noise.sigma_surface_deg
-              : (profile.kind == UprightProfile::Kind::kLineAway ? noise.sigma_line_away_deg : noise.sigma_line_deg);
+      surface ? kSurface_deg : (profile.kind == UprightProfile::Kind::kLineAway ? kLineAway_deg : kLine_deg);
   const double per_lean2 = w.dot(z.cwiseProduct(z)) / roughness;
   const double scale = 1.0 / std::sqrt(1.0 + per_lean2 * std::pow(sigma * kDegree, 2));
   lean *= scale;

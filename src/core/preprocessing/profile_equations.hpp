@@ -24,17 +24,6 @@ struct VerticalState {
   static constexpr Eigen::Index kBeams = 8;   ///< from here on: a_b by ring
 };
 
-struct ProfileNoise {
-  /// sigma of the true lean of walls, of trunks and poles, and of the latter towards the sensor: those of what people
-  /// build, in addition to the standard error
-  double sigma_surface_deg = 0.1;
-  double sigma_line_deg = 0.3;
-  double sigma_line_away_deg = 0.5;
-  double point_sigma_m = 0.015;  ///< sigma of a point's offset
-  double beam_sigma_m = 0.003;   ///< sigma of a beam's mean offset, in addition
-  double line_sigma_m = 0.006;   ///< the same for trunks and poles: their edges fall between two columns of the head
-};
-
 /// Equations A x = b of unit variance: one for the lean, the true lean of things included in its variance, and those for
 /// the straightness. Columns of A: `of` in the state.
 struct ProfileEquations {
@@ -45,9 +34,8 @@ struct ProfileEquations {
   Eigen::VectorXd straight_values;
 
   /// beams: of all profiles; ranges: as corrected in them, by ring; P: the state's covariance.
-  ProfileEquations(const ProfileNoise& noise, const UprightProfile& profile,
-                   const std::vector<UprightProfile::Beam>& beams, const std::vector<BeamRange>& ranges,
-                   const Eigen::MatrixXd& P);
+  ProfileEquations(const UprightProfile& profile, const std::vector<UprightProfile::Beam>& beams,
+                   const std::vector<BeamRange>& ranges, const Eigen::MatrixXd& P);
 
   Eigen::VectorXd pick(const Eigen::VectorXd& x) const;
   double leanVariance(const Eigen::MatrixXd& P) const;

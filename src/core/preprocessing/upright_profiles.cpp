@@ -11,6 +11,18 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kColumn_m = 1.0;  // side of a column: holds a trunk, and little besides one wall
+// Points used, by their distance from the sensor: nearer ones may be parts of the vehicle or its load, farther columns are
+// hit by too few beams.
+constexpr double kMinRange_m = 4.0, kMaxRange_m = 30.0;
+constexpr int kCells = 2 * static_cast<int>(kMaxRange_m / kColumn_m);  // columns along a side of the grid
+// Lowest and highest point of a column, above the sensor: the ground must be below, higher up are crowns of trees and eaves.
+constexpr float kMinHeight_m = -1.2f, kMaxHeight_m = 3.0f;
+constexpr std::uint32_t kMinPoints = 12;  // of a column: fewer give no direction
+constexpr float kMinExtent_m = 0.6f;      // from the lowest to the highest beam: lower things need not stand upright
+constexpr std::size_t kMinBeams = 5;      // of a profile, each with two points or more
+constexpr double kBeamStep_deg = 0.4;     // sweeps without rings: elevations that are nearer than this are one beam
+
 constexpr float kMaxNormalZ = 0.2f;  // 12 deg: steeper surfaces are not meant to be upright
 constexpr float kMinLineZ = 0.96f;
 constexpr float kLineShape = 10.0f;    // largest over middle eigenvalue
@@ -54,10 +66,6 @@ bool isLine(const Eigen::Vector3f& l) { return l[2] > kLineShape * l[1] && l[1] 
 
 }  // namespace
 
-UprightProfileFinder::UprightProfileFinder(const UprightProfilesParams& params) : params_(params) {
-  cells_ = 2 * static_cast<int>(std::ceil(params_.max_range_m / params_.column_m));
-}
-
 void UprightProfileFinder::find(const std::vector<Eigen::Vector3f>& points_lidar,
                                 const std::vector<std::uint16_t>& rings, const std::vector<BeamRange>& ranges,
                                 const Eigen::Matrix3d& R_odom_lidar) {
@@ -65,34 +73,31 @@ void UprightProfileFinder::find(const std::vector<Eigen::Vector3f>& points_lidar
   beams_.clear();
   hangs_ = R_odom_lidar(2, 2) < 0.0;
   sortIntoColumns(points_lidar, rings, ranges, R_odom_lidar.cast<float>());
-  const auto min_points = static_cast<std::uint32_t>(params_.min_points);
-  const auto min_extent = static_cast<float>(params_.min_extent_m);
   for (const Column& c : columns_) {
-    if (c.points >= min_points && c.high - c.low >= min_extent) readColumn(&sorted_[c.first], c.points);
+    if (c.points >= kMinPoints && c.high - c.low >= kMinExtent_m) readColumn(&sorted_[c.first], c.points);
   }
 }
 
 std::uint32_t UprightProfileFinder::columnOf(const Eigen::Vector3f& p) const {
-  const auto per_cell = static_cast<float>(1.0 / params_.column_m);
+  constexpr auto per_cell = static_cast<float>(1.0 / kColumn_m);
   const auto cell = [&](float v) {
-    return std::clamp(static_cast<int>(std::floor(v * per_cell)) + cells_ / 2, 0, cells_ - 1);
+    return std::clamp(static_cast<int>(std::floor(v * per_cell)) + kCells / 2, 0, kCells - 1);
   };
-  return static_cast<std::uint32_t>(cell(p.x()) * cells_ + cell(p.y()));
+  return static_cast<std::uint32_t>(cell(p.x()) * kCells + cell(p.y()));
 }
 
 void UprightProfileFinder::sortIntoColumns(const std::vector<Eigen::Vector3f>& points_lidar,
                                            const std::vector<std::uint16_t>& rings,
                                            const std::vector<BeamRange>& ranges, const Eigen::Matrix3f& R_odom_lidar) {
-  columns_.assign(static_cast<std::size_t>(cells_ * cells_), Column());
+  columns_.assign(static_cast<std::size_t>(kCells * kCells), Column());
   unsorted_.clear();
   const bool has_rings = rings.size() == points_lidar.size();
-  const auto low = static_cast<float>(params_.min_height_m), high = static_cast<float>(params_.max_height_m);
-  const auto near2 = static_cast<float>(params_.min_range_m * params_.min_range_m);
-  const auto far2 = static_cast<float>(params_.max_range_m * params_.max_range_m);
-  const auto beams_per_slope = static_cast<float>(1.0 / (params_.beam_step_deg * kDegree));
+  constexpr auto near2 = static_cast<float>(kMinRange_m * kMinRange_m);
+  constexpr auto far2 = static_cast<float>(kMaxRange_m * kMaxRange_m);
+  constexpr auto beams_per_slope = static_cast<float>(1.0 / (kBeamStep_deg * kDegree));
   for (std::size_t i = 0; i < points_lidar.size(); ++i) {
     const Eigen::Vector3f& q = points_lidar[i];
-    if (!(q.z() > low && q.z() < high)) continue;
+    if (!(q.z() > kMinHeight_m && q.z() < kMaxHeight_m)) continue;
     const float r2 = q.squaredNorm();
     if (!(r2 > near2 && r2 < far2)) continue;
     Point point;
@@ -163,12 +168,12 @@ void UprightProfileFinder::readColumn(const Point* points, std::size_t count) {
 
 /// Judged with all that stands around it; of the columns that share a trunk, that of its middle counts.
 void UprightProfileFinder::readLine(std::uint32_t column, const Eigen::Vector3f& middle) {
-  const auto reach = static_cast<float>(0.5 * params_.column_m);
-  const int x = static_cast<int>(column) / cells_, y = static_cast<int>(column) % cells_;
+  const auto reach = static_cast<float>(0.5 * kColumn_m);
+  const int x = static_cast<int>(column) / kCells, y = static_cast<int>(column) % kCells;
   around_.clear();
-  for (int i = std::max(x - 1, 0); i <= std::min(x + 1, cells_ - 1); ++i) {
-    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, cells_ - 1); ++j) {
-      const Column& c = columns_[static_cast<std::size_t>(i * cells_ + j)];
+  for (int i = std::max(x - 1, 0); i <= std::min(x + 1, kCells - 1); ++i) {
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, kCells - 1); ++j) {
+      const Column& c = columns_[static_cast<std::size_t>(i * kCells + j)];
       for (std::uint32_t k = c.first; k < c.first + c.points; ++k) {
         if ((sorted_[k].p - middle).head<2>().squaredNorm() < reach * reach) around_.push_back(sorted_[k]);
       }
@@ -221,8 +226,7 @@ void UprightProfileFinder::addProfile(UprightProfile::Kind kind, const Eigen::Ve
   }
   const bool grazing = kind == UprightProfile::Kind::kSurface &&
                        oblique < kMinMeanObliqueness * static_cast<float>(std::max<std::size_t>(profile.size, 1));
-  if (profile.size < static_cast<std::size_t>(params_.min_beams) || grazing ||
-      high - low < static_cast<float>(params_.min_extent_m)) {
+  if (profile.size < kMinBeams || grazing || high - low < kMinExtent_m) {
     beams_.resize(profile.first);
     return;
   }

@@ -19,20 +19,6 @@
 
 namespace fail_aware {
 
-struct UprightProfilesParams {
-  double column_m = 1.0;  ///< side of a column: holds a trunk, and little besides one wall
-  /// nearest points used, from the sensor: nearer ones may be parts of the vehicle or its load
-  double min_range_m = 4.0;
-  double max_range_m = 30.0;   ///< farthest points used: farther columns are hit by too few beams
-  double min_height_m = -1.2;  ///< lowest point of a column, above the sensor; the ground must be below it
-  /// highest point of a column, above the sensor: higher up are crowns of trees and eaves
-  double max_height_m = 3.0;
-  int min_points = 12;        ///< fewest points of a column: fewer give no direction
-  double min_extent_m = 0.6;  ///< least height from the lowest to the highest beam: lower things need not stand upright
-  int min_beams = 5;          ///< fewest beams of a profile, each with two points or more
-  double beam_step_deg = 0.4;  ///< sweeps without rings: elevations that are nearer than this are one beam
-};
-
 /// What is known of the error of a beam's ranges.
 struct BeamRange {
   float too_far_m = 0.0f;  ///< to be taken from its ranges
@@ -62,8 +48,6 @@ class UprightProfileFinder {
  public:
   static constexpr std::size_t kMaxBeams = 128;  ///< points of rings from here on are left out
 
-  explicit UprightProfileFinder(const UprightProfilesParams& params);
-
   /// rings: one a point, or empty: told by the elevations. ranges: by ring; what is not there is not corrected. While
   /// the errors of the ranges are not known, points farther from a surface count as its points.
   void find(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
@@ -92,8 +76,6 @@ class UprightProfileFinder {
   void addProfile(UprightProfile::Kind kind, const Eigen::Vector2f& direction, const Eigen::Vector3f& centre,
                   const Point* points, std::size_t count);
 
-  UprightProfilesParams params_;
-  int cells_;  ///< columns along a side of the grid
   bool hangs_ = false;
   std::vector<Point> unsorted_, sorted_;
   std::vector<Column> columns_;

@@ -29,7 +29,7 @@ constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at sta
 }  // namespace
 
 VerticalReference::VerticalReference(const Params& params, double sigma_elevation_deg)
-    : params_(params), sigma_elevation_rad_(sigma_elevation_deg * kDegree), finder_(params.profiles) {
+    : params_(params), sigma_elevation_rad_(sigma_elevation_deg * kDegree) {
   reset();
 }
 
@@ -159,7 +159,7 @@ void VerticalReference::update() {
   report_.surfaces = report_.lines = 0;
   std::vector<ProfileEquations> all;
   for (const UprightProfile& profile : finder_.profiles()) {
-    all.emplace_back(params_.noise, profile, finder_.beams(), ranges_, P_);
+    all.emplace_back(profile, finder_.beams(), ranges_, P_);
     if (profile.kind == UprightProfile::Kind::kSurface) ++report_.surfaces;
     if (profile.kind == UprightProfile::Kind::kLineAcross) ++report_.lines;
   }

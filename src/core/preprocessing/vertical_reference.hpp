@@ -44,9 +44,7 @@ namespace fail_aware {
 
 struct VerticalReferenceParams {
   bool enabled = true;
-  double look_every_m = 3.0;  ///< distance between two searches for what stands upright
-  UprightProfilesParams profiles;
-  ProfileNoise noise;
+  double look_every_m = 3.0;    ///< distance between two searches for what stands upright
   double sigma_range_m = 0.03;  ///< initial sigma of the error of a beam's ranges: what a calibration leaves
   /// drift of pitch that an error common to the elevations causes, per error: on ten surrogate drives 0.013 to 0.046
   double drift_per_elevation_per_m = 0.033;

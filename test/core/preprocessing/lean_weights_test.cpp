@@ -29,7 +29,7 @@ class Scenery {
     const Eigen::MatrixXd P = Eigen::MatrixXd::Zero(x_.size(), x_.size());
     std::vector<ProfileEquations> equations;
     for (const UprightProfile& profile : profiles_) {
-      equations.emplace_back(ProfileNoise(), profile, beams_, std::vector<BeamRange>(), P);
+      equations.emplace_back(profile, beams_, std::vector<BeamRange>(), P);
     }
     return leanWeights(profiles_, equations, x_, P_predicted);
   }

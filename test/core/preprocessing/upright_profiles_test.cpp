@@ -41,7 +41,7 @@ Points flatWall() {
 
 TEST(UprightProfiles, AWallGivesOneProfileAlongItsNormal) {
   const Points in = flatWall();
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   ASSERT_EQ(finder.profiles().size(), 1u);
   const UprightProfile& profile = finder.profiles().front();
@@ -61,7 +61,7 @@ TEST(UprightProfiles, AWallGivesOneProfileAlongItsNormal) {
 TEST(UprightProfiles, HeightsAreThoseAboveTheSensorInOdom) {
   const Points in = flatWall();
   const Eigen::Matrix3d nose_down(Eigen::AngleAxisd(2.0 * kDegree, Eigen::Vector3d::UnitY()));
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, nose_down);
   ASSERT_FALSE(finder.profiles().empty());
   const UprightProfile& profile = finder.profiles().front();
@@ -75,7 +75,7 @@ TEST(UprightProfiles, HeightsAreThoseAboveTheSensorInOdom) {
 
 TEST(UprightProfiles, AWindowsRecessIsLeftOut) {
   const Points in = wall([](double y, double z) { return z > -0.2 && z < 0.3 && y > 0.5 ? 0.18 : 0.0; });
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   ASSERT_EQ(finder.profiles().size(), 1u);
   for (const UprightProfile::Beam& beam : finder.beams()) EXPECT_NEAR(beam.offset_m, 0.0, 2e-3);
@@ -83,7 +83,7 @@ TEST(UprightProfiles, AWindowsRecessIsLeftOut) {
 
 TEST(UprightProfiles, TwoThingsInOneColumnGiveNone) {
   const Points in = wall([](double y, double z) { return y > 0.5 ? 0.35 + 0.1 * z : 0.0; });
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   EXPECT_TRUE(finder.profiles().empty());
 }
@@ -94,7 +94,7 @@ TEST(UprightProfiles, APoleGivesItsMiddleAcrossAndItsMeanAway) {
     // one edge is met by more points than the other
     for (const double y : {0.40, 0.42, 0.44, 0.56}) in.add(12.5 + 0.01 * beam, y, -1.1 + 0.14 * beam, beam);
   }
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   ASSERT_EQ(finder.profiles().size(), 2u);
   const UprightProfile& across = finder.profiles()[0];
@@ -120,7 +120,7 @@ TEST(UprightProfiles, AWallThatPassesACornerGivesNoLine) {
       const double z = -1.1 + 0.14 * beam, lean_m = 0.05 * z;
       for (double t = -2.0; t < 2.0; t += 0.04) in.add(10.0 + corner_m - t + lean_m, t + lean_m, z, beam);
     }
-    UprightProfileFinder finder{UprightProfilesParams()};
+    UprightProfileFinder finder;
     finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
     EXPECT_FALSE(finder.profiles().empty());
     for (const UprightProfile& profile : finder.profiles()) EXPECT_EQ(profile.kind, Kind::kSurface) << corner_m;
@@ -133,7 +133,7 @@ TEST(UprightProfiles, TwoThingsInOppositeCornersAreHarmless) {
     in.add(10.09 + 0.001 * i, 0.09, -1.1 + 0.001 * i, i);
     in.add(10.91 - 0.001 * i, 0.91, 2.9 - 0.001 * i, 20 + i);
   }
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   EXPECT_TRUE(finder.profiles().empty());
 }
@@ -144,7 +144,7 @@ TEST(UprightProfiles, ATrunkOnABorderIsSeenOnceAndWhole) {
     const double z = -1.1 + 0.14 * beam;
     for (double y = -0.15; y < 0.16; y += 0.03) in.add(12.5, 0.02 + y + 0.03 * z, z, beam);
   }
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   ASSERT_EQ(finder.profiles().size(), 2u);
   const UprightProfile& across = finder.profiles()[0];
@@ -164,14 +164,14 @@ TEST(UprightProfiles, GroundBanksAndCeilingsGiveNone) {
       in.add(14.3, y, -1.1 + 0.04 * beam, beam);                // a curb
     }
   }
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   EXPECT_TRUE(finder.profiles().empty());
 }
 
 TEST(UprightProfiles, WithoutRingsElevationsTellTheBeams) {
   const Points in = flatWall();
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, {}, {}, Eigen::Matrix3d::Identity());
   ASSERT_EQ(finder.profiles().size(), 1u);
   EXPECT_GE(finder.profiles().front().size, 12u);
@@ -186,7 +186,7 @@ TEST(UprightProfiles, UnreadablePointsAndRingsAreHarmless) {
   in.rings.push_back(3);
   in.points.push_back({10.3f, 0.5f, 0.0f});
   in.rings.push_back(65535);
-  UprightProfileFinder finder{UprightProfilesParams()};
+  UprightProfileFinder finder;
   finder.find(in.points, in.rings, {}, Eigen::Matrix3d::Identity());
   EXPECT_EQ(finder.profiles().size(), 1u);
   finder.find({}, {}, {}, Eigen::Matrix3d::Identity());
