@@ -78,7 +78,7 @@ void RoadProfileOdometry::setYaw(double yaw_rad) {
 
 void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog,
                               double yaw_rad) {
-  const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog, params_.road);
+  const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog);
   if (!sweeps_.empty() && sweep.stamp_s - sweeps_.back().stamp_s > kLongestGap_s) clear();
   if (!samples) return clear();
   Record record;
@@ -98,8 +98,8 @@ void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lid
 }
 
 std::vector<RoadProfileOdometry::Layer> RoadProfileOdometry::layers() const {
-  const int nx = 2 * static_cast<int>(std::ceil(params_.road.max_range_m / params_.cell_m));
-  const int ny = 2 * static_cast<int>(std::ceil(params_.road.half_width_m / params_.cell_m));
+  const int nx = 2 * static_cast<int>(std::ceil(kRoadRange_m / params_.cell_m));
+  const int ny = 2 * static_cast<int>(std::ceil(kRoadHalfWidth_m / params_.cell_m));
   const auto cells = static_cast<std::size_t>(nx * ny);
   const int half = static_cast<int>(std::lround(params_.smoothing_m / params_.cell_m));
   const int min_count = std::max(3, static_cast<int>(sweeps_.size()) / 2);
@@ -113,7 +113,7 @@ std::vector<RoadProfileOdometry::Layer> RoadProfileOdometry::layers() const {
       const Mean& mean = means_[sample.direction];
       if (mean.count < min_count) continue;
       const float height = sample.height - static_cast<float>(mean.sum / mean.count);
-      if (std::abs(height) > static_cast<float>(params_.road.max_height_m)) continue;
+      if (std::abs(height) > static_cast<float>(kRoadHeight_m)) continue;
       const int x = fastFloor(static_cast<double>(sample.x) / params_.cell_m) + nx / 2;
       const int y = fastFloor(static_cast<double>(sample.y) / params_.cell_m) + ny / 2;
       if (x < 0 || x >= nx || y < 0 || y >= ny) continue;
@@ -153,10 +153,10 @@ RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& 
     const double s = place(layer.age_s);
     low = std::min(low, s);
     high = std::max(high, s);
-    aside = std::max(aside, std::abs(s * layer.tan_half_yaw) + params_.road.max_range_m * std::abs(layer.sin_yaw));
+    aside = std::max(aside, std::abs(s * layer.tan_half_yaw) + kRoadRange_m * std::abs(layer.sin_yaw));
   }
-  const double reach = params_.road.max_range_m + 2.0 * params_.cell_m + 0.1 * std::abs(speed_mps) + 5.0;
-  aside = std::min(aside, 50.0) + params_.road.half_width_m + params_.cell_m;
+  const double reach = kRoadRange_m + 2.0 * params_.cell_m + 0.1 * std::abs(speed_mps) + 5.0;
+  aside = std::min(aside, 50.0) + kRoadHalfWidth_m + params_.cell_m;
   const double x0 = low - reach;
   const int nx = static_cast<int>((high - low + 2.0 * reach) / params_.cell_m) + 1;
   const int ny = static_cast<int>(2.0 * aside / params_.cell_m) + 1;

@@ -39,8 +39,7 @@ class RoadProfileOdometry {
     bool enabled = true;
     /// sweeps that are compared: 2 s at 10 Hz, during which the acceleration is nearly constant
     int window_sweeps = 20;
-    int min_sweeps = 10;  ///< fewer sweeps give no speed: half a window
-    RoadSurfaceParams road;
+    int min_sweeps = 10;   ///< fewer sweeps give no speed: half a window
     double cell_m = 0.25;  ///< cell of the grid of heights: a quarter of the profile's length
     /// half the side of the square whose mean height is subtracted: longer than the profile, shorter than the road's
     /// crown

@@ -13,9 +13,12 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kNearest_m = 3.0;      // horizontal, from the lidar: nearer points belong to the vehicle
 constexpr double kBelowLidar_m = 0.5;   // the road is at least this far below the lidar
 constexpr double kRangeNoise_m = 0.02;  // only its ratio to the profile's height matters
 constexpr std::size_t kMinSamples = 1000;
+// Size of the bins for the mean: a fraction of the beams' spacing, and 0.14 m at kRoadRange_m, less than a cell.
+constexpr double kElevationBin_deg = 0.1, kAzimuthBin_deg = 0.5;
 
 struct RoadPoint {
   Eigen::Vector3d p;  // axes of the vehicle, origin at the lidar
@@ -56,16 +59,15 @@ Vector6d fitRoad(const std::vector<RoadPoint>& points) {
   return coefficients;
 }
 
-std::vector<RoadPoint> roadPoints(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
-                                  const RoadSurfaceParams& params) {
+std::vector<RoadPoint> roadPoints(const CorrectedSweep& sweep, const Pose& T_cog_lidar) {
   std::vector<RoadPoint> points;
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
-  const auto min2 = static_cast<float>(params.min_range_m * params.min_range_m);
-  const auto max2 = static_cast<float>(params.max_range_m * params.max_range_m);
+  const auto min2 = static_cast<float>(kNearest_m * kNearest_m);
+  const auto max2 = static_cast<float>(kRoadRange_m * kRoadRange_m);
   for (std::size_t i = 0; i < sweep.points_lidar.size(); ++i) {
     const Eigen::Vector3f p = R * sweep.points_lidar[i];
     const float range2 = p.head<2>().squaredNorm();
-    if (range2 < min2 || range2 > max2 || std::abs(p.y()) > static_cast<float>(params.half_width_m) ||
+    if (range2 < min2 || range2 > max2 || std::abs(p.y()) > static_cast<float>(kRoadHalfWidth_m) ||
         p.z() > -static_cast<float>(kBelowLidar_m)) {
       continue;
     }
@@ -83,23 +85,23 @@ struct Direction {
 }  // namespace
 
 std::optional<std::vector<RoadSample>> sampleRoad(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
-                                                  const Vector6d& twist_cog, const RoadSurfaceParams& params) {
-  const std::vector<RoadPoint> points = roadPoints(sweep, T_cog_lidar, params);
+                                                  const Vector6d& twist_cog) {
+  const std::vector<RoadPoint> points = roadPoints(sweep, T_cog_lidar);
   if (points.size() < kMinSamples) return std::nullopt;
   const Vector6d road = fitRoad(points);
   std::unordered_map<VoxelKey, Direction, VoxelHash> bins;
   const Eigen::Matrix3d R_lidar_cog = T_cog_lidar.linear().transpose();
   for (const RoadPoint& point : points) {
     const double height = point.p.z() - quadric(point.p.x(), point.p.y()).dot(road);
-    if (std::abs(height) > 5.0 * params.max_height_m) continue;
+    if (std::abs(height) > 5.0 * kRoadHeight_m) continue;
     const double time_s = sweep.times_s.empty() ? 0.0 : static_cast<double>(sweep.times_s[point.index]);
     const Eigen::Vector3d p_cog = point.p + T_cog_lidar.translation();
     const Eigen::Vector3d moved = time_s * (twist_cog.head<3>() + twist_cog.tail<3>().cross(p_cog));
     const Eigen::Vector3d ray = R_lidar_cog * (point.p - moved);
     const double elevation_deg = std::atan2(ray.z(), ray.head<2>().norm()) / kDegree;
     const double azimuth_deg = std::atan2(ray.y(), ray.x()) / kDegree;
-    Direction& bin = bins[packVoxel(fastFloor(elevation_deg / params.direction_elevation_deg + 0.5),
-                                    fastFloor(azimuth_deg / params.direction_azimuth_deg), 0)];
+    Direction& bin = bins[packVoxel(fastFloor(elevation_deg / kElevationBin_deg + 0.5),
+                                    fastFloor(azimuth_deg / kAzimuthBin_deg), 0)];
     bin.x += point.p.x();
     bin.y += point.p.y();
     bin.time_s += time_s;

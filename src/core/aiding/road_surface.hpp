@@ -15,18 +15,11 @@
 
 namespace fail_aware {
 
-struct RoadSurfaceParams {
-  /// nearest points used, horizontal, from the lidar: nearer points belong to the vehicle
-  double min_range_m = 3.0;
-  double max_range_m = 16.0;  ///< farthest points used: farther beams are too grazing
-  double half_width_m = 4.0;  ///< half the width of the strip of road used: own lane and its neighbours
-  /// elevation size of the bins for the mean: a fraction of the beams' spacing
-  double direction_elevation_deg = 0.1;
-  double direction_azimuth_deg = 0.5;  ///< azimuth size of these bins: 0.14 m at max_range_m, less than a cell
-  /// higher points (from the quadric five times as high ones) are not road: the profile is millimetres, range noise
-  /// centimetres
-  double max_height_m = 0.03;
-};
+constexpr double kRoadRange_m = 16.0;     ///< farthest points used, horizontal: farther beams are too grazing
+constexpr double kRoadHalfWidth_m = 4.0;  ///< of the strip of road used: own lane and its neighbours
+/// Higher points (from the quadric five times as high ones) are not road: the profile is millimetres, range noise
+/// centimetres.
+constexpr double kRoadHeight_m = 0.03;
 
 struct RoadSample {
   VoxelKey direction = 0;
@@ -36,6 +29,6 @@ struct RoadSample {
 
 /// `twist_cog`: the motion (m/s, rad/s) that the sweep was deskewed for.
 std::optional<std::vector<RoadSample>> sampleRoad(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
-                                                  const Vector6d& twist_cog, const RoadSurfaceParams& params);
+                                                  const Vector6d& twist_cog);
 
 }  // namespace fail_aware

@@ -20,7 +20,7 @@ CorrectedSweep slopingRoad(double slope) {
 }
 
 TEST(RoadSurface, HeightsAreThoseAboveTheSlope) {
-  const auto samples = sampleRoad(slopingRoad(0.03), Pose::Identity(), Vector6d(Vector6d::Zero()), RoadSurfaceParams());
+  const auto samples = sampleRoad(slopingRoad(0.03), Pose::Identity(), Vector6d(Vector6d::Zero()));
   ASSERT_TRUE(samples);
   ASSERT_GT(samples->size(), 1000u);
   for (const RoadSample& sample : *samples) {
@@ -34,7 +34,7 @@ TEST(RoadSurface, HeightsAreThoseAboveTheSlope) {
 }
 
 TEST(RoadSurface, ASampleWeighsWhatItsPointsTellOfTheHeight) {
-  const auto samples = sampleRoad(slopingRoad(0.0), Pose::Identity(), Vector6d(Vector6d::Zero()), RoadSurfaceParams());
+  const auto samples = sampleRoad(slopingRoad(0.0), Pose::Identity(), Vector6d(Vector6d::Zero()));
   ASSERT_TRUE(samples);
   for (const RoadSample& sample : *samples) {
     const double sigma_m = 0.02 * 1.7 / std::hypot(sample.x, sample.y);
@@ -45,7 +45,7 @@ TEST(RoadSurface, ASampleWeighsWhatItsPointsTellOfTheHeight) {
 TEST(RoadSurface, TooLittleRoadIsNone) {
   CorrectedSweep sweep = slopingRoad(0.0);
   sweep.points_lidar.resize(500);
-  EXPECT_FALSE(sampleRoad(sweep, Pose::Identity(), Vector6d(Vector6d::Zero()), RoadSurfaceParams()));
+  EXPECT_FALSE(sampleRoad(sweep, Pose::Identity(), Vector6d(Vector6d::Zero())));
 }
 
 }  // namespace
