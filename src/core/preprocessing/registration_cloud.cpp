@@ -1,6 +1,7 @@
 #include "core/preprocessing/registration_cloud.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/preprocessing/correction.hpp"
 #include "core/stamp_difference.hpp"
@@ -85,10 +86,9 @@ void RegistrationCloudBuilder::build(const CorrectedSweep& sweep, const Pose& T_
   const Eigen::Matrix3f R = T_cog_lidar.linear().cast<float>();
   const Eigen::Vector3f t = T_cog_lidar.translation().cast<float>();
   for (Eigen::Vector3f& p : cloud.map_points_cog) p = (R * p + t).eval();
-  all_.resize(cloud.map_points_cog.size());
-  for (std::uint32_t i = 0; i < all_.size(); ++i) all_[i] = i;
   const auto thinned = [&](double voxel_m) -> const std::vector<std::uint32_t>& {
-    chosen_ = filter_.select(cloud.map_points_cog, all_, voxel_m);
+    constexpr double kAnyRange_m = std::numeric_limits<double>::infinity();
+    chosen_ = filter_.select(cloud.map_points_cog, voxel_m, 0.0, kAnyRange_m, VoxelFilter::Order::kAsGiven);
     // in the sweep's order: consecutive points then access nearby parts of the map
     std::sort(chosen_.begin(), chosen_.end(), [&](auto a, auto b) { return of_sweep_[a] < of_sweep_[b]; });
     return chosen_;

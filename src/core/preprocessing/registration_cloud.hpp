@@ -75,7 +75,7 @@ class RegistrationCloudBuilder {
   std::optional<SweepTimingParams> compensated_head_;
   VoxelFilter filter_;
   /// indices into the sweep (first), into the map's points (others)
-  std::vector<std::uint32_t> of_sweep_, all_, chosen_;
+  std::vector<std::uint32_t> of_sweep_, chosen_;
 };
 
 }  // namespace fail_aware

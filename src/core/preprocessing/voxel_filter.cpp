@@ -53,15 +53,8 @@ bool VoxelFilter::insert(VoxelKey key) {
   return true;
 }
 
-void VoxelFilter::keepNew(const std::uint32_t* ahead, std::size_t count) {
-  for (std::size_t k = 0; k < count; ++k) __builtin_prefetch(&table_[VoxelHash{}(keys_[ahead[k]]) & mask_], 1);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (insert(keys_[ahead[k]])) kept_.push_back(ahead[k]);
-  }
-}
-
 const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
-                                                      double min_range_m, double max_range_m) {
+                                                      double min_range_m, double max_range_m, Order order) {
   prepare();
   constexpr double kLargest = std::numeric_limits<float>::max();  // infinity is beyond it for any max_range_m
   const auto min2 = static_cast<float>(min_range_m * min_range_m);
@@ -74,28 +67,18 @@ const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::V
     const bool in_range = range2 >= min2 && range2 <= max2;  // false for NaN
     keys_[i] = in_range ? keyOf(points[i], inverse_size) : kOutOfRange;
   }
-  ScatteredOrder order(count);
+  ScatteredOrder scattered(count);
   std::array<std::uint32_t, kAhead> ahead;
   for (std::uint32_t k = 0; k < count;) {
     std::size_t found = 0;
     for (; k < count && found < kAhead; ++k) {
-      const std::uint32_t i = order.next();
+      const std::uint32_t i = order == Order::kScattered ? scattered.next() : k;
       if (keys_[i] != kOutOfRange) ahead[found++] = i;
     }
-    keepNew(ahead.data(), found);
-  }
-  return kept_;
-}
-
-const std::vector<std::uint32_t>& VoxelFilter::select(const std::vector<Eigen::Vector3f>& points,
-                                                      const std::vector<std::uint32_t>& candidates,
-                                                      double voxel_size_m) {
-  prepare();
-  const auto inverse_size = static_cast<float>(1.0 / voxel_size_m);
-  keys_.resize(points.size());
-  for (const std::uint32_t i : candidates) keys_[i] = keyOf(points[i], inverse_size);
-  for (std::size_t k = 0; k < candidates.size(); k += kAhead) {
-    keepNew(candidates.data() + k, std::min(kAhead, candidates.size() - k));
+    for (std::size_t j = 0; j < found; ++j) __builtin_prefetch(&table_[VoxelHash{}(keys_[ahead[j]]) & mask_], 1);
+    for (std::size_t j = 0; j < found; ++j) {
+      if (insert(keys_[ahead[j]])) kept_.push_back(ahead[j]);
+    }
   }
   return kept_;
 }

@@ -1,4 +1,4 @@
-// Downsampling: one point per voxel, the first one visited. A sweep is visited in an order without preferred direction
+// Downsampling: one point per voxel, the first one visited: by default in an order without preferred direction
 // (scattered_order.hpp).
 //
 // A measured point (instead of a centroid) does not mix surfaces and keeps its time.
@@ -16,14 +16,12 @@ namespace fail_aware {
 
 class VoxelFilter {
  public:
+  enum class Order { kScattered, kAsGiven };
+
   /// Indices of the points kept, in the order visited. Points nearer than min_range_m or farther than max_range_m from
   /// the origin, and points that are not finite, are left out. voxel_size_m > 0.
   const std::vector<std::uint32_t>& select(const std::vector<Eigen::Vector3f>& points, double voxel_size_m,
-                                           double min_range_m, double max_range_m);
-
-  /// The same over a subset, in its order: `candidates` are indices into points, and not what this filter returned.
-  const std::vector<std::uint32_t>& select(const std::vector<Eigen::Vector3f>& points,
-                                           const std::vector<std::uint32_t>& candidates, double voxel_size_m);
+                                           double min_range_m, double max_range_m, Order order = Order::kScattered);
 
  private:
   struct Slot {
@@ -34,8 +32,6 @@ class VoxelFilter {
   void resize(std::size_t slots);
   Slot* find(VoxelKey key);  ///< the slot of the key, or the free slot for it
   bool insert(VoxelKey key);
-  /// Keeps the points with a new key among `ahead`, indices into keys_.
-  void keepNew(const std::uint32_t* ahead, std::size_t count);
 
   std::vector<Slot> table_;  ///< at most half full; no larger, so that it stays in the cache
   std::size_t filled_ = 0;
