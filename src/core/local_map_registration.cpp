@@ -20,12 +20,6 @@ std::optional<SweepTimingParams> compensatedHead(const RegistrationParameters& p
   return timing;
 }
 
-Measurement withoutPose(MeasurementStatus status) {
-  Measurement measurement;
-  measurement.status = status;
-  return measurement;
-}
-
 }  // namespace
 
 LocalMapRegistration::LocalMapRegistration(const RegistrationParameters& params, const SweepTimingParams& timing)
@@ -87,7 +81,7 @@ void LocalMapRegistration::findOpenCountry(const SweepPrediction& prediction) {
 
 Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<SeedTrack>* tracks) const {
   if (tracks != nullptr) tracks->clear();
-  if (readiness() != MeasurementStatus::kOk) return withoutPose(readiness());
+  if (readiness() != MeasurementStatus::kOk) return Measurement{readiness()};
   Measurement measurement =
       icp.align(scan_.cloud.point_points_cog, map(), T_odom_cog_start(), guess_.covariance, tracks);
   describeGuess(measurement);
@@ -95,7 +89,7 @@ Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<
 }
 
 Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma_yaw_rad) const {
-  if (readiness() != MeasurementStatus::kOk) return withoutPose(readiness());
+  if (readiness() != MeasurementStatus::kOk) return Measurement{readiness()};
   Measurement measurement = icp.align(scan_.cloud.plane_points_cog, map(), T_odom_cog_start(), sigma_yaw_rad);
   if (measurement.ok()) {
     measurement.ahead =

@@ -44,7 +44,7 @@ struct Measurement {
   /// Information in the weakest horizontal direction. ICPs: ratio of the total weight, 0.5 if both directions are
   /// observed equally well. Corners: relative to `good_corners` corners. 0: not known.
   double min_information_ratio = 0.0;
-  InformationAhead ahead;             ///< point-to-plane ICP; otherwise not known
+  InformationAhead ahead{};           ///< point-to-plane ICP; otherwise not known
   bool clock_jump_suspected = false;  ///< registered assuming a clock jump: the speed is unusable
 
   bool ok() const { return status == MeasurementStatus::kOk; }
