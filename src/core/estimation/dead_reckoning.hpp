@@ -84,8 +84,8 @@ class DeadReckoning {
   /// From the first sweep that is not observed until `observed_sweeps` consecutive observed ones.
   bool active() const { return active_; }
 
-  /// Finishes a sweep, or one without a measurement (null). `before`: at the last sweep; returns the motion now (roll and
-  /// pitch turn as before).
+  /// Finishes a sweep, or one without a measurement (null). `before`: at the last sweep; returns the motion now, but
+  /// for the rates of roll and pitch, which stay.
   MotionDerivatives filter(const MotionDerivatives& before, double dt_s, const Measured* measured);
 
   /// Covariance that the uncertain motion adds to the next increment (x y z, m^2; yaw, rad^2). Zero unless active.

@@ -46,8 +46,8 @@ class MotionInitialization {
     double max_range_m = 60.0;  ///< farthest points used: beyond it points are sparse
     double thinning_m = 0.1;    ///< voxel size of the sweeps: coarser sweeps fit best at standstill, see above
     double kernel_m = 0.5;      ///< Geman-McClure scale of the distance to the nearest point; 0.15 m at the end
-    /// cells, one vote each, of about the size of a vehicle, so that one ahead has few votes; within a column a slope lifts
-    /// a point by less than 0.4 m, and a kerb is no higher
+    /// cells, one vote each, of about the size of a vehicle, so that one ahead has few votes; within a column a slope
+    /// lifts a point by less than 0.4 m, and a kerb is no higher
     AboveGroundPointsParams above_ground{3.0, 0.5, 0.4};
     /// While the speed is unknown, a sweep that moved less than standstill_m counts as standing only if its weakest
     /// horizontal direction has at least standstill_ratio of the information: objects that travel with the vehicle

@@ -6,9 +6,10 @@ namespace fail_aware {
 
 namespace {
 
-// Of 100 m around, with false returns in the air, too: a map that is copied makes the sweep that it meets wait for 0.1 s.
+// Of 100 m around, with false returns in the air, too: a map that is copied makes the sweep that it meets wait for
+// 0.1 s.
 constexpr std::size_t kReservedVoxels = std::size_t{1} << 18;
-constexpr double kTrimEvery_m = 5.0;  // so that the trimming costs little a sweep
+constexpr double kTrimEvery_m = 5.0;        // so that the trimming costs little a sweep
 constexpr double kOtherReference_s = 0.02;  // between the sweeps' middles; a driver adds less to a revolution
 
 }  // namespace

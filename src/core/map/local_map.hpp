@@ -4,8 +4,7 @@
 // The map belongs to one odom frame (FilterState::odom_reset_count counts the resets of odom); after a reset of odom
 // the map starts empty. FilterState::map_update decides which sweeps are inserted; an empty map takes any sweep. While
 // the map holds only its first sweep, that sweep can be deskewed again when the first motion is found
-// (motion_initialization.hpp). `sweeps` = 1 is the article's registration of consecutive sweeps; 0 keeps everything within
-// `range_m`.
+// (motion_initialization.hpp).
 // Frames: points in the frame of the centre of gravity; poses in odom.
 // Cost: one insertion (voxel_map.hpp) a sweep, and one copy of the first sweep.
 #pragma once
@@ -20,7 +19,7 @@ namespace fail_aware {
 class LocalMap {
  public:
   struct Params {
-    int sweeps = 0;
+    int sweeps = 0;  ///< 1: the last one alone, as in the article; 0: everything within range_m
     double range_m = 100.0;
     VoxelMap::Params voxels;
 

@@ -22,8 +22,8 @@ Eigen::Map<const Eigen::ArrayXf> asArray(const std::vector<float>& values) {
   return {values.data(), static_cast<Eigen::Index>(values.size())};
 }
 
-/// The lowest order with a remainder below kMaxTruncation_m; kMaxOrder + 1 if there is none. With a = |s w|, the term of
-/// order k is at most |s| (|w| r + |u|) a^(k-1) / k!, and all terms from the k-th on sum to at most e^a times that.
+/// The lowest order with a remainder below kMaxTruncation_m; kMaxOrder + 1 if there is none. With a = |s w|, the term
+/// of order k is at most |s| (|w| r + |u|) a^(k-1) / k!, and all terms from the k-th on sum to at most e^a times that.
 int seriesOrder(const Vector6d& twist, double longest_s) {
   const double a = longest_s * twist.tail<3>().norm();
   double bound = (a * kFarthestPoint_m + longest_s * twist.head<3>().norm()) * std::exp(a);

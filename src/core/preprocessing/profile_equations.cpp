@@ -9,8 +9,8 @@ namespace fail_aware {
 
 namespace {
 
-// Sigma of the true lean of walls, of trunks and poles, and of the latter towards the sensor: those of what people build,
-// in addition to the standard error.
+// Sigma of the true lean of walls, of trunks and poles, and of the latter towards the sensor: those of what people
+// build, in addition to the standard error.
 constexpr double kSurface_deg = 0.1, kLine_deg = 0.3, kLineAway_deg = 0.5;
 constexpr double kPoint_m = 0.015;  // sigma of a point's offset
 constexpr double kBeam_m = 0.003;   // sigma of a beam's mean offset, in addition

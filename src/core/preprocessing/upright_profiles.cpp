@@ -12,11 +12,11 @@ namespace fail_aware {
 namespace {
 
 constexpr double kColumn_m = 1.0;  // side of a column: holds a trunk, and little besides one wall
-// Points used, by their distance from the sensor: nearer ones may be parts of the vehicle or its load, farther columns are
-// hit by too few beams.
+// Points used, by their distance from the sensor: nearer ones may be parts of the vehicle or its load, farther columns
+// are hit by too few beams.
 constexpr double kMinRange_m = 4.0, kMaxRange_m = 30.0;
 constexpr int kCells = 2 * static_cast<int>(kMaxRange_m / kColumn_m);  // columns along a side of the grid
-// Lowest and highest point of a column, above the sensor: the ground must be below, higher up are crowns of trees and eaves.
+// Lowest and highest point of a column, above the sensor: the ground must be below, higher up are crowns and eaves.
 constexpr float kMinHeight_m = -1.2f, kMaxHeight_m = 3.0f;
 constexpr std::uint32_t kMinPoints = 12;  // of a column: fewer give no direction
 constexpr float kMinExtent_m = 0.6f;      // from the lowest to the highest beam: lower things need not stand upright
