@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/map/near_side.hpp"
 #include "core/registration/plane_pairs.hpp"
 #include "core/robust_kernel.hpp"
 
@@ -14,10 +15,7 @@ namespace {
 constexpr std::size_t kMatched = 1000;  // points, about
 constexpr double kWideKernel = 2.0;     // of the search, in kernels
 constexpr int kIterations = 8;
-constexpr double kLeastWindow_m = 0.4;  // however little was driven
-// From what stands to its near side, which nearest neighbours match: 0.02 to 0.035 m for posts that are 0.12 m thick, 0.03
-// to 0.1 m for bales and trees (two simulated fields).
-constexpr double kNearSide_m = 0.03;
+constexpr double kLeastWindow_m = 0.4;   // however little was driven
 constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' share
 
 Pose movedAlong(const Pose& T_odom_cog, double distance_m) {
@@ -40,7 +38,7 @@ struct Fit {
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
 };
 
-// How far each place's near side has moved since the kept sweep, odom: the sweeps see the sides that faced the sensor.
+// How far each place's near side has moved since the kept sweep, odom.
 std::vector<Eigen::Vector2d> nearSideShifts(const AboveGroundPoints& above_ground, const Pose& T_odom_cog,
                                             const Pose& T_odom_cog_kept) {
   std::vector<Eigen::Vector3d> sums(above_ground.places, Eigen::Vector3d::Zero());
@@ -51,7 +49,7 @@ std::vector<Eigen::Vector2d> nearSideShifts(const AboveGroundPoints& above_groun
     const auto directionFrom = [&](const Pose& T) -> Eigen::Vector2d {
       return (mean_odom - T.translation()).head<2>().normalized();
     };
-    shifts[place] = kNearSide_m * (directionFrom(T_odom_cog_kept) - directionFrom(T_odom_cog));
+    shifts[place] = nearSideShift(directionFrom(T_odom_cog_kept), directionFrom(T_odom_cog));
   }
   return shifts;
 }

@@ -8,8 +8,7 @@
 // x, y and heading. Open country is where planes observe both horizontal directions poorly (`max_information_ratio`) and
 // few points stand (`max_above_ground_ratio`). A motorway is none: its rails observe the direction across.
 //
-// Both sweeps see the side that faces the sensor. While the vehicle passes, that side moves around the object in the
-// direction of travel, so that the way seems shorter than it is: by 0.09 % in simulated fields. The match allows for it.
+// The match allows for the near sides that move around what stands while the vehicle passes (near_side.hpp).
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
 // distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4 m).

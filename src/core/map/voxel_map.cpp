@@ -68,6 +68,7 @@ void VoxelMap::insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_
     Voxel& voxel = voxels_[i];
     if (voxel.statistics.n >= max_samples) continue;
     const Eigen::Vector3f local = (p - centreOf(voxel.at)).cast<float>();
+    if (voxel.statistics.n == 0.0f) planes_[i].first_view = (p - t).head<2>().normalized().cast<float>();
     voxel.statistics.add(local);
     if (!voxel.touched) {
       voxel.touched = true;
@@ -100,7 +101,9 @@ void VoxelMap::refitPlanes() {
     Statistics& s = voxel.statistics;
     const bool full = s.n >= static_cast<float>(params_.max_samples);
     if (s.n >= static_cast<float>(params_.min_plane_samples) && (s.n >= 1.25f * s.fitted_n || full)) {
+      const Eigen::Vector2f first_view = planes_[i].first_view;
       planes_[i] = fitPlane(s);
+      planes_[i].first_view = first_view;
       s.fitted_n = s.n;
     }
   }

@@ -33,6 +33,8 @@ struct PlanePatch {
   Eigen::Vector3f tangent = Eigen::Vector3f::Zero();  ///< unit, in the plane, across the points' longest extent
   float spread = 0.0f;                                ///< m^2, variance of the points along `tangent`
   float samples = 0.0f;                               ///< points fitted; 0: no plane here
+  /// Unit, horizontal, odom axes: from the sensor, when the voxel was first seen. The points kept are those of that view.
+  Eigen::Vector2f first_view = Eigen::Vector2f::Zero();
   bool post = false;  ///< no plane but thin and upright: a post, a trunk, an edge of a house
 };
 

@@ -1,6 +1,7 @@
 #include "core/registration/point_pairs.hpp"
 
 #include "core/geometry/rotation.hpp"
+#include "core/map/near_side.hpp"
 #include "core/parallel.hpp"
 #include "core/robust_kernel.hpp"
 
@@ -52,7 +53,10 @@ struct PairSums {
 void addPair(const Eigen::Vector3d& arm, const VoxelMap::PointMatch& match, const PlanePatch* surface, double kernel2,
              PairSums& sums) {
   const double e2 = match.distance2_m2;
-  const Eigen::Vector3d e = match.offset_m.cast<double>();
+  Eigen::Vector3d e = match.offset_m.cast<double>();
+  if (surface != nullptr && surface->post) {
+    e.head<2>() += nearSideShift(surface->first_view.cast<double>(), arm.head<2>().normalized());
+  }
   const double w = gemanMcClureWeight(e2, kernel2);
   NormalEquations& equations = sums.equations;
   sums.w += w;

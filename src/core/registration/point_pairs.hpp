@@ -3,7 +3,8 @@
 // A pair is a point and the nearest map point within max_distance_m, weighted with a Geman-McClure kernel.
 // Information (not in the paper): the nearest point of a plane slides along the plane. A pair therefore informs only
 // along the normal of its partner's plane, and horizontally if the partner is on a post. Pairs with unknown surface
-// inform on the directions as the other pairs do together.
+// inform on the directions as the other pairs do together. The near side of a post moves as the vehicle passes
+// (near_side.hpp).
 //
 // Points: m, frame of the centre of gravity. Pose: of the centre of gravity in odom.
 // Cost: one nearest-point query per point, on the threads of the caller's TBB arena; the result is bit-identical for

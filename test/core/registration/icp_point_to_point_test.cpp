@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "../../support/expect_usable.hpp"
+#include "../../support/near_sides.hpp"
 #include "../../support/synthetic_scene.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/matrix6.hpp"
@@ -279,6 +280,23 @@ TEST(IcpPointToPoint, EightSeedsFindTheRightPosts) {
     EXPECT_LT(rotationErrorDeg(eight.T_odom_cog, truth), 0.3);
     EXPECT_GT(eight.inlier_ratio, one.inlier_ratio);
   }
+}
+
+TEST(IcpPointToPoint, NearSidesOfPostsHardlyShortenTheWay) {
+  VoxelMap map;
+  map.insert(nearSidesSeenAt(Pose::Identity()), Pose::Identity());
+  IcpPointToPoint::Params params = testParams();
+  params.seeds = 1;
+  double sum = 0.0;
+  constexpr int kWays = 10;
+  for (int i = 1; i <= kWays; ++i) {
+    const Pose truth = poseOf(1.0 * i, 0.0, 0.0, 0.0, 0.0, 0.0);
+    const Measurement m =
+        IcpPointToPoint(params).align(nearSidesSeenAt(truth), map, truth, covarianceOf(0.1, 0.1, 0.1, 0.1));
+    ASSERT_TRUE(m.ok()) << toString(m.status);
+    sum += m.T_odom_cog.translation().x() / i - 1.0;
+  }
+  EXPECT_NEAR(sum / kWays, 0.0, 5e-4);  // -8.5e-4 without allowing for them
 }
 
 TEST(IcpPointToPoint, SeedsThatDisagreeWidenTheCovariance) {
