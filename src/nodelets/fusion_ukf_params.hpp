@@ -17,7 +17,7 @@ struct FusionUkfNodeletParams {
   double deadline_s = 0.18;                 ///< from predicting a sweep to closing it: before the monitor calls it late
   double late_deadline_s = 0.6;             ///< from a cloud to closing its sweep, if a late source has not answered
   double first_deadline_s = 10.0;           ///< until a motion is known: for sources that are still searching it
-  int queue_size = 3;                       ///< number of sweeps that may wait while one is open
+  int queue_size = 6;                       ///< number of sweeps that may wait while one is open
   double max_reorder_s = kMaxReorder_s;     ///< two stamps in a row farther back are a time jump: a new drive begins
   int absent_after_sweeps = 3;  ///< consecutive misses, or answers after every deadline, that end the waiting
   int path_max_poses = 2000;

@@ -49,7 +49,6 @@ TEST(LaunchFiles, ArgumentsHaveTheNodeletsDefaults) {
     for (std::sregex_iterator at(text.begin(), text.end(), argument), end; at != end; ++at) {
       const std::string name = (*at)[1], told = (*at)[2];
       if (defaults.count(name) == 0) continue;
-      if (name == "queue_size" && file == std::string("kitti_replay.launch")) continue;  // says why
       const ParameterValue& value = defaults.at(name);
       ++compared;
       if (const bool* flag = std::get_if<bool>(&value)) {

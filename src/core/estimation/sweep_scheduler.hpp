@@ -22,7 +22,7 @@ namespace fail_aware {
 class SweepScheduler {
  public:
   struct Params {
-    std::size_t queue_size = 3;      ///< sweeps that may wait for the open one
+    std::size_t queue_size = 6;      ///< sweeps that may wait for the open one
     double deadline_s = 0.18;        ///< from opening to closing
     double late_deadline_s = 0.6;    ///< from the cloud's arrival to closing, while a source is working
     double first_deadline_s = 10.0;  ///< from opening, while sources search for the first motion

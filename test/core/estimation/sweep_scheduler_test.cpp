@@ -9,6 +9,14 @@ SweepScheduler::Sweep sweep(std::uint64_t number, double arrived_s = 0.0, double
   return {number, "lidar", arrived_s, set_back_s};
 }
 
+SweepScheduler ofThreeThatMayWait() {
+  SweepScheduler scheduler;
+  SweepScheduler::Params params;
+  params.queue_size = 3;
+  scheduler.setParams(params);
+  return scheduler;
+}
+
 /// The number of the next sweep, which is closed at once; 0: none.
 std::uint64_t next(SweepScheduler& scheduler) {
   const auto opened = scheduler.open(0.0);
@@ -31,7 +39,7 @@ TEST(SweepScheduler, SweepsAreOpenedOneByOneInTheirOrder) {
 }
 
 TEST(SweepScheduler, OverloadDropsTheOldestAndCountsIt) {
-  SweepScheduler scheduler;
+  SweepScheduler scheduler = ofThreeThatMayWait();
   for (std::uint64_t i = 1; i <= 4; ++i) scheduler.offer(sweep(i));
   EXPECT_EQ(scheduler.counts().overload, 2u) << "two may wait now";
   EXPECT_EQ(scheduler.takeDropped(), 2);
@@ -40,7 +48,7 @@ TEST(SweepScheduler, OverloadDropsTheOldestAndCountsIt) {
 }
 
 TEST(SweepScheduler, LongOverloadLeavesTheNewestOnly) {
-  SweepScheduler scheduler;
+  SweepScheduler scheduler = ofThreeThatMayWait();
   std::uint64_t number = 0;
   const auto offer = [&](int sweeps) {
     for (int k = 0; k < sweeps; ++k) scheduler.offer(sweep(++number));
