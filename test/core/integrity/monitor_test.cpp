@@ -599,6 +599,21 @@ TEST(FailAwareMonitor, AtTheThresholdsThereIsNoReasonYet) {
   EXPECT_EQ(monitor.update(state, condition).reasons, 0u);
 }
 
+TEST(FailAwareMonitor, IncompleteSweepsDoNotLookAhead) {
+  FailAwareMonitor monitor{independentSweeps()};
+  Road road;
+  SweepCondition walls_on_both_sides, wall_on_one_side;
+  walls_on_both_sides.ahead = {0.1, 30.0};
+  wall_on_one_side.ahead = {0.0005, 20.0};
+  drive(monitor, road, 10, walls_on_both_sides);
+  wall_on_one_side.incomplete = true;
+  const MonitorOutput incomplete = drive(monitor, road, 10, wall_on_one_side);
+  EXPECT_EQ(incomplete.reasons & kReasonWeakRoadAhead, 0u);
+  EXPECT_EQ(incomplete.min_information_ahead, 0.1);
+  wall_on_one_side.incomplete = false;
+  EXPECT_NE(drive(monitor, road, 10, wall_on_one_side).reasons & kReasonWeakRoadAhead, 0u);
+}
+
 TEST(FailAwareMonitor, StateRecoversWithHysteresis) {
   MonitorParameters params = independentSweeps();
   params.sweeps_to_recover = 4;
