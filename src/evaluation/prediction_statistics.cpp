@@ -49,6 +49,10 @@ LateStatistics lateStatistics(const std::vector<JudgedPrediction>& predictions) 
   return statistics;
 }
 
+double StabilityStatistics::changeRatio() const {
+  return ratio(static_cast<double>(changes), static_cast<double>(steps));
+}
+
 double StabilityStatistics::jumpRatio() const { return ratio(static_cast<double>(jumps), static_cast<double>(steps)); }
 
 double StabilityStatistics::signChangesPerMinute() const {
@@ -64,6 +68,8 @@ StabilityStatistics stabilityOf(const std::vector<JudgedPrediction>& episode) {
     statistics.watched_s += passed_s;
     if (!before.predicted.isKnown() || !now.predicted.isKnown()) continue;
     ++statistics.steps;
+    const double change_s = std::abs(now.predicted.seconds - before.predicted.seconds);
+    if (change_s > std::max(kSteady_s, kJumpRatio * before.predicted.seconds)) ++statistics.changes;
     if (bothBeyond(before.predicted, now.predicted)) continue;
     const double expected_s = std::max(0.0, before.predicted.seconds - passed_s);
     const double deviation_s = now.predicted.seconds - expected_s;
@@ -76,7 +82,8 @@ StabilityStatistics stabilityOf(const std::vector<JudgedPrediction>& episode) {
 }
 
 StabilityStatistics operator+(const StabilityStatistics& a, const StabilityStatistics& b) {
-  return {a.watched_s + b.watched_s, a.steps + b.steps, a.jumps + b.jumps, a.sign_changes + b.sign_changes};
+  return {a.watched_s + b.watched_s, a.steps + b.steps, a.changes + b.changes, a.jumps + b.jumps,
+          a.sign_changes + b.sign_changes};
 }
 
 std::vector<ReliabilityBin> reliabilityCurve(const std::vector<JudgedPrediction>& predictions,

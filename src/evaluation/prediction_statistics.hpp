@@ -3,6 +3,7 @@
 // late         a prediction longer than the true remaining time: unsafe. Judged where it can be: in failing episodes,
 //              and in the others where the prediction is shorter than what was watched (then it is not late). "Beyond
 //              the horizon" is a prediction of the horizon.
+// change       from one judged second to the next the prediction changes by more than half of what it was
 // jump         from one judged second to the next the prediction changes by more than half of what was expected
 //              (the last one less the time that passed)
 // sign change  the deviation from what was expected turns its sign; per minute
@@ -40,7 +41,8 @@ LateStatistics lateStatistics(const std::vector<JudgedPrediction>& predictions);
 
 struct StabilityStatistics {
   double watched_s = 0.0;
-  std::size_t steps = 0, jumps = 0, sign_changes = 0;
+  std::size_t steps = 0, changes = 0, jumps = 0, sign_changes = 0;
+  double changeRatio() const;
   double jumpRatio() const;
   double signChangesPerMinute() const;
 };

@@ -170,6 +170,7 @@ Json timesJson(const std::vector<FailAwareEpisode>& episodes, const Predictor& p
   json["late_ratio"] = late.lateRatio();
   json["late_ratio_of_failing"] = late.lateRatioOfFailing();
   json["late_decided"] = late.decided;
+  json["change_ratio"] = stability.changeRatio();
   json["jump_ratio"] = stability.jumpRatio();
   json["sign_changes_per_minute"] = stability.signChangesPerMinute();
   json["reliability"] = Json::array();

@@ -130,7 +130,8 @@ void printPredictors(Table& table) {
     const std::string base = "/times/" + predictor;
     table.percent("late " + predictor + ", %", base + "/late_ratio", 1);
     table.percent("  of failing episodes, %", base + "/late_ratio_of_failing", 1);
-    table.percent("  jumps over 50 %, %", base + "/jump_ratio", 1);
+    table.percent("  changes over 50 % in 1 s, %", base + "/change_ratio", 1);
+    table.percent("  jumps over 50 % from what was expected, %", base + "/jump_ratio", 1);
     table.value("  sign changes per minute", base + "/sign_changes_per_minute", 1);
   }
   for (std::size_t i = 0; i < kIntegrityRegions; ++i) {

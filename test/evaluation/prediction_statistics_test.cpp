@@ -47,12 +47,24 @@ TEST(PredictionStatistics, JumpsAndSignChangesByHand) {
                                              {3.0, 96.0, true, seconds(10.5)},
                                              {4.0, 95.0, true, seconds(9.0)}});
   EXPECT_EQ(s.steps, 4u);
+  EXPECT_EQ(s.changes, 0u) << "10 of 20 are half";
   EXPECT_EQ(s.jumps, 1u);
   EXPECT_EQ(s.sign_changes, 2u);
   EXPECT_DOUBLE_EQ(s.signChangesPerMinute(), 30.0);
   EXPECT_DOUBLE_EQ(s.jumpRatio(), 0.25);
   EXPECT_DOUBLE_EQ((s + s).jumpRatio(), 0.25);
   EXPECT_EQ((s + s).steps, 8u);
+}
+
+TEST(PredictionStatistics, ChangeIsOfTheLastPrediction) {
+  const StabilityStatistics s = stabilityOf({{0.0, 99.0, true, seconds(20.0)},
+                                             {1.0, 98.0, true, seconds(9.0)},
+                                             {2.0, 97.0, true, seconds(14.0)},
+                                             {3.0, 96.0, true, seconds(0.0)},
+                                             {4.0, 95.0, true, seconds(0.0)}});
+  EXPECT_EQ(s.changes, 3u);
+  EXPECT_DOUBLE_EQ(s.changeRatio(), 0.75);
+  EXPECT_DOUBLE_EQ((s + s).changeRatio(), 0.75);
 }
 
 TEST(PredictionStatistics, BeyondTheHorizonStaysThere) {
