@@ -3,7 +3,8 @@
 // late         a prediction longer than the true remaining time: unsafe. Judged where it can be: in failing episodes,
 //              and in the others where the prediction is shorter than what was watched (then it is not late). "Beyond
 //              the horizon" is a prediction of the horizon.
-// change       from one judged second to the next the prediction changes by more than half of what it was
+// change       from one judged second to the next the prediction changes by more than half of what it was, to
+//              and from beyond the horizon, too
 // jump         from one judged second to the next the prediction changes by more than half of what was expected
 //              (the last one less the time that passed)
 // sign change  the deviation from what was expected turns its sign; per minute

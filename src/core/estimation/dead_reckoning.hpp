@@ -85,7 +85,7 @@ class DeadReckoning {
   bool active() const { return active_; }
 
   /// Finishes a sweep, or one without a measurement (null). `before`: at the last sweep; returns the motion now, but
-  /// for the rates of roll and pitch, which stay.
+  /// for rates and accelerations of roll and pitch, which stay.
   MotionDerivatives filter(const MotionDerivatives& before, double dt_s, const Measured* measured);
 
   /// Covariance that the uncertain motion adds to the next increment (x y z, m^2; yaw, rad^2). Zero unless active.

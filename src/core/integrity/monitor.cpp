@@ -223,7 +223,7 @@ void FailAwareMonitor::accumulate(const FilterState& state) {
 
 MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCondition& condition) {
   const bool states_lost = enter(state);
-  if (!condition.incomplete) growth_rate_.lookAhead(condition.ahead);  // one side of a road looks like a tunnel
+  growth_rate_.lookAhead(condition.incomplete ? InformationAhead() : condition.ahead);  // one side looks like a tunnel
   if (state.measurement_applied || state.dt_s <= 0.0 || !params_.indicator.measured_only) {
     indicator_.update(state.time_s(), state.sigma_yaw_rad, motion_.speed_mps());
   }

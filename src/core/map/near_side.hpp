@@ -2,8 +2,8 @@
 //
 // A lidar sees the side of a post, a trunk or a bush that faces it. While the vehicle passes, that side moves around the
 // object in the direction of travel. Two sweeps whose near sides are matched as if they were one place give a way that is
-// too short: by 0.09 % in simulated fields, by 0.02 % along a simulated motorway's rails.
-// Units m; directions: horizontal unit vectors in odom, from the sensor to the object.
+// too short (doc/parts.md, "Near sides"). The edge of a house, which looks like a post, does not move around.
+// Units m; directions: horizontal unit vectors in odom, from the centre of gravity to the object.
 #pragma once
 
 #include <Eigen/Core>

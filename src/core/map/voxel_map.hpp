@@ -33,7 +33,8 @@ struct PlanePatch {
   Eigen::Vector3f tangent = Eigen::Vector3f::Zero();  ///< unit, in the plane, across the points' longest extent
   float spread = 0.0f;                                ///< m^2, variance of the points along `tangent`
   float samples = 0.0f;                               ///< points fitted; 0: no plane here
-  /// Unit, horizontal, odom axes: from the sensor, when the voxel was first seen. The points kept are those of that view.
+  /// Unit, horizontal, odom axes: from the origin of the points, when the voxel was first seen. Most of the points that are
+  /// kept are of that view.
   Eigen::Vector2f first_view = Eigen::Vector2f::Zero();
   bool post = false;  ///< no plane but thin and upright: a post, a trunk, an edge of a house
 };
@@ -65,10 +66,10 @@ class VoxelMap {
   explicit VoxelMap(const Params& params);
 
   /// Room for so many voxels, whose growth copies no points and planes then (the index grows as it does). A page that
-  /// nothing was written to is no memory yet: 250 bytes of address space a voxel.
+  /// nothing was written to is no memory yet: 280 bytes of address space a voxel.
   void reserve(std::size_t voxels);
 
-  /// Adds points, moved into odom by T_odom_points, and refits the planes that changed. What is not finite is left out.
+  /// Adds points, seen from the origin of T_odom_points and moved into odom by it, and refits the planes that changed. What is not finite is left out.
   void insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_odom_points);
 
   /// Forgets voxels whose centre is farther than range_m from the position (horizontally and vertically alike).

@@ -52,7 +52,7 @@ struct PairSums {
 // `surface`: that the partner lies on; null: the pair informs equally in all directions.
 void addPair(const Eigen::Vector3d& arm, const VoxelMap::PointMatch& match, const PlanePatch* surface, double kernel2,
              PairSums& sums) {
-  const double e2 = match.distance2_m2;
+  const double e2 = match.distance2_m2;  // weights: of the pair as it was found
   Eigen::Vector3d e = match.offset_m.cast<double>();
   if (surface != nullptr && surface->post) {
     e.head<2>() += nearSideShift(surface->first_view.cast<double>(), arm.head<2>().normalized());

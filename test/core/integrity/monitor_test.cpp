@@ -609,9 +609,11 @@ TEST(FailAwareMonitor, IncompleteSweepsDoNotLookAhead) {
   wall_on_one_side.incomplete = true;
   const MonitorOutput incomplete = drive(monitor, road, 10, wall_on_one_side);
   EXPECT_EQ(incomplete.reasons & kReasonWeakRoadAhead, 0u);
-  EXPECT_EQ(incomplete.min_information_ahead, 0.1);
+  EXPECT_EQ(incomplete.min_information_ahead, 1.0);
   wall_on_one_side.incomplete = false;
   EXPECT_NE(drive(monitor, road, 10, wall_on_one_side).reasons & kReasonWeakRoadAhead, 0u);
+  wall_on_one_side.incomplete = true;
+  EXPECT_EQ(drive(monitor, road, 10, wall_on_one_side).reasons & kReasonWeakRoadAhead, 0u) << "not for ever";
 }
 
 TEST(FailAwareMonitor, StateRecoversWithHysteresis) {
