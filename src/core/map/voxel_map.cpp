@@ -101,15 +101,13 @@ void VoxelMap::refitPlanes() {
     Statistics& s = voxel.statistics;
     const bool full = s.n >= static_cast<float>(params_.max_samples);
     if (s.n >= static_cast<float>(params_.min_plane_samples) && (s.n >= 1.25f * s.fitted_n || full)) {
-      const Eigen::Vector2f first_view = planes_[i].first_view;
-      planes_[i] = fitPlane(s);
-      planes_[i].first_view = first_view;
+      fitPlane(s, planes_[i]);
       s.fitted_n = s.n;
     }
   }
 }
 
-PlanePatch VoxelMap::fitPlane(const Statistics& s) const {
+void VoxelMap::fitPlane(const Statistics& s, PlanePatch& patch) const {
   const Eigen::Vector3f mean = s.sum / s.n;
   Eigen::Matrix3f C;
   C(0, 0) = s.xx / s.n - mean.x() * mean.x();
@@ -127,7 +125,6 @@ PlanePatch VoxelMap::fitPlane(const Statistics& s) const {
   const double smallest = std::max(lambda[0], 1e-6);
   const bool plane = smallest <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
                      lambda[1] >= params_.min_plane_flatness * smallest;
-  PlanePatch patch;
   patch.samples = plane ? s.n : 0.0f;
   patch.mean = mean;
   patch.normal = solver.eigenvectors().col(0).cast<float>();
@@ -138,7 +135,6 @@ PlanePatch VoxelMap::fitPlane(const Statistics& s) const {
   patch.normal_variance = static_cast<float>(std::min(1.0, smallest * lambda[1] / (s.n * apart * apart)));
   patch.post = !plane && lambda[1] <= params_.max_plane_sigma_m * params_.max_plane_sigma_m &&
                lambda[2] >= params_.min_plane_flatness * lambda[1] && std::abs(solver.eigenvectors()(2, 2)) >= kUpright;
-  return patch;
 }
 
 void VoxelMap::removeFartherThan(double range_m, const Eigen::Vector3d& position_odom) {

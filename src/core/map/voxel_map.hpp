@@ -69,7 +69,8 @@ class VoxelMap {
   /// nothing was written to is no memory yet: 280 bytes of address space a voxel.
   void reserve(std::size_t voxels);
 
-  /// Adds points, seen from the origin of T_odom_points and moved into odom by it, and refits the planes that changed. What is not finite is left out.
+  /// Adds points, seen from the origin of T_odom_points and moved into odom by it, and refits the planes that changed.
+  /// What is not finite is left out.
   void insert(const std::vector<Eigen::Vector3f>& points, const Pose& T_odom_points);
 
   /// Forgets voxels whose centre is farther than range_m from the position (horizontally and vertically alike).
@@ -173,7 +174,8 @@ class VoxelMap {
   void keepPoint(std::uint32_t voxel, const Eigen::Vector3f& local);
   void refitPlanes();
   std::uint32_t lookUp(std::uint32_t place, Neighborhood& neighborhood) const;
-  PlanePatch fitPlane(const Statistics& statistics) const;
+  /// Sets all of the patch but `first_view`.
+  void fitPlane(const Statistics& statistics, PlanePatch& patch) const;
   template <class Value>
   static void prefetch(const Value* values, std::size_t count) {
     constexpr std::size_t kLine = 64;
