@@ -9,7 +9,7 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kMaxBeams = 256;
-constexpr double kMinGroundDistance_m = 1.0;  // of the lidar, horizontally
+constexpr double kMinDistance_m = 1.0;  // of the lidar, horizontally
 
 IcpPointToPlane::Params allNormals(IcpPointToPlane::Params planes) {
   planes.filter_normals = false;
@@ -25,10 +25,10 @@ BeamEvidence& of(std::uint16_t ring, Evidence& evidence) {
 }
 
 // What the map shares of heights on the ground: what is constant, linear or quadratic in the distance, as elevations.
-Eigen::MatrixXd smoothInDistance(const Evidence& ground) {
-  Eigen::MatrixXd patterns(static_cast<Eigen::Index>(ground.size()), 3);
-  for (std::size_t ring = 0; ring < ground.size(); ++ring) {
-    const double range_m = ground[ring].range_m / ground[ring].weight;
+Eigen::MatrixXd smoothInDistance(const Evidence& slopes) {
+  Eigen::MatrixXd patterns(static_cast<Eigen::Index>(slopes.size()), 3);
+  for (std::size_t ring = 0; ring < slopes.size(); ++ring) {
+    const double range_m = slopes[ring].range_m / slopes[ring].weight;
     patterns.row(static_cast<Eigen::Index>(ring)) << 1.0 / range_m, 1.0, range_m;
   }
   return patterns;
@@ -42,28 +42,26 @@ BeamBiasEstimator::BeamBiasEstimator(const Params& params, const IcpPointToPlane
 void BeamBiasEstimator::observe(const std::vector<Eigen::Vector3f>& points_cog, const std::vector<std::uint16_t>& rings,
                                 const Pose& T_cog_lidar, const VoxelMap& map, const Pose& T_odom_cog) {
   if (!params_.enabled || map.empty() || rings.size() != points_cog.size()) return;
-  Evidence walls, ground;
+  Evidence walls, slopes;
   const Pose T_lidar_cog = T_cog_lidar.inverse();
   const Eigen::Matrix3d R_lidar_odom = T_lidar_cog.linear() * T_odom_cog.linear().transpose();
   PlanePairs pairs(planes_, points_cog, map, T_odom_cog, 0.0);
   pairs.forEach(T_odom_cog, params_.kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t i) {
     if (rings[i] >= kMaxBeams) return;
-    const bool wall = std::abs(pair.normal.z()) <= params_.max_wall_normal_z;
-    if (!wall && std::abs(pair.normal.z()) < params_.min_ground_normal_z) return;
     const Eigen::Vector3d beam = T_lidar_cog * points_cog[i].cast<double>();
     const Eigen::Vector3d normal = R_lidar_odom * pair.normal;
     const double range_m = beam.norm(), distance_m = beam.head<2>().norm();
-    if (wall) {
+    if (std::abs(pair.normal.z()) <= params_.max_wall_normal_z) {
       const double obliqueness = normal.dot(beam) / range_m;
       if (std::abs(obliqueness) < params_.min_obliqueness) return;
       of(rings[i], walls).add(pair.kernel_weight, obliqueness, pair.residual_m, range_m);
-    } else if (distance_m > kMinGroundDistance_m && range_m < params_.max_ground_range_m) {
+    } else if (distance_m > kMinDistance_m) {
       const Eigen::Vector3d per_rad(-beam.z() * beam.x() / distance_m, -beam.z() * beam.y() / distance_m, distance_m);
-      of(rings[i], ground).add(pair.kernel_weight, normal.dot(per_rad), pair.residual_m, range_m);
+      of(rings[i], slopes).add(pair.kernel_weight, normal.dot(per_rad), pair.residual_m, range_m);
     }
   });
   ranges_m_.update(walls, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(walls.size())));
-  elevations_rad_.update(ground, smoothInDistance(ground));
+  elevations_rad_.update(slopes, smoothInDistance(slopes));
 }
 
 }  // namespace fail_aware

@@ -5,7 +5,9 @@
 // Range: the walls of the map become thick by it, and since a thing that comes nearer wanders from beam to beam, the way
 // becomes too long or too short: by 1e-4 to 4e-4 with simulated heads. Found from the map's upright planes.
 // Elevation: each beam meets flat ground at one distance, so its error is a ring of false height that travels with the
-// vehicle, and the pose's pitch and roll wander by it. Found from the map's ground.
+// vehicle, and the pose's pitch and roll wander by it. The beams about the horizon meet banks, hedges and roofs instead;
+// a false height on a bank is a false distance to the side, and the heading wanders by it. Found from all planes that are
+// not upright.
 //
 // What the planes are missed by, beam by beam, tells how the beams differ (beam_offsets.hpp). Of the ranges the common
 // part is not sought. Of the elevations all that varies smoothly with the distance on the ground is not sought: a common
@@ -36,9 +38,7 @@ class BeamBiasEstimator {
     double kernel_m = 0.1;  ///< larger distances are something else
     /// least cosine between beam and normal of a wall: 45 deg; at more grazing angles the range hardly changes the distance
     double min_obliqueness = 0.7;
-    double max_wall_normal_z = 0.2;     ///< upright planes
-    double min_ground_normal_z = 0.94;  ///< ground: within 20 deg of level
-    double max_ground_range_m = 50.0;   ///< beyond it rays graze the ground and hit what stands on it
+    double max_wall_normal_z = 0.2;  ///< upright planes
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {

@@ -19,14 +19,16 @@ const std::vector<double> kTooFar_m = {0.03, -0.02, 0.0, 0.05, -0.04, 0.01, -0.0
 
 Pose lidarPose() { return poseOf(0.0, 0.0, 1.5, 0.0, 0.0, 0.0); }
 
-VoxelMap roomMap() {
+VoxelMap mapOf(const Scene& scene) {
   VoxelMap::Params params;
   params.voxel_size_m = 0.8;
   params.max_plane_sigma_m = 0.03;
   VoxelMap map(params);
-  map.insert(seenFrom(sampleScene(room(), 60.0, 0.005, 1), lidarPose()), lidarPose());
+  map.insert(seenFrom(sampleScene(scene, 60.0, 0.005, 1), lidarPose()), lidarPose());
   return map;
 }
+
+VoxelMap roomMap() { return mapOf(room()); }
 
 /// The room as seen by a head of eight beams, one every 2 deg, that measure `too_far_m`.
 CorrectedSweep sweepOf(unsigned seed, const std::vector<double>& too_far_m) {
@@ -104,16 +106,32 @@ TEST(BeamBiasEstimator, TheCorrectionBringsThePointsToTheirWalls) {
   EXPECT_LT(after_m, 0.25 * before_m);
 }
 
-constexpr int kGroundBeams = 12;  // one every 2 deg, from 30 to 6 deg below the horizon
+constexpr int kElevations = 12;  // beams, one every 2 deg
 
-/// The room's ground as seen by a head whose beams point `too_high_deg`, mounted at `T_cog_lidar`.
-CorrectedSweep groundSweep(unsigned seed, const std::vector<double>& too_high_deg, const Pose& T_cog_lidar) {
+/// What a head sees, and at which elevation its lowest beam points.
+struct View {
+  Scene scene = room();
+  double lowest_deg = -30.0;  ///< the ground
+};
+
+/// Banks on all sides, steep as 45 deg, and only beams that pass over the ground between them.
+View banks() {
+  return {{{{-20.0, 8.0, kGround_m}, {40.0, 0.0, 0.0}, {0.0, 8.0, 8.0}},
+           {{-20.0, -8.0, kGround_m}, {40.0, 0.0, 0.0}, {0.0, -8.0, 8.0}},
+           {{12.0, -16.0, kGround_m}, {0.0, 32.0, 0.0}, {8.0, 0.0, 8.0}},
+           {{-12.0, -16.0, kGround_m}, {0.0, 32.0, 0.0}, {-8.0, 0.0, 8.0}}},
+          -6.0};
+}
+
+/// As seen by a head whose beams point `too_high_deg`, mounted at `T_cog_lidar`.
+CorrectedSweep elevatedSweep(const View& view, unsigned seed, const std::vector<double>& too_high_deg,
+                             const Pose& T_cog_lidar) {
   CorrectedSweep sweep;
-  for (const Eigen::Vector3f& p : seenFrom(sampleScene(room(), 60.0, 0.005, seed), lidarPose() * T_cog_lidar)) {
+  for (const Eigen::Vector3f& p : seenFrom(sampleScene(view.scene, 60.0, 0.005, seed), lidarPose() * T_cog_lidar)) {
     const double distance_m = static_cast<double>(p.head<2>().norm()), z = static_cast<double>(p.z());
     const double elevation_rad = std::atan2(z, distance_m);
-    const int ring = static_cast<int>(std::floor(elevation_rad / kDegree / 2.0)) + 15;
-    if (ring < 0 || ring >= kGroundBeams) continue;
+    const int ring = static_cast<int>(std::floor((elevation_rad / kDegree - view.lowest_deg) / 2.0));
+    if (ring < 0 || ring >= kElevations) continue;
     const double seen_rad = elevation_rad + too_high_deg[static_cast<std::size_t>(ring)] * kDegree;
     const double range_m = std::hypot(distance_m, z);
     const auto scale = static_cast<float>(range_m * std::cos(seen_rad) / distance_m);
@@ -124,13 +142,13 @@ CorrectedSweep groundSweep(unsigned seed, const std::vector<double>& too_high_de
 }
 
 std::vector<double> elevationsFound(const std::vector<double>& too_high_deg, const Pose& error = Pose::Identity(),
-                                    const Pose& T_cog_lidar = Pose::Identity()) {
-  const VoxelMap map = roomMap();
+                                    const Pose& T_cog_lidar = Pose::Identity(), const View& view = {}) {
+  const VoxelMap map = mapOf(view.scene);
   BeamBiasEstimator beams{BeamBiasEstimator::Params(), IcpPointToPlane::Params()};
   RegistrationCloudBuilder builder(cloudParams());
   RegistrationCloud cloud;
   for (unsigned i = 0; i < 20; ++i) {
-    builder.build(groundSweep(2 + i, too_high_deg, T_cog_lidar), T_cog_lidar, cloud, beams.bias());
+    builder.build(elevatedSweep(view, 2 + i, too_high_deg, T_cog_lidar), T_cog_lidar, cloud, beams.bias());
     beams.observe(cloud.plane_points_cog, cloud.plane_rings, T_cog_lidar, map, lidarPose() * error);
   }
   std::vector<double> found_deg;
@@ -140,13 +158,13 @@ std::vector<double> elevationsFound(const std::vector<double>& too_high_deg, con
 
 /// Beams in turn too high and too low: nothing of it varies smoothly.
 std::vector<double> alternating(double deg) {
-  std::vector<double> all(kGroundBeams, deg);
+  std::vector<double> all(kElevations, deg);
   for (std::size_t ring = 1; ring < all.size(); ring += 2) all[ring] = -deg;
   return all;
 }
 
 void expectAlternating(const std::vector<double>& found_deg, double deg) {
-  ASSERT_EQ(found_deg.size(), static_cast<std::size_t>(kGroundBeams));
+  ASSERT_EQ(found_deg.size(), static_cast<std::size_t>(kElevations));
   for (std::size_t ring = 0; ring < found_deg.size(); ++ring) {
     const double sign = ring % 2 == 0 ? 1.0 : -1.0;  // the smooth part of the first and last beams is not found
     EXPECT_GT(sign * found_deg[ring], 0.3 * deg) << ring;
@@ -155,6 +173,10 @@ void expectAlternating(const std::vector<double>& found_deg, double deg) {
 }
 
 TEST(BeamBiasEstimator, FindsWhichBeamsPointTooHigh) { expectAlternating(elevationsFound(alternating(0.2)), 0.2); }
+
+TEST(BeamBiasEstimator, BeamsThatMeetNoGroundAreFoundFromBanks) {
+  expectAlternating(elevationsFound(alternating(0.2), Pose::Identity(), Pose::Identity(), banks()), 0.2);
+}
 
 TEST(BeamBiasEstimator, ElevationsAreThoseOfATiltedHead) {
   expectAlternating(elevationsFound(alternating(0.2), Pose::Identity(), poseOf(0.0, 0.0, 0.0, 0.0, 2.0, 90.0)), 0.2);
@@ -165,9 +187,9 @@ TEST(BeamBiasEstimator, APoseThatPitchesIsNoElevationOfABeam) {
 }
 
 TEST(BeamBiasEstimator, WhatVariesSmoothlyOverTheGroundIsNotSought) {
-  const std::vector<double> with_deg = elevationsFound(std::vector<double>(kGroundBeams, 0.1));
-  const std::vector<double> without_deg = elevationsFound(std::vector<double>(kGroundBeams, 0.0));
-  ASSERT_EQ(with_deg.size(), static_cast<std::size_t>(kGroundBeams));
+  const std::vector<double> with_deg = elevationsFound(std::vector<double>(kElevations, 0.1));
+  const std::vector<double> without_deg = elevationsFound(std::vector<double>(kElevations, 0.0));
+  ASSERT_EQ(with_deg.size(), static_cast<std::size_t>(kElevations));
   ASSERT_EQ(without_deg.size(), with_deg.size());
   for (std::size_t ring = 0; ring < with_deg.size(); ++ring) {
     EXPECT_NEAR(with_deg[ring], without_deg[ring], 0.03) << ring;
