@@ -50,13 +50,12 @@ void BeamBiasEstimator::observe(const std::vector<Eigen::Vector3f>& points_cog, 
     if (rings[i] >= kMaxBeams) return;
     const Eigen::Vector3d beam = T_lidar_cog * points_cog[i].cast<double>();
     const Eigen::Vector3d normal = R_lidar_odom * pair.normal;
-    const double range_m = beam.norm(), distance_m = beam.head<2>().norm(), normal_z = std::abs(pair.normal.z());
-    if (normal_z <= params_.max_wall_normal_z) {
+    const double range_m = beam.norm(), distance_m = beam.head<2>().norm();
+    if (std::abs(pair.normal.z()) <= params_.max_wall_normal_z) {
       const double obliqueness = normal.dot(beam) / range_m;
       if (std::abs(obliqueness) < params_.min_obliqueness) return;
       of(rings[i], walls).add(pair.kernel_weight, obliqueness, pair.residual_m, range_m);
-    } else if (distance_m > kMinDistance_m &&
-               (normal_z < params_.min_ground_normal_z || range_m < params_.max_ground_range_m)) {
+    } else if (distance_m > kMinDistance_m) {
       const Eigen::Vector3d per_rad(-beam.z() * beam.x() / distance_m, -beam.z() * beam.y() / distance_m, distance_m);
       of(rings[i], slopes).add(pair.kernel_weight, normal.dot(per_rad), pair.residual_m, range_m);
     }

@@ -38,9 +38,7 @@ class BeamBiasEstimator {
     double kernel_m = 0.1;  ///< larger distances are something else
     /// least cosine between beam and normal of a wall: 45 deg; at more grazing angles the range hardly changes the distance
     double min_obliqueness = 0.7;
-    double max_wall_normal_z = 0.2;     ///< upright planes
-    double min_ground_normal_z = 0.94;  ///< ground: within 20 deg of level
-    double max_ground_range_m = 50.0;   ///< beyond it rays graze the ground and hit what stands on it
+    double max_wall_normal_z = 0.2;  ///< upright planes
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
