@@ -7,7 +7,7 @@
 // Elevation: each beam meets flat ground at one distance, so its error is a ring of false height that travels with the
 // vehicle, and the pose's pitch and roll wander by it. The beams about the horizon meet banks, hedges and roofs instead;
 // a false height on a bank is a false distance to the side, and the heading wanders by it. Found from all planes that are
-// not upright, of the ground near ones.
+// not upright.
 //
 // What the planes are missed by, beam by beam, tells how the beams differ (beam_offsets.hpp). Of the ranges the common
 // part is not sought. Of the elevations all that varies smoothly with the distance on the ground is not sought: a common
