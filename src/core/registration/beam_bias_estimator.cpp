@@ -25,10 +25,10 @@ BeamEvidence& of(std::uint16_t ring, Evidence& evidence) {
 }
 
 // What the map shares of heights on the ground: what is constant, linear or quadratic in the distance, as elevations.
-Eigen::MatrixXd smoothInDistance(const Evidence& slopes) {
-  Eigen::MatrixXd patterns(static_cast<Eigen::Index>(slopes.size()), 3);
-  for (std::size_t ring = 0; ring < slopes.size(); ++ring) {
-    const double range_m = slopes[ring].range_m / slopes[ring].weight;
+Eigen::MatrixXd smoothInDistance(const Evidence& not_upright) {
+  Eigen::MatrixXd patterns(static_cast<Eigen::Index>(not_upright.size()), 3);
+  for (std::size_t ring = 0; ring < not_upright.size(); ++ring) {
+    const double range_m = not_upright[ring].range_m / not_upright[ring].weight;
     patterns.row(static_cast<Eigen::Index>(ring)) << 1.0 / range_m, 1.0, range_m;
   }
   return patterns;
@@ -42,7 +42,7 @@ BeamBiasEstimator::BeamBiasEstimator(const Params& params, const IcpPointToPlane
 void BeamBiasEstimator::observe(const std::vector<Eigen::Vector3f>& points_cog, const std::vector<std::uint16_t>& rings,
                                 const Pose& T_cog_lidar, const VoxelMap& map, const Pose& T_odom_cog) {
   if (!params_.enabled || map.empty() || rings.size() != points_cog.size()) return;
-  Evidence walls, slopes;
+  Evidence walls, not_upright;
   const Pose T_lidar_cog = T_cog_lidar.inverse();
   const Eigen::Matrix3d R_lidar_odom = T_lidar_cog.linear() * T_odom_cog.linear().transpose();
   PlanePairs pairs(planes_, points_cog, map, T_odom_cog, 0.0);
@@ -57,11 +57,11 @@ void BeamBiasEstimator::observe(const std::vector<Eigen::Vector3f>& points_cog, 
       of(rings[i], walls).add(pair.kernel_weight, obliqueness, pair.residual_m, range_m);
     } else if (distance_m > kMinDistance_m) {
       const Eigen::Vector3d per_rad(-beam.z() * beam.x() / distance_m, -beam.z() * beam.y() / distance_m, distance_m);
-      of(rings[i], slopes).add(pair.kernel_weight, normal.dot(per_rad), pair.residual_m, range_m);
+      of(rings[i], not_upright).add(pair.kernel_weight, normal.dot(per_rad), pair.residual_m, range_m);
     }
   });
   ranges_m_.update(walls, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(walls.size())));
-  elevations_rad_.update(slopes, smoothInDistance(slopes));
+  elevations_rad_.update(not_upright, smoothInDistance(not_upright));
 }
 
 }  // namespace fail_aware
