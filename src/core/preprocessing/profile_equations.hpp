@@ -19,9 +19,9 @@ namespace fail_aware {
 struct VerticalState {
   static constexpr Eigen::Index kTilt = 0;   ///< d: x, y, of the newest estimate
   static constexpr Eigen::Index kStart = 2;  ///< d_0: x, y, of the first one
-  static constexpr Eigen::Index kDrift = 4, kElevation = 5;
-  static constexpr Eigen::Index kJitter = 6;  ///< j: x, y
-  static constexpr Eigen::Index kBeams = 8;   ///< from here on: a_b by ring
+  static constexpr Eigen::Index kElevation = 4, kDriftPerElevation = 5, kOtherDrift = 6;
+  static constexpr Eigen::Index kJitter = 7;  ///< j: x, y
+  static constexpr Eigen::Index kBeams = 9;   ///< from here on: a_b by ring
 };
 
 /// Equations A x = b of unit variance: one for the lean, the true lean of things included in its variance, and those for

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/degree.hpp"
 #include "core/preprocessing/revolution.hpp"
 #include "core/preprocessing/rings_by_order.hpp"
 #include "core/stamp_difference.hpp"
@@ -61,7 +62,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   report.tilt_moment = vertical_reference_.tiltMoment();
   if (sweep.rings.empty()) sweep.rings = ringsByOrder(sweep.points_lidar);
   const std::optional<SweepSeam> seam = findSweepSeam(sweep.points_lidar);
-  correctVerticalAngle(vertical_angle_, sweep.points_lidar);
+  correctVerticalAngle(vertical_angle_.angle_deg * kDegree, sweep.points_lidar);
   correctAzimuth(azimuth_, sweep.points_lidar);
   vertical_reference_.apply(sweep.points_lidar);
   report.timing = timing_.assign(sweep, prediction.period_s, times_s_, prediction.stamp_error_s);

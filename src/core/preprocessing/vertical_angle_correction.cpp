@@ -2,14 +2,12 @@
 
 #include <cmath>
 
-#include "core/geometry/degree.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {
 
-void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar) {
-  if (params.angle_deg == 0.0) return;
-  const double angle_rad = params.angle_deg * kDegree;
+void correctVerticalAngle(double angle_rad, std::vector<Eigen::Vector3f>& points_lidar) {
+  if (angle_rad == 0.0) return;
   const float c = static_cast<float>(std::cos(angle_rad));
   const float s = static_cast<float>(std::sin(angle_rad));
 

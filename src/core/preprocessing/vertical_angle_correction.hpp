@@ -30,6 +30,7 @@ struct VerticalAngleCorrectionParams {
   }
 };
 
-void correctVerticalAngle(const VerticalAngleCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar);
+/// angle_rad: added to each point's elevation.
+void correctVerticalAngle(double angle_rad, std::vector<Eigen::Vector3f>& points_lidar);
 
 }  // namespace fail_aware

@@ -24,6 +24,8 @@ constexpr double kMostSigmas = 3.0, kRounding_rad2 = 1e-14;
 // The tilt since the start is corrected over this ratio of the way since then, within limits: near the start it is known to
 // some hundredths of a degree, later registration knows the tilt over 100 m better than what stands upright tells.
 constexpr double kCorrectionRatio = 0.25, kShortestCorrection_m = 20.0, kLongestCorrection_m = 100.0;
+// What is found of e is corrected over this way, as the map was made with it, and within these sigmas of the prior.
+constexpr double kElevationCorrection_m = 20.0, kMostElevationSigmas = 5.0;
 constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at standstill decides the direction
 
 }  // namespace
@@ -36,16 +38,14 @@ VerticalReference::VerticalReference(const Params& params, double sigma_elevatio
 void VerticalReference::reset() {
   report_ = Report();
   tilt_moment_.setZero();
-  curvature_per_m_ = 0.0;
+  correction_ = {};
   x_.setZero(VerticalState::kBeams);
   P_.setZero(VerticalState::kBeams, VerticalState::kBeams);
-  const double elevation_variance = sigma_elevation_rad_ * sigma_elevation_rad_;
-  const double drift_covariance = params_.drift_per_elevation_per_m * elevation_variance;
-  P_(VerticalState::kElevation, VerticalState::kElevation) = elevation_variance;
-  P_(VerticalState::kDrift, VerticalState::kElevation) = drift_covariance;
-  P_(VerticalState::kElevation, VerticalState::kDrift) = drift_covariance;
-  P_(VerticalState::kDrift, VerticalState::kDrift) =
-      params_.drift_per_elevation_per_m * drift_covariance + std::pow(params_.sigma_drift_deg_per_m * kDegree, 2);
+  x_[VerticalState::kDriftPerElevation] = params_.drift_per_elevation_per_m;
+  const auto setSigma = [&](Eigen::Index i, double sigma) { P_(i, i) = sigma * sigma; };
+  setSigma(VerticalState::kElevation, sigma_elevation_rad_);
+  setSigma(VerticalState::kDriftPerElevation, params_.sigma_drift_per_elevation_per_m);
+  setSigma(VerticalState::kOtherDrift, params_.sigma_other_drift_deg_per_m * kDegree);
   ranges_.clear();
   forgetOdom();
   beams_ = 0;
@@ -70,8 +70,9 @@ void VerticalReference::forgetOdom() {
 }
 
 void VerticalReference::apply(std::vector<Eigen::Vector3f>& points_lidar) const {
-  if (curvature_per_m_ == 0.0) return;
-  const auto half_curvature = static_cast<float>(0.5 * curvature_per_m_);
+  correctVerticalAngle(correction_.raise_rad, points_lidar);
+  if (correction_.curvature_per_m == 0.0) return;
+  const auto half_curvature = static_cast<float>(0.5 * correction_.curvature_per_m);
   const auto reach = static_cast<float>(params_.curvature_range_m);
   changeBlocks(points_lidar, [&](PointBlock& p) {
     const PointBlock::Array h = (p.x * p.x + p.y * p.y).sqrt();
@@ -88,7 +89,7 @@ void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar
   for (const std::uint16_t ring : rings) {
     if (ring < UprightProfileFinder::kMaxBeams) beams_ = std::max(beams_, std::size_t{1} + ring);
   }
-  advance(T_odom_lidar);
+  const double way_m = advance(T_odom_lidar);
   if (since_look_m_ >= params_.look_every_m) {
     since_look_m_ = 0.0;
     beginLook();
@@ -97,24 +98,24 @@ void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar
     update();
     ++report_.looks;
   }
+  setElevation(way_m);
   setBend();
 }
 
-void VerticalReference::advance(const Pose& T_odom_lidar) {
+/// How far the vehicle moved.
+double VerticalReference::advance(const Pose& T_odom_lidar) {
   const Eigen::Vector3d position = T_odom_lidar.translation();
   if (!last_position_odom_) last_position_odom_ = position;
   const Eigen::Vector3d step = position - *last_position_odom_;
   const double way = step.norm();
-  if (way < kShortestStep_m) return;
+  if (way < kShortestStep_m) return 0.0;
   last_position_odom_ = position;
   since_look_m_ += way;
   // The bend is the same on all sides: it pitches the estimate about the axis across the motion, however the sensor is
   // turned on the vehicle, and the other way round in reverse.
   const Eigen::Vector2d turned = T_odom_lidar.linear().col(2).cross(step).head<2>();
   pitch_axis_ = turned / std::max(turned.norm(), 1e-9);
-  x_.head<2>() += (x_[VerticalState::kDrift] - params_.response * curvature_per_m_) * turned;
-  P_.topRows<2>() += turned * P_.row(VerticalState::kDrift);
-  P_.leftCols<2>() += P_.col(VerticalState::kDrift) * turned.transpose();
+  move(turned);
   // a new map is sparse
   const double in_new_map_m = std::clamp(params_.new_map_m - since_start_m_, 0.0, way);
   since_start_m_ += way;
@@ -122,8 +123,30 @@ void VerticalReference::advance(const Pose& T_odom_lidar) {
   const double new_map_tilt = params_.new_map_tilt_deg * kDegree * std::pow(kFewBeams / beams, 2);
   P_.diagonal().head<2>().array() += way * std::pow(params_.tilt_walk_deg * kDegree, 2) +
                                      in_new_map_m / params_.new_map_m * new_map_tilt * new_map_tilt;
-  P_(VerticalState::kDrift, VerticalState::kDrift) += way * std::pow(params_.drift_walk_deg_per_m * kDegree, 2);
+  P_(VerticalState::kOtherDrift, VerticalState::kOtherDrift) +=
+      way * std::pow(params_.drift_walk_deg_per_m * kDegree, 2);
   P_.diagonal().tail(x_.size() - VerticalState::kBeams).array() += way * params_.range_walk_m * params_.range_walk_m;
+  return way;
+}
+
+double VerticalReference::drift() const {
+  return x_[VerticalState::kDriftPerElevation] * x_[VerticalState::kElevation] + x_[VerticalState::kOtherDrift];
+}
+
+Eigen::VectorXd VerticalReference::driftGradient() const {
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(x_.size());
+  gradient[VerticalState::kElevation] = x_[VerticalState::kDriftPerElevation];
+  gradient[VerticalState::kDriftPerElevation] = x_[VerticalState::kElevation];
+  gradient[VerticalState::kOtherDrift] = 1.0;
+  return gradient;
+}
+
+/// The tilt drifts on a step; turned: by 1 rad/m.
+void VerticalReference::move(const Eigen::Vector2d& turned) {
+  const Eigen::VectorXd gradient = driftGradient();
+  x_.head<2>() += (drift() - params_.response * correction_.curvature_per_m) * turned;
+  P_.topRows<2>() += turned * (gradient.transpose() * P_);
+  P_.leftCols<2>() += (P_ * gradient) * turned.transpose();
 }
 
 void VerticalReference::beginLook() {
@@ -201,6 +224,14 @@ void VerticalReference::update() {
   P_ = symmetric(gain);
 }
 
+void VerticalReference::setElevation(double way_m) {
+  double& left_rad = x_[VerticalState::kElevation];
+  const double limit = kMostElevationSigmas * sigma_elevation_rad_, before = correction_.raise_rad;
+  const double wanted = before + left_rad * std::min(1.0, way_m / kElevationCorrection_m);
+  correction_.raise_rad = std::clamp(wanted, -limit, limit);
+  left_rad -= correction_.raise_rad - before;
+}
+
 void VerticalReference::setBend() {
   const Eigen::Vector2d tilt = x_.head<2>() - x_.segment<2>(VerticalState::kStart);
   const Eigen::Matrix2d cross = P_.block<2, 2>(0, VerticalState::kStart);
@@ -210,15 +241,16 @@ void VerticalReference::setBend() {
   const double limit = params_.max_curvature_deg_per_m * kDegree;
   const double correction_m =
       std::clamp(kCorrectionRatio * since_start_m_, kShortestCorrection_m, kLongestCorrection_m);
-  const double unwanted = x_[VerticalState::kDrift] + pitch_axis_.dot(tilt) / correction_m;
-  curvature_per_m_ = std::clamp(unwanted / params_.response, -limit, limit);
+  const double unwanted = drift() + pitch_axis_.dot(tilt) / correction_m;
+  correction_.curvature_per_m = std::clamp(unwanted / params_.response, -limit, limit);
   report_.tilt_deg = pitch_axis_.dot(tilt) / kDegree;
   report_.tilt_sigma_deg = std::sqrt(std::max(pitch_axis_.dot(covariance * pitch_axis_), 0.0)) / kDegree;
-  report_.drift_deg_per_m = x_[VerticalState::kDrift] / kDegree;
-  report_.drift_sigma_deg_per_m = std::sqrt(P_(VerticalState::kDrift, VerticalState::kDrift)) / kDegree;
-  report_.elevation_deg = x_[VerticalState::kElevation] / kDegree;
+  const Eigen::VectorXd gradient = driftGradient();
+  report_.drift_deg_per_m = drift() / kDegree;
+  report_.drift_sigma_deg_per_m = std::sqrt(gradient.dot(P_ * gradient)) / kDegree;
+  report_.elevation_deg = (correction_.raise_rad + x_[VerticalState::kElevation]) / kDegree;
   report_.elevation_sigma_deg = std::sqrt(P_(VerticalState::kElevation, VerticalState::kElevation)) / kDegree;
-  report_.curvature_deg_per_m = curvature_per_m_ / kDegree;
+  report_.curvature_deg_per_m = correction_.curvature_per_m / kDegree;
   tilt_moment_ = covariance + tilt * tilt.transpose();
 }
 

@@ -5,21 +5,21 @@
 // cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
 // are the same to a matcher. But house walls, trunks and poles stand upright.
 // Most of it is the error e that the elevations have in common: it makes level road a cone, z = -e h, on which pitch
-// drifts by drift_per_elevation e. So at the start the drift and e are correlated, and what walls tell of e in the first
-// metres ends most of the drift.
+// drifts by q e a metre; q depends on what is in view. What walls tell of e ends most of the drift.
 //
 // From a sweep, every `look_every_m`, profiles are taken of what stands upright (upright_profiles.hpp). Their equations
 // (profile_equations.hpp) hold the tilt (d_x, d_y) of odom's axes against gravity, the errors a_b of the beams' ranges, e
 // that their elevations have in common, and j, what a single estimate is off by, another one at each look. Some
 // centimetres of a_b lean a wall by a degree, so they are found along with the tilt: walls are straight, and are met by many
-// beams at many distances. A Kalman filter over the way s holds d, the drift of pitch, e and all a_b:
-//   dd/ds = (drift - response bend) pitch axis + noise
+// beams at many distances. An extended Kalman filter over the way s holds d, e, q, the other drift o and all a_b:
+//   dd/ds = (q e + o - response bend) pitch axis + noise
 // The pitch axis is horizontal, across the motion: how the sensor is turned on the vehicle does not matter.
-// Sweeps are bent by `bend` (z += bend h min(h, curvature_range) / 2) so that the drift ends and what has come of it slowly
-// goes: response bend = drift + (d - d_0) . pitch axis / correction way, within max_curvature. d_0 is the tilt of the first
-// estimate in this odom: the slope and the mount at the start. It is in the state, so that what a later look shows of
-// the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose tilts by up to a degree
-// within the first metres (new_map): d - d_0 holds it. The pose is never touched.
+// What is found of e is taken off the elevations of the next sweeps, and e becomes what is left. What else drifts is met by
+// a bend of the sweeps (z += bend h min(h, curvature_range) / 2), by which the tilt goes slowly, too:
+//   response bend = q e + o + (d - d_0) . pitch axis / correction way,  within max_curvature
+// d_0 is the tilt of the first estimate in this odom: the slope and the mount at the start. It is in the state, so that
+// what a later look shows of the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose
+// tilts by up to a degree within the first metres (new_map): d - d_0 holds it. The pose is never touched.
 //
 // Roll is measured likewise but not corrected. The tilt that is left, tiltMoment() = E[(d - d_0)(d - d_0)^T], becomes part
 // of the odometry's covariance (estimation/vertical_drift.hpp).
@@ -44,12 +44,12 @@ namespace fail_aware {
 
 struct VerticalReferenceParams {
   bool enabled = true;
-  double look_every_m = 3.0;    ///< distance between two searches for what stands upright
+  double look_every_m = 1.0;    ///< distance between two searches for what stands upright
   double sigma_range_m = 0.03;  ///< initial sigma of the error of a beam's ranges: what a calibration leaves
-  /// drift of pitch that an error common to the elevations causes, per error: on ten surrogate drives 0.013 to 0.046
-  double drift_per_elevation_per_m = 0.033;
-  double sigma_drift_deg_per_m = 0.002;  ///< initial sigma of the rest of the drift
-  /// random walk of the drift: sigma after 1 m, grows with the root of the distance
+  /// drift of pitch per error common to the elevations, and its sigma: on ten surrogate drives 0.013 to 0.046
+  double drift_per_elevation_per_m = 0.033, sigma_drift_per_elevation_per_m = 0.015;
+  double sigma_other_drift_deg_per_m = 0.001;  ///< initial sigma of the rest of the drift
+  /// random walk of the rest of the drift: sigma after 1 m, grows with the root of the distance
   double drift_walk_deg_per_m = 4.5e-5;
   double tilt_walk_deg = 0.005;  ///< random walk of the tilt, in addition to the drift, likewise
   /// sigma of the tilt that the sparse map of the first metres adds with 16 beams; goes down with the square of their
@@ -83,9 +83,9 @@ class VerticalReference {
     std::size_t lines = 0;
     double tilt_deg = 0.0;  ///< of pitch, since the start of this odom
     double tilt_sigma_deg = 0.0;
-    double drift_deg_per_m = 0.0;  ///< of pitch, if nothing were bent
+    double drift_deg_per_m = 0.0;  ///< of pitch, if nothing more were bent
     double drift_sigma_deg_per_m = 0.0;
-    double elevation_deg = 0.0;  ///< error that the elevations of the beams have in common
+    double elevation_deg = 0.0;  ///< error that the elevations of the raw sweeps have in common
     double elevation_sigma_deg = 0.0;
     double curvature_deg_per_m = 0.0;
   };
@@ -95,7 +95,7 @@ class VerticalReference {
   explicit VerticalReference(const Params& params,
                              double sigma_elevation_deg = VerticalAngleCorrectionParams().sigma_deg);
 
-  /// Bends a raw sweep's points (m, sensor frame).
+  /// Corrects a raw sweep's points (m, sensor frame).
   void apply(std::vector<Eigen::Vector3f>& points_lidar) const;
 
   /// Learns from a sweep that was given to apply() and then corrected for motion. Every sweep, in order. rings: one a
@@ -116,10 +116,14 @@ class VerticalReference {
 
  private:
   void forgetOdom();
-  void advance(const Pose& T_odom_lidar);
+  double advance(const Pose& T_odom_lidar);
+  void move(const Eigen::Vector2d& turned);
   void beginLook();
   void resizeBeams();
   void update();
+  double drift() const;
+  Eigen::VectorXd driftGradient() const;
+  void setElevation(double way_m);
   void setBend();
 
   Params params_;
@@ -127,10 +131,12 @@ class VerticalReference {
   UprightProfileFinder finder_;
   std::vector<BeamRange> ranges_;  ///< as given to the finder
   Report report_;
-  Eigen::VectorXd x_;  ///< tilt x y, that at the start x y, drift, elevation, jitter x y, range by beam
+  Eigen::VectorXd x_;  ///< VerticalState
   Eigen::MatrixXd P_;
   Eigen::Matrix2d tilt_moment_ = Eigen::Matrix2d::Zero();
-  double curvature_per_m_ = 0.0;                          ///< rad
+  struct {
+    double raise_rad = 0.0, curvature_per_m = 0.0;
+  } correction_;                                          ///< of the next sweep
   std::optional<Eigen::Vector3d> last_position_odom_;     ///< counted last
   Eigen::Vector2d pitch_axis_ = Eigen::Vector2d::Zero();  ///< across the motion, to the left of it
   double since_look_m_ = 0.0, since_start_m_ = 0.0;

@@ -11,16 +11,9 @@
 namespace fail_aware::vertical_angle_correction_test {
 namespace {
 
-constexpr double kKittiAngle_deg = 0.205;
-
-VerticalAngleCorrectionParams kitti() {
-  VerticalAngleCorrectionParams params;
-  params.angle_deg = kKittiAngle_deg;
-  return params;
-}
+constexpr double kKitti_rad = 0.205 * kDegree;
 
 TEST(VerticalAngleCorrection, RaisesElevationOnly) {
-  const double angle = kKittiAngle_deg * kDegree;
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 150; ++i) {  // not a multiple of the block size
     const double azimuth = 0.11 * i - 3.1, elevation = 0.02 * (i % 30) - 0.43, range = 2.0 + 0.7 * i;
@@ -29,32 +22,30 @@ TEST(VerticalAngleCorrection, RaisesElevationOnly) {
                          .cast<float>());
   }
   std::vector<Eigen::Vector3f> corrected = points;
-  correctVerticalAngle(kitti(), corrected);
+  correctVerticalAngle(kKitti_rad, corrected);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d p = points[i].cast<double>(), q = corrected[i].cast<double>();
-    EXPECT_NEAR(std::atan2(q.z(), q.head<2>().norm()) - std::atan2(p.z(), p.head<2>().norm()), angle, 1e-6);
+    EXPECT_NEAR(std::atan2(q.z(), q.head<2>().norm()) - std::atan2(p.z(), p.head<2>().norm()), kKitti_rad, 1e-6);
     EXPECT_NEAR(std::atan2(q.y(), q.x()), std::atan2(p.y(), p.x()), 1e-6);
     EXPECT_NEAR(q.norm(), p.norm(), 1e-6 * p.norm());
     const Eigen::Vector3d axis = p.cross(Eigen::Vector3d::UnitZ()).normalized();
-    EXPECT_LT((Eigen::AngleAxisd(angle, axis) * p - q).norm(), 2e-6 * p.norm());
+    EXPECT_LT((Eigen::AngleAxisd(kKitti_rad, axis) * p - q).norm(), 2e-6 * p.norm());
   }
 }
 
 TEST(VerticalAngleCorrection, GroundFarAwayIsRaised) {
   std::vector<Eigen::Vector3f> points = {{50.0f, 0.0f, -1.73f}};
-  correctVerticalAngle(kitti(), points);
+  correctVerticalAngle(kKitti_rad, points);
   EXPECT_NEAR(points[0].z(), -1.73 + 50.0 * 0.003578, 1e-3);
 }
 
 TEST(VerticalAngleCorrection, ZeroIsOffAndNegativeIsTheInverse) {
   const std::vector<Eigen::Vector3f> points = {{10.0f, -4.0f, 1.0f}, {-3.0f, 0.5f, -1.7f}};
   std::vector<Eigen::Vector3f> moved = points;
-  correctVerticalAngle(VerticalAngleCorrectionParams(), moved);
+  correctVerticalAngle(0.0, moved);
   EXPECT_EQ(moved, points);
-  VerticalAngleCorrectionParams back = kitti();
-  back.angle_deg = -back.angle_deg;
-  correctVerticalAngle(kitti(), moved);
-  correctVerticalAngle(back, moved);
+  correctVerticalAngle(kKitti_rad, moved);
+  correctVerticalAngle(-kKitti_rad, moved);
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT((moved[i] - points[i]).norm(), 1e-5f);
 }
 
@@ -62,13 +53,13 @@ TEST(VerticalAngleCorrection, PointsOnTheAxisStayFiniteAndNear) {
   std::vector<Eigen::Vector3f> points = {
       {0.0f, 0.0f, 5.0f}, {0.0f, 0.0f, -5.0f}, {0.0f, 0.0f, 0.0f}, {1e-8f, -1e-9f, 5.0f}, {1e-25f, 0.0f, 5.0f}};
   const std::vector<Eigen::Vector3f> before = points;
-  correctVerticalAngle(kitti(), points);
+  correctVerticalAngle(kKitti_rad, points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_TRUE(points[i].allFinite());
     EXPECT_LT((points[i] - before[i]).norm(), 0.0036f * 5.0f);
   }
   std::vector<Eigen::Vector3f> none;
-  correctVerticalAngle(kitti(), none);
+  correctVerticalAngle(kKitti_rad, none);
   EXPECT_TRUE(none.empty());
 }
 
