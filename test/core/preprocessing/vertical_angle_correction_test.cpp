@@ -11,7 +11,7 @@
 namespace fail_aware::vertical_angle_correction_test {
 namespace {
 
-constexpr double kKitti_rad = 0.205 * kDegree;
+constexpr double kKittiAngle_deg = 0.205, kKitti_rad = kKittiAngle_deg * kDegree;
 
 TEST(VerticalAngleCorrection, RaisesElevationOnly) {
   std::vector<Eigen::Vector3f> points;
