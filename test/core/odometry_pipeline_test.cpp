@@ -542,7 +542,7 @@ TEST(OdometryPipeline, AzimuthOffsetIsCorrected) {
     params.sensor.timing.source = source;
     // Turned points are rounded otherwise. A seed of the point-to-point ICP that then ends elsewhere moves its mean by 7 mm.
     params.profile.registration.use_icp_point_to_point = false;
-    params.profile.vertical_reference.enabled = false;  // which points of a wall it takes depends on it, too
+    params.profile.vertical_reference.enabled = false;  // the rounding decides which points of a wall it takes, too
     std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);
     OdometryPipeline straight(params, 1);
     const std::vector<SweepResult> expected = run(straight, sweeps);

@@ -17,11 +17,13 @@ namespace fail_aware {
 
 /// Where the state of the vertical reference has what.
 struct VerticalState {
-  static constexpr Eigen::Index kTilt = 0;   ///< d: x, y, of the newest estimate
-  static constexpr Eigen::Index kStart = 2;  ///< d_0: x, y, of the first one
-  static constexpr Eigen::Index kElevation = 4, kDriftPerElevation = 5, kOtherDrift = 6;
-  static constexpr Eigen::Index kJitter = 7;  ///< j: x, y
-  static constexpr Eigen::Index kBeams = 9;   ///< from here on: a_b by ring
+  static constexpr Eigen::Index kTilt = 0;               ///< d: x, y, of the newest estimate
+  static constexpr Eigen::Index kStart = 2;              ///< d_0: x, y, of the first one
+  static constexpr Eigen::Index kElevation = 4;          ///< e
+  static constexpr Eigen::Index kDriftPerElevation = 5;  ///< q
+  static constexpr Eigen::Index kOtherDrift = 6;         ///< o
+  static constexpr Eigen::Index kJitter = 7;             ///< j: x, y
+  static constexpr Eigen::Index kBeams = 9;              ///< from here on: a_b by ring
 };
 
 /// Equations A x = b of unit variance: one for the lean, the true lean of things included in its variance, and those for

@@ -24,7 +24,7 @@ constexpr double kMostSigmas = 3.0, kRounding_rad2 = 1e-14;
 // The tilt since the start is corrected over this ratio of the way since then, within limits: near the start it is known to
 // some hundredths of a degree, later registration knows the tilt over 100 m better than what stands upright tells.
 constexpr double kCorrectionRatio = 0.25, kShortestCorrection_m = 20.0, kLongestCorrection_m = 100.0;
-// What is found of e is corrected over this way, as the map was made with it, and within these sigmas of the prior.
+// The map still has e in it, so e is corrected over this distance; and by at most so many sigmas of the prior.
 constexpr double kElevationCorrection_m = 20.0, kMostElevationSigmas = 5.0;
 constexpr double kShortestStep_m = 0.1;  // below, the jitter of the pose at standstill decides the direction
 
@@ -89,7 +89,7 @@ void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar
   for (const std::uint16_t ring : rings) {
     if (ring < UprightProfileFinder::kMaxBeams) beams_ = std::max(beams_, std::size_t{1} + ring);
   }
-  const double way_m = advance(T_odom_lidar);
+  const double distance_m = advance(T_odom_lidar);
   if (since_look_m_ >= params_.look_every_m) {
     since_look_m_ = 0.0;
     beginLook();
@@ -98,7 +98,7 @@ void VerticalReference::observe(const std::vector<Eigen::Vector3f>& points_lidar
     update();
     ++report_.looks;
   }
-  setElevation(way_m);
+  setRaise(distance_m);
   setBend();
 }
 
@@ -141,7 +141,7 @@ Eigen::VectorXd VerticalReference::driftGradient() const {
   return gradient;
 }
 
-/// The tilt drifts on a step; turned: by 1 rad/m.
+/// turned: change of the tilt on this step at a drift of 1 rad/m.
 void VerticalReference::move(const Eigen::Vector2d& turned) {
   const Eigen::VectorXd gradient = driftGradient();
   x_.head<2>() += (drift() - params_.response * correction_.curvature_per_m) * turned;
@@ -224,10 +224,10 @@ void VerticalReference::update() {
   P_ = symmetric(gain);
 }
 
-void VerticalReference::setElevation(double way_m) {
+void VerticalReference::setRaise(double distance_m) {
   double& left_rad = x_[VerticalState::kElevation];
   const double limit = kMostElevationSigmas * sigma_elevation_rad_, before = correction_.raise_rad;
-  const double wanted = before + left_rad * std::min(1.0, way_m / kElevationCorrection_m);
+  const double wanted = before + left_rad * std::min(1.0, distance_m / kElevationCorrection_m);
   correction_.raise_rad = std::clamp(wanted, -limit, limit);
   left_rad -= correction_.raise_rad - before;
 }
@@ -247,7 +247,7 @@ void VerticalReference::setBend() {
   report_.tilt_sigma_deg = std::sqrt(std::max(pitch_axis_.dot(covariance * pitch_axis_), 0.0)) / kDegree;
   const Eigen::VectorXd gradient = driftGradient();
   report_.drift_deg_per_m = drift() / kDegree;
-  report_.drift_sigma_deg_per_m = std::sqrt(gradient.dot(P_ * gradient)) / kDegree;
+  report_.drift_sigma_deg_per_m = std::sqrt(std::max(gradient.dot(P_ * gradient), 0.0)) / kDegree;
   report_.elevation_deg = (correction_.raise_rad + x_[VerticalState::kElevation]) / kDegree;
   report_.elevation_sigma_deg = std::sqrt(P_(VerticalState::kElevation, VerticalState::kElevation)) / kDegree;
   report_.curvature_deg_per_m = correction_.curvature_per_m / kDegree;

@@ -4,8 +4,9 @@
 // it turns into a false pitch of the same sign on every metre: most of what lidar odometry drifts in height. The road
 // cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
 // are the same to a matcher. But house walls, trunks and poles stand upright.
-// Most of it is the error e that the elevations have in common: it makes level road a cone, z = -e h, on which pitch
-// drifts by q e a metre; q depends on what is in view. What walls tell of e ends most of the drift.
+// Most of this drift comes from the error e that the elevations have in common (e > 0: the beams point higher than the head
+// says). It makes level road a cone, z = -e h, on which pitch drifts by q e a metre; q depends on what is in view. What
+// walls tell of e ends most of the drift.
 //
 // From a sweep, every `look_every_m`, profiles are taken of what stands upright (upright_profiles.hpp). Their equations
 // (profile_equations.hpp) hold the tilt (d_x, d_y) of odom's axes against gravity, the errors a_b of the beams' ranges, e
@@ -14,9 +15,9 @@
 // beams at many distances. An extended Kalman filter over the way s holds d, e, q, the other drift o and all a_b:
 //   dd/ds = (q e + o - response bend) pitch axis + noise
 // The pitch axis is horizontal, across the motion: how the sensor is turned on the vehicle does not matter.
-// What is found of e is taken off the elevations of the next sweeps, and e becomes what is left. What else drifts is met by
-// a bend of the sweeps (z += bend h min(h, curvature_range) / 2), by which the tilt goes slowly, too:
-//   response bend = q e + o + (d - d_0) . pitch axis / correction way,  within max_curvature
+// The elevations of the next sweeps are raised by what is found of e, and e in the state becomes what is left. A bend of the
+// sweeps (z += bend h min(h, curvature_range) / 2) ends the rest of the drift, and slowly corrects the tilt:
+//   response bend = q e + o + (d - d_0) . pitch axis / correction distance,  within max_curvature
 // d_0 is the tilt of the first estimate in this odom: the slope and the mount at the start. It is in the state, so that
 // what a later look shows of the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose
 // tilts by up to a degree within the first metres (new_map): d - d_0 holds it. The pose is never touched.
@@ -24,10 +25,11 @@
 // Roll is measured likewise but not corrected. The tilt that is left, tiltMoment() = E[(d - d_0)(d - d_0)^T], becomes part
 // of the odometry's covariance (estimation/vertical_drift.hpp).
 //
-// Failure is data: where nothing stands upright the sigmas grow as the walk says, and the bend stays where it was.
+// Failure is data: where nothing stands upright the sigmas grow as the walk says; what was found before is still corrected.
 // Profiles off by more than their sigmas hardly count, and where they lean all ways (hedges, banks), none does
 // (lean_weights.hpp).
-// Frames: points in the sensor's, tilt about odom's axes. Cost: apply 0.1 ms for 120 000 points, a look 5 ms.
+// Frames: points in the sensor's, tilt about odom's axes. Cost: apply 0.25 ms for 120 000 points, a look 5 ms; from 10 m/s on
+// each sweep has one.
 #pragma once
 
 #include <Eigen/Core>
@@ -83,9 +85,9 @@ class VerticalReference {
     std::size_t lines = 0;
     double tilt_deg = 0.0;  ///< of pitch, since the start of this odom
     double tilt_sigma_deg = 0.0;
-    double drift_deg_per_m = 0.0;  ///< of pitch, if nothing more were bent
+    double drift_deg_per_m = 0.0;  ///< of pitch, for sweeps that are raised but not bent
     double drift_sigma_deg_per_m = 0.0;
-    double elevation_deg = 0.0;  ///< error that the elevations of the raw sweeps have in common
+    double elevation_deg = 0.0;  ///< e of the sweeps that apply() is given
     double elevation_sigma_deg = 0.0;
     double curvature_deg_per_m = 0.0;
   };
@@ -95,7 +97,7 @@ class VerticalReference {
   explicit VerticalReference(const Params& params,
                              double sigma_elevation_deg = VerticalAngleCorrectionParams().sigma_deg);
 
-  /// Corrects a raw sweep's points (m, sensor frame).
+  /// Raises and bends a sweep's points (m, sensor frame), which come corrected by the sensor's parameters.
   void apply(std::vector<Eigen::Vector3f>& points_lidar) const;
 
   /// Learns from a sweep that was given to apply() and then corrected for motion. Every sweep, in order. rings: one a
@@ -123,7 +125,7 @@ class VerticalReference {
   void update();
   double drift() const;
   Eigen::VectorXd driftGradient() const;
-  void setElevation(double way_m);
+  void setRaise(double distance_m);
   void setBend();
 
   Params params_;

@@ -316,6 +316,43 @@ TEST(VerticalReference, AnErrorOfAllElevationsIsTakenOffTheSweeps) {
   }
 }
 
+/// One step does not correct all: the map still has the error in it.
+TEST(VerticalReference, ElevationsAreRaisedOverSomeMetresWithinFiveSigmas) {
+  Street::Head head;
+  head.elevation_rad = 0.25 * kDegree;
+  VerticalReference level;
+  drive(level, 2, 0.0, 0.0, head);
+  EXPECT_NEAR(raised_deg(level), level.report().elevation_deg / 20.0, 1e-4);
+  EXPECT_GT(raised_deg(level), 0.001);
+  constexpr double kSigma_deg = 0.02;
+  VerticalReference sure(VerticalReferenceParams(), kSigma_deg);
+  drive(sure, 200, 0.0, 0.0, head);
+  EXPECT_NEAR(raised_deg(sure), 5.0 * kSigma_deg, 1e-4);
+  EXPECT_GT(sure.report().elevation_deg, raised_deg(sure) + 0.02);
+}
+
+/// Without looks the filter is a formula.
+TEST(VerticalReference, SigmasOfDriftAndTiltFollowFromElevationAndWalk) {
+  VerticalReferenceParams params;
+  params.new_map_tilt_deg = 0.0;
+  constexpr double kSigmaElevation_deg = 0.2;
+  VerticalReference level(params, kSigmaElevation_deg);
+  constexpr int kMetres = 50;
+  for (int i = 0; i <= kMetres; ++i) {
+    level.observe({}, {}, tilted(i, 0.0));
+    if (i > 0) continue;
+    EXPECT_NEAR(level.report().drift_sigma_deg_per_m,
+                std::hypot(params.drift_per_elevation_per_m * kSigmaElevation_deg, params.sigma_other_drift_deg_per_m),
+                1e-9);
+  }
+  const double of_drift = std::pow(params.drift_per_elevation_per_m * kSigmaElevation_deg, 2) +
+                          std::pow(params.sigma_other_drift_deg_per_m, 2);
+  const double of_walks = kMetres * std::pow(params.tilt_walk_deg, 2) +
+                          std::pow(kMetres, 3) / 3.0 * std::pow(params.drift_walk_deg_per_m, 2);
+  const double tilt_sigma_deg = std::sqrt(kMetres * kMetres * of_drift + of_walks);
+  EXPECT_NEAR(level.report().tilt_sigma_deg, tilt_sigma_deg, 0.01 * tilt_sigma_deg);
+}
+
 TEST(VerticalReference, TheElevationOfALidarThatHangsHasTheSameSign) {
   Street::Head head;
   head.elevation_rad = 0.25 * kDegree;
@@ -382,6 +419,7 @@ TEST(VerticalReference, StandstillChangesNothing) {
   }
   EXPECT_EQ(level.report().looks, other.report().looks);
   EXPECT_EQ(level.report().tilt_sigma_deg, other.report().tilt_sigma_deg);
+  EXPECT_EQ(raised_deg(level), raised_deg(other));
 }
 
 TEST(VerticalReference, LowAndThickThingsCountLittle) {
@@ -446,6 +484,7 @@ TEST(VerticalReference, AnotherOdomIsNoWayAndNoTilt) {
   VerticalReference level(params);
   drive(level, 200, 0.004, 1.0);
   const VerticalReference::Report before = level.report();
+  const double raised_before_deg = raised_deg(level);
   Street street(Street::Head(), 11);
   const auto inOdom = [](int metre) {
     Pose T = tilted(metre, 2.0 * kDegree);
@@ -460,6 +499,7 @@ TEST(VerticalReference, AnotherOdomIsNoWayAndNoTilt) {
   };
   observe(0);
   EXPECT_NEAR(level.report().tilt_deg, 0.0, 1e-9);
+  EXPECT_NEAR(raised_deg(level), raised_before_deg, 1e-4);
   EXPECT_NEAR(level.report().drift_deg_per_m, before.drift_deg_per_m, 1e-5)
       << "that is the sensor's, but for one more look";
   EXPECT_NEAR(level.report().drift_sigma_deg_per_m, before.drift_sigma_deg_per_m, 1e-6);
@@ -480,6 +520,7 @@ TEST(VerticalReference, BadInputIsHarmless) {
   bad.translation().x() = std::numeric_limits<double>::quiet_NaN();
   level.observe({}, {}, bad);
   EXPECT_EQ(level.report().curvature_deg_per_m, 0.0);
+  EXPECT_EQ(raised_deg(level), 0.0);
 }
 
 }  // namespace
