@@ -107,26 +107,27 @@ double VerticalReference::advance(const Pose& T_odom_lidar) {
   const Eigen::Vector3d position = T_odom_lidar.translation();
   if (!last_position_odom_) last_position_odom_ = position;
   const Eigen::Vector3d step = position - *last_position_odom_;
-  const double way = step.norm();
-  if (way < kShortestStep_m) return 0.0;
+  const double distance_m = step.norm();
+  if (distance_m < kShortestStep_m) return 0.0;
   last_position_odom_ = position;
-  since_look_m_ += way;
+  since_look_m_ += distance_m;
   // The bend is the same on all sides: it pitches the estimate about the axis across the motion, however the sensor is
   // turned on the vehicle, and the other way round in reverse.
   const Eigen::Vector2d turned = T_odom_lidar.linear().col(2).cross(step).head<2>();
   pitch_axis_ = turned / std::max(turned.norm(), 1e-9);
   move(turned);
   // a new map is sparse
-  const double in_new_map_m = std::clamp(params_.new_map_m - since_start_m_, 0.0, way);
-  since_start_m_ += way;
+  const double in_new_map_m = std::clamp(params_.new_map_m - since_start_m_, 0.0, distance_m);
+  since_start_m_ += distance_m;
   const auto beams = static_cast<double>(beams_ > 0 ? beams_ : kUsualBeams);
   const double new_map_tilt = params_.new_map_tilt_deg * kDegree * std::pow(kFewBeams / beams, 2);
-  P_.diagonal().head<2>().array() += way * std::pow(params_.tilt_walk_deg * kDegree, 2) +
+  P_.diagonal().head<2>().array() += distance_m * std::pow(params_.tilt_walk_deg * kDegree, 2) +
                                      in_new_map_m / params_.new_map_m * new_map_tilt * new_map_tilt;
   P_(VerticalState::kOtherDrift, VerticalState::kOtherDrift) +=
-      way * std::pow(params_.drift_walk_deg_per_m * kDegree, 2);
-  P_.diagonal().tail(x_.size() - VerticalState::kBeams).array() += way * params_.range_walk_m * params_.range_walk_m;
-  return way;
+      distance_m * std::pow(params_.drift_walk_deg_per_m * kDegree, 2);
+  P_.diagonal().tail(x_.size() - VerticalState::kBeams).array() +=
+      distance_m * params_.range_walk_m * params_.range_walk_m;
+  return distance_m;
 }
 
 double VerticalReference::drift() const {
