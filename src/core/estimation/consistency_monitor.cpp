@@ -14,6 +14,15 @@ constexpr int kSweepsToForgetPlanes = 10;
 // At first the map holds a sweep or two: with 32 beams 0.24 and 0.33 of the points fit, though the pose is right.
 constexpr int kYoungMap = 2;         // sweeps
 constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from the interval's uncertainty
+// Residuals of the points that fit. Simulated: sound sweeps leave 0.02 to 0.04 m, with 80 % of false returns in addition
+// 0.043, with a noise of 0.05 m less than this, of 0.12 m 0.06, of 0.2 m 0.07.
+constexpr double kNoisyResidual_m = 0.05;
+
+// Whether the points are noisy: 0 to 1, by degrees.
+double noisyRatio(double rms_residual_m) {
+  const double ratio = rms_residual_m / kNoisyResidual_m;
+  return std::sqrt(std::clamp(ratio * ratio - 1.0, 0.0, 1.0));
+}
 
 }  // namespace
 
@@ -53,8 +62,10 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
   const double jump_m = sweep.overruled ? innovation_m : 0.0;
   Inflation inflation;
-  inflation.doubt.sigma_m = std::hypot(apart_m, persistent_m, jump_m);
-  inflation.doubt.sigma_yaw_rad = turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0;
+  const double noisy = noisyRatio(sweep.rms_residual_m);
+  inflation.doubt.sigma_m = std::hypot(std::hypot(apart_m, persistent_m, jump_m), noisy * sweep.increment_sigma_m);
+  inflation.doubt.sigma_yaw_rad =
+      std::hypot(turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0, noisy * sweep.increment_sigma_yaw_rad);
   inflation.unbelievable = persistent_m > 0.0 || jump_m > 0.0 || turned;
   const bool fitted_not = recent_fit_.isFull() && recent_fit_.median() < params_.fitting_ratio;
   inflation.velocity_unobservable =

@@ -1,6 +1,6 @@
 // Inflates the covariance of a sweep's increment when the measurements' R is not plausible. Not in the paper.
 //
-// Five signs. The first three must persist (median over the last sweeps):
+// Six signs. The first three must persist (median over the last sweeps):
 // - Measurements disagree. One of them is wrong, and the fused measurement may be wrong by the same distance. A single
 //   disagreement can be chance; a lasting one leads the odometry astray. An outvoted measurement does not count, an
 //   outnumbered one counts by its weight (FusionResult::undecided_m).
@@ -14,6 +14,8 @@
 //   fraction of the jump may be an error.
 // - The position jumps: most measurements that agree are outside the gate. Sources that share the map can all settle in
 //   the same wrong place, so the whole jump may be an error.
+// - The points are noisy: those that fit the map are far from its surfaces. The map gets as thick as the noise, and the
+//   pose slides through it: the errors of the sweeps' increments add up, where a map usually ends them.
 // Cost: under 1 us a sweep.
 #pragma once
 
@@ -54,9 +56,12 @@ class ConsistencyMonitor {
     double turn_rad = 0.0;               ///< rotation part of the innovation; 0 likewise
     std::optional<double> inlier_ratio;  ///< of point-to-plane; none: it did not measure
     std::size_t inliers = 0;             ///< likewise; 0: not known
-    bool dead_reckoned = false;          ///< the speed before this sweep was not observed
-    double time_sigma_m = 0.0;           ///< sigma of the prediction due to the uncertain interval between sweeps
-    bool overruled = false;              ///< FusionResult::prediction_overruled
+    double rms_residual_m = 0.0;         ///< likewise, of the inliers; 0: not known
+    double increment_sigma_m = 0.0;      ///< standard deviation of the increment, along or across: the larger one
+    double increment_sigma_yaw_rad = 0.0;
+    bool dead_reckoned = false;  ///< the speed before this sweep was not observed
+    double time_sigma_m = 0.0;   ///< sigma of the prediction due to the uncertain interval between sweeps
+    bool overruled = false;      ///< FusionResult::prediction_overruled
   };
 
   struct Inflation {

@@ -267,7 +267,11 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   if (const Measurement* measurement = planes(inputs)) {
     sweep.inlier_ratio = measurement->inlier_ratio;
     sweep.inliers = measurement->inliers;
+    sweep.rms_residual_m = measurement->rms_residual_m;
   }
+  const auto variances = state.increment_covariance.diagonal().array();
+  sweep.increment_sigma_m = std::sqrt(variances.head<2>().maxCoeff());
+  sweep.increment_sigma_yaw_rad = std::sqrt(variances[5]);
   sweep.dead_reckoned = prediction_.motion_status == MotionStatus::kDeadReckoning;
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
   // after a predicted pose the accumulated covariance would otherwise take back what this measurement does not know

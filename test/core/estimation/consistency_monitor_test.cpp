@@ -105,6 +105,21 @@ TEST(ConsistencyMonitor, YoungMapIsNotJudged) {
   EXPECT_TRUE(monitor.add(sweep).velocity_unobservable) << "it has grown up";
 }
 
+TEST(ConsistencyMonitor, ErrorsOfNoisySweepsAddUp) {
+  const auto noisy = [](double rms_residual_m) {
+    return afterOdd(1, [=](Sweep& sweep) {
+      sweep.rms_residual_m = rms_residual_m;
+      sweep.increment_sigma_m = 0.03;
+      sweep.increment_sigma_yaw_rad = 0.001;
+    });
+  };
+  expectNone(noisy(0.045), "rain");
+  EXPECT_NEAR(noisy(0.06).doubt.sigma_m, 0.03 * std::sqrt(0.44), 1e-12);
+  EXPECT_NEAR(noisy(0.2).doubt.sigma_m, 0.03, 1e-12);
+  EXPECT_NEAR(noisy(0.2).doubt.sigma_yaw_rad, 0.001, 1e-12);
+  EXPECT_FALSE(noisy(0.2).unbelievable || noisy(0.2).velocity_unobservable) << "R is too small, not wrong";
+}
+
 TEST(ConsistencyMonitor, SilentPlanesForgetTheFit) {
   ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
   Sweep unfitting = sound(), silent = sound();
