@@ -10,7 +10,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr int kSweepsToForgetPlanes = 10;
+constexpr double kForgetFit_s = 1.05;  // without planes
 // At first the map holds a sweep or two: with 32 beams 0.24 and 0.33 of the points fit, though the pose is right.
 constexpr int kYoungMap = 2;         // sweeps
 constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from the interval's uncertainty
@@ -36,7 +36,8 @@ void ConsistencyMonitor::forgetSweeps() {
   innovation_m_.clear();
   recent_fit_.clear();
   fitting_ratio_.clear();
-  sweeps_without_planes_ = sweeps_in_map_ = 0;
+  without_planes_s_ = 0.0;
+  sweeps_in_map_ = 0;
   fitted_ = false;
 }
 
@@ -44,26 +45,28 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   undecided_m_.add(sweep.undecided_m);
   const double innovation_m = std::max(0.0, sweep.innovation_m - kTimeSigmas * sweep.time_sigma_m);
   innovation_m_.add(innovation_m);
-  ++sweeps_without_planes_;
+  without_planes_s_ += sweep.dt_s;
+  if (without_planes_s_ > kForgetFit_s) recent_fit_.clear();
   bool fits_not = false;
   if (sweep.inlier_ratio) {
-    sweeps_without_planes_ = 0;
+    without_planes_s_ = 0.0;
     if (++sweeps_in_map_ > kYoungMap) {
       const double fit = fitting_ratio_.add(*sweep.inlier_ratio, sweep.inliers);
       fits_not = fit < params_.fitting_ratio;
       recent_fit_.add(fit);
     }
   }
-  if (sweeps_without_planes_ > kSweepsToForgetPlanes) recent_fit_.clear();
 
   const double apart_m =
       undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.persistent_disagreement_m) : 0.0;
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
+  const double found_m = fitted_ && sweep.inlier_ratio && !recent_fit_.isFull() ? sweep.disagreement_m : 0.0;
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
   const double jump_m = sweep.overruled ? innovation_m : 0.0;
   Inflation inflation;
   const double noisy = noisyRatio(sweep.rms_residual_m);
-  inflation.doubt.sigma_m = std::hypot(std::hypot(apart_m, persistent_m, jump_m), noisy * sweep.increment_sigma_m);
+  inflation.doubt.sigma_m =
+      std::hypot(std::hypot(apart_m, persistent_m, jump_m), std::hypot(found_m, noisy * sweep.increment_sigma_m));
   inflation.doubt.sigma_yaw_rad =
       std::hypot(turned ? params_.wrong_ratio_of_turn * sweep.turn_rad : 0.0, noisy * sweep.increment_sigma_yaw_rad);
   inflation.unbelievable = persistent_m > 0.0 || jump_m > 0.0 || turned;

@@ -1,6 +1,6 @@
 // Inflates the covariance of a sweep's increment when the measurements' R is not plausible. Not in the paper.
 //
-// Six signs. The first three must persist (median over the last sweeps):
+// Seven signs. The first three must persist (median over the last sweeps):
 // - Measurements disagree. One of them is wrong, and the fused measurement may be wrong by the same distance. A single
 //   disagreement can be chance; a lasting one leads the odometry astray. An outvoted measurement does not count, an
 //   outnumbered one counts by its weight (FusionResult::undecided_m).
@@ -14,6 +14,9 @@
 //   fraction of the jump may be an error.
 // - The position jumps: most measurements that agree are outside the gate. Sources that share the map can all settle in
 //   the same wrong place, so the whole jump may be an error.
+// - Measurements disagree in the first two sweeps after a gap of a second or more. Little of the scenery was in view
+//   before the gap, so the pose may settle half a metre off, and the next sweeps that enter the map keep this error. Where
+//   it is right, the measurements agree within centimetres, however little fits.
 // - The points are noisy: those that fit the map are far from its surfaces. The map gets as thick as the noise, and the
 //   pose slides through it: the errors of the sweeps' increments add up, where a map usually ends them.
 // Cost: under 1 us a sweep.
@@ -59,9 +62,10 @@ class ConsistencyMonitor {
     double rms_residual_m = 0.0;         ///< likewise, of the inliers; 0: not known
     double increment_sigma_m = 0.0;      ///< standard deviation of the increment, along or across: the larger one
     double increment_sigma_yaw_rad = 0.0;
-    bool dead_reckoned = false;  ///< the speed before this sweep was not observed
-    double time_sigma_m = 0.0;   ///< sigma of the prediction due to the uncertain interval between sweeps
-    bool overruled = false;      ///< FusionResult::prediction_overruled
+    double disagreement_m = 0.0;  ///< FusionResult::disagreement_m
+    bool dead_reckoned = false;   ///< the speed before this sweep was not observed
+    double time_sigma_m = 0.0;    ///< sigma of the prediction due to the uncertain interval between sweeps
+    bool overruled = false;       ///< FusionResult::prediction_overruled
   };
 
   struct Inflation {
@@ -89,7 +93,7 @@ class ConsistencyMonitor {
   FittingRatio fitting_ratio_;
   LostMotion lost_motion_;
   bool fitted_ = false;            ///< most of the sweeps fitted the map at least once
-  int sweeps_without_planes_ = 0;  ///< consecutive
+  double without_planes_s_ = 0.0;  ///< since the last sweep that planes measured
   int sweeps_in_map_ = 0;          ///< that planes measured, since clear()
 };
 

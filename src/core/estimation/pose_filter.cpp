@@ -260,6 +260,7 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   ConsistencyMonitor::Sweep sweep;
   sweep.dt_s = state.dt_s;
   sweep.undecided_m = state.fusion.undecided_m;
+  sweep.disagreement_m = state.fusion.disagreement_m;
   sweep.innovation_m = motion_.deadReckoning().active() ? 0.0 : innovation.head<2>().norm();
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();

@@ -130,6 +130,22 @@ TEST(ConsistencyMonitor, SilentPlanesForgetTheFit) {
   expectNone(monitor.add(silent), "eleven in a row");
 }
 
+TEST(ConsistencyMonitor, DisagreementAfterAGapStays) {
+  const auto afterGap = [](int silent, double dt_s, int found) {
+    return afterOdd(silent + found, [=, i = 0](Sweep& sweep) mutable {
+      sweep.disagreement_m = 0.12;
+      if (++i <= silent) sweep.inlier_ratio = std::nullopt;
+      if (i <= silent + 1) sweep.dt_s = dt_s;
+    });
+  };
+  EXPECT_DOUBLE_EQ(afterGap(12, 0.1, 1).doubt.sigma_m, 0.12) << "silent sweeps";
+  EXPECT_DOUBLE_EQ(afterGap(0, 1.2, 1).doubt.sigma_m, 0.12) << "dropped sweeps";
+  EXPECT_DOUBLE_EQ(afterGap(0, 1.2, 2).doubt.sigma_m, 0.12);
+  EXPECT_FALSE(afterGap(0, 1.2, 1).unbelievable) << "R is too small, not wrong";
+  expectNone(afterGap(0, 1.2, 3), "the third is as any other");
+  expectNone(afterGap(5, 0.1, 1), "a short gap");
+}
+
 TEST(ConsistencyMonitor, ATurnThatNoVehicleMakesMayBeWrongByARatio) {
   const auto turned = [](double turn_deg) {
     return afterOdd(1, [=](Sweep& sweep) { sweep.turn_rad = turn_deg * kDegree; });
