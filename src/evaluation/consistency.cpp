@@ -28,7 +28,7 @@ std::optional<Consistency> consistencyOf(const std::vector<double>& normalised_e
       if (squared <= sigmas * sigmas) result.within_sigma[k] += 1.0 / count;
     }
   }
-  // Wilson and Hilferty's approximation, within 1 % from 2 dof on.
+  // Wilson and Hilferty's approximation, within 1.4 % from 2 dof on.
   const double chi_square_median = dof * std::pow(1.0 - 2.0 / (9.0 * dof), 3);
   result.median_over_expected = quantile(normalised_errors_squared, 0.5) / chi_square_median;
   return result;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <limits>
 
 namespace fail_aware {
@@ -45,30 +46,46 @@ bool isTooSudden(const PlannerDrive& drive, double stop_s) {
   });
 }
 
+// A failure before the planner's first look, or at it.
+void addEarlyFailure(const PlannerDrive& drive, PlannerFigure& figure) {
+  const auto after = std::find_if(drive.seconds.begin(), drive.seconds.end(), [&](const PlannerSecond& second) {
+    return second.since_start_s >= drive.time_s - kSame_s;
+  });
+  if (after == drive.seconds.begin()) return;  // nothing was said before it
+  const PlannerSecond& last = *std::prev(after);
+  ++figure.unstoppable;
+  if (isStopState(last.state) || last.time_to_failure.seconds <= 1.0) ++figure.told;
+}
+
+void addSound(const PlannerDrive& drive, double stop_begin_s, PlannerFigure& figure) {
+  ++figure.sound;
+  if (stop_begin_s < drive.time_s) ++figure.sound_stopped;
+  figure.possible_sound_s += drive.time_s;
+  figure.used_sound_s += std::min(stop_begin_s, drive.time_s);
+}
+
 void add(const PlannerDrive& drive, double deceleration_mps2, const BeginOfStop& beginOfStop, PlannerFigure& figure) {
   const std::size_t look = firstLook(drive);
-  if (look == drive.seconds.size()) {
-    if (!drive.failed || drive.seconds.empty()) return;
-    const PlannerSecond& last = drive.seconds.back();
-    ++figure.unstoppable;
-    if (isStopState(last.state) || last.time_to_failure.seconds <= 1.0) ++figure.told;
+  const bool looks = look < drive.seconds.size();
+  // the same for all rules: which failures are stoppable does not depend on when a stop begins
+  const double first_stop_s = looks ? stopTime_s(drive.seconds[look].speed_mps, deceleration_mps2) : kShortestStop_s;
+  if (drive.failed && isTooSudden(drive, first_stop_s)) {
+    ++figure.too_sudden;
     return;
   }
+  if (drive.failed && (!looks || drive.seconds[look].since_start_s >= drive.time_s - kSame_s)) {
+    addEarlyFailure(drive, figure);
+    return;
+  }
+  if (!looks) return;
   const std::size_t stop = beginOfStop(drive, look);
   const bool stops = stop < drive.seconds.size();
   const double stop_begin_s = stops ? drive.seconds[stop].since_start_s : std::numeric_limits<double>::infinity();
   if (!drive.failed) {
-    ++figure.sound;
-    if (stops) ++figure.sound_stopped;
-    figure.possible_sound_s += drive.time_s;
-    figure.used_sound_s += std::min(stop_begin_s, drive.time_s);
-    return;
-  }
-  const double first_stop_s = stopTime_s(drive.seconds[look].speed_mps, deceleration_mps2);
-  const double stop_s = stops ? stopTime_s(drive.seconds[stop].speed_mps, deceleration_mps2) : first_stop_s;
-  if (isTooSudden(drive, stop_s)) {
-    ++figure.too_sudden;
+    addSound(drive, stop_begin_s, figure);
   } else if (drive.time_s + kSame_s >= kFirstLook_s + first_stop_s) {
+    const bool before = stop_begin_s < drive.time_s;  // one that begins after the failure says nothing of it
+    const double stop_s = before ? stopTime_s(drive.seconds[stop].speed_mps, deceleration_mps2) : first_stop_s;
     ++figure.stoppable;
     if (stop_begin_s + stop_s <= drive.time_s + kSame_s) ++figure.in_time;
     const double possible_s = std::max(0.0, drive.time_s - stop_s);

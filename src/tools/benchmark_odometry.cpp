@@ -177,7 +177,7 @@ int main(int argc, char** argv) {
     app.add_option("--sensor", options.files.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
     app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
     app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
-    app.add_option("--threads", options.threads, "of the odometry")->check(wholeNumber(1, 256))->capture_default_str();
+    app.add_option("--threads", options.threads, "of the odometry")->transform(wholeNumber(1, 256))->capture_default_str();
     options.scans.addOptions(app);
     app.add_flag("--without-pcl", options.without_pcl, "the odometry alone");
     app.add_option("--json", options.json, "file for the figures");

@@ -60,9 +60,9 @@ void addOptions(CLI::App& app, Options& options) {
       ->check(positiveNumber())
       ->capture_default_str();
   app.add_option("--resamples", options.report.resamples, "of the bootstrap")
-      ->check(wholeNumber(1, 1000000))
+      ->transform(wholeNumber(1, 1000000))
       ->capture_default_str();
-  app.add_option("--seed", options.report.seed, "of the bootstrap")->check(wholeNumber(0))->capture_default_str();
+  app.add_option("--seed", options.report.seed, "of the bootstrap")->transform(wholeNumber(0))->capture_default_str();
 }
 
 std::vector<JudgedRun> judgeRuns(Options& options) {
@@ -125,6 +125,7 @@ int run(Options options) {
   if (!folder.empty()) makeResultFolder(folder);
   if (options.keep_episodes) writeEpisodeFile(folder / "episodes.bin", runs);
 
+  const char* const kPooled = "pooled";
   Json reports;
   std::vector<FailAwareEpisode> all;
   std::vector<const ConsistencySamples*> all_samples;
@@ -135,7 +136,9 @@ int run(Options options) {
     std::vector<FailAwareEpisode>& episodes = runs[r].episodes;
     for (FailAwareEpisode& episode : episodes) episode.run = r;
     std::string name = runs[r].name;
-    if (reports.contains(name)) name += "#" + std::to_string(r + 1);
+    for (std::size_t n = r + 1; reports.contains(name) || name == kPooled; ++n) {
+      name = runs[r].name + "#" + std::to_string(n);
+    }
     reports[name] = predictionReport(episodes, options.report);
     reports[name]["planner"] = plannerReport(episodes, options.report);
     reports[name]["consistency"] = consistencyReport({&runs[r].samples}, episodes);
@@ -145,9 +148,9 @@ int run(Options options) {
     progress.update(r + 1);
   }
   if (runs.size() > 1) {
-    reports["pooled"] = predictionReport(all, options.report);
-    reports["pooled"]["planner"] = plannerReport(all, options.report);
-    reports["pooled"]["consistency"] = consistencyReport(all_samples, all);
+    reports[kPooled] = predictionReport(all, options.report);
+    reports[kPooled]["planner"] = plannerReport(all, options.report);
+    reports[kPooled]["consistency"] = consistencyReport(all_samples, all);
   }
   progress.update(runs.size() + 1);
   progress.finish();
@@ -163,7 +166,7 @@ int run(Options options) {
     writeEpisodes(table, names, all, options.report.early_s);
     finishFile(table, folder / "episodes.csv");
   }
-  reportVerdict(kName, verdict(runs.size() > 1 ? reports["pooled"] : reports.front()),
+  reportVerdict(kName, verdict(runs.size() > 1 ? reports[kPooled] : reports.front()),
                 folder.empty() ? "the same with --output DIR, for plot_fail_aware"
                                : callOf("plot_fail_aware") + " " + options.output);
   return kExitDone;

@@ -61,7 +61,7 @@ void declareOptions(CLI::App& app, Options& options) {
       ->delimiter(',')
       ->check(positiveNumber());
   app.add_option("--step", options.step, "segments begin at every n-th pose (default 10)")
-      ->check(wholeNumber(1, std::numeric_limits<int>::max()));
+      ->transform(wholeNumber(1, std::numeric_limits<int>::max()));
   app.add_option("--alert-limit", options.episodes.alert_limit_m, "horizontal error that counts as a failure, m")
       ->check(positiveNumber())
       ->capture_default_str();

@@ -72,6 +72,8 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   // A run made before a parameter existed behaves as with its default.
   loadYaml((path / "parameters.yaml").string(), run.params, MissingKeys::kKeep);
   run.made_with = run.params.profile.filter;
+  // the lidar was where the run had it, whatever the monitor is replayed with
+  const Pose T_lidar_cog = run.params.sensor.T_base_lidar().inverse() * run.params.vehicle.T_base_cog();
   overrideParameters(run.params, options.parameters, options.set);
 
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);
@@ -85,7 +87,6 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
     throw InputError((path / "monitor_log.csv").string() + ": has row " + std::to_string(input.row) + " of " +
                      std::to_string(rows.scans) + " scans");
   }
-  const Pose T_lidar_cog = run.params.sensor.T_base_lidar().inverse() * run.params.vehicle.T_base_cog();
   for (const MonitorInput& input : run.log) run.truth.push_back(poses[first + input.row] * T_lidar_cog);
   return run;
 }

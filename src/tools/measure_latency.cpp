@@ -51,7 +51,7 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--idle", options.idle_s, "ends after this many s without a message, after the first cloud")
       ->check(positiveNumber());
   app.add_option("--skip", options.skip, "number of answered sweeps at the start that the latency leaves out")
-      ->check(wholeNumber(0));
+      ->transform(wholeNumber(0));
   app.add_option("--json", options.json, "file for the figures");
   app.add_option("--trajectory", options.trajectory, "file for the odometry, TUM format");
 }

@@ -79,7 +79,7 @@ void addOptions(CLI::App& app, Options& options) {
       ->take_all();
   app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
   app.add_option("--threads", options.threads, "number of threads for the measurements")
-      ->check(wholeNumber(1, 256))
+      ->transform(wholeNumber(1, 256))
       ->capture_default_str();
   options.scans.addOptions(app);
   app.add_option("--redundant-at", options.redundant_at_s,

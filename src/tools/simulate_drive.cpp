@@ -46,7 +46,7 @@ void addOptions(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--duration", simulation.duration_s, "s")->check(realNumber(0.1, 1e6))->capture_default_str();
   app.add_option("--seed", simulation.seed, "random seed of the world and the drive")
-      ->check(wholeNumber(0, std::numeric_limits<int>::max()))
+      ->transform(wholeNumber(0, std::numeric_limits<int>::max()))
       ->capture_default_str();
   app.add_option("--fault", options.faults, "KIND[:START[:DURATION[:SEVERITY]]], s; may be repeated; kinds: below")
       ->take_all();
@@ -71,7 +71,7 @@ void addOptions(CLI::App& app, Options& options) {
       ->check(realNumber(0.0, 10.0))
       ->capture_default_str();
   app.add_option("--threads", options.threads, "for the ray casting; does not change the result")
-      ->check(wholeNumber(1, 256))
+      ->transform(wholeNumber(1, 256))
       ->capture_default_str();
 }
 

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 #include <variant>
 
 #include "core/parameters/yaml_parameters.hpp"
@@ -65,14 +66,17 @@ std::string limits(Value low, Value high) {
   return text.str();
 }
 
-/// `parse` returns the number or nothing; `fits` checks the limits.
+/// `parse` returns the number or nothing; `fits` checks the limits. A whole number is written back: CLI11 would take one
+/// that begins with a zero, as KITTI's names do, for octal.
 template <class Parse, class Fits>
 CLI::Validator checked(const std::string& limits, Parse&& parse, Fits&& fits) {
-  const auto check = [=](const std::string& text) {
+  const auto check = [=](std::string& text) {
     const auto value = parse(text);
-    return value && fits(*value) ? std::string() : "'" + text + "' is not " + limits;
+    if (!value || !fits(*value)) return "'" + text + "' is not " + limits;
+    if constexpr (std::is_same_v<decltype(*value), const long&>) text = std::to_string(*value);
+    return std::string();
   };
-  return CLI::Validator([check](std::string& text) { return check(text); }, std::string());
+  return CLI::Validator(check, std::string());
 }
 
 std::optional<long> wholeNumberIn(const std::string& text) {
@@ -105,8 +109,8 @@ CLI::Validator positiveNumber() {
 }
 
 void ScanRange::addOptions(CLI::App& app) {
-  app.add_option("--first", first, "first scan, counted from 0")->check(wholeNumber(0));
-  app.add_option("--count", count, "number of scans (default: all)")->check(wholeNumber(1));
+  app.add_option("--first", first, "first scan, counted from 0")->transform(wholeNumber(0));
+  app.add_option("--count", count, "number of scans (default: all)")->transform(wholeNumber(1));
 }
 
 long ScanRange::end(std::size_t scans, const std::string& drive) const {

@@ -83,6 +83,27 @@ TEST(PlannerFigure, WhatNobodyCouldStopShouldBeToldAtOnce) {
   EXPECT_EQ(figureOf(drive("oo", 1.5, true, 10.0, 1.0)).told, 1u);
 }
 
+TEST(PlannerFigure, WhatIsSaidAfterAFailureDoesNotCount) {
+  EXPECT_EQ(figureOf(drive("ooooFFFFFFF", 2.0, true)).told, 0u) << "before the first look";
+  EXPECT_EQ(figureOf(drive("oFFooooo", 2.0, true)).told, 1u);
+  PlannerDrive missed = drive("oooooooooooooooooXXX", 12.0, true, 4.0);
+  for (std::size_t i = 13; i < missed.seconds.size(); ++i) missed.seconds[i].speed_mps = 20.0;
+  missed.faults_s = {8.0};
+  const PlannerFigure figure = figureOf(missed);
+  EXPECT_EQ(figure.stoppable, 1u) << "a stop from 4 m/s takes 2 s";
+  EXPECT_EQ(figure.in_time + figure.too_sudden, 0u);
+  EXPECT_EQ(figure.possible_failing_s, 10.0);
+}
+
+TEST(PlannerFigure, AnEarlySuddenFaultIsNobodysFailure) {
+  for (const char* const states : {"oo", "ooooooooo"}) {
+    PlannerDrive early = drive(states, 1.5, true);
+    early.faults_s = {0.8};
+    EXPECT_EQ(figureOf(early).too_sudden, 1u) << states;
+    EXPECT_EQ(figureOf(early).unstoppable, 0u) << states;
+  }
+}
+
 TEST(PlannerFigure, ASuddenFaultIsNobodysFailure) {
   PlannerDrive sudden = drive("oooooooooooo", 11.0, true);
   sudden.faults_s = {-20.0, 7.0};

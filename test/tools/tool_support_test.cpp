@@ -60,8 +60,8 @@ TEST(ParseArguments, ANumberOutOfItsLimitsIsAnsweredWithThem) {
   std::vector<double> lengths_m;
   const auto errorOf = [&](std::vector<const char*> words) -> std::string {
     CLI::App app("about");
-    app.add_option("--count", count, "n")->check(wholeNumber(0));
-    app.add_option("--threads", count, "n")->check(wholeNumber(1, 256));
+    app.add_option("--count", count, "n")->transform(wholeNumber(0));
+    app.add_option("--threads", count, "n")->transform(wholeNumber(1, 256));
     app.add_option("--share", share, "n")->check(realNumber(0.0, 1.0));
     app.add_option("--period", period_s, "n")->check(positiveNumber());
     app.add_option("--lengths", lengths_m, "n")->delimiter(',')->check(positiveNumber());
@@ -73,6 +73,8 @@ TEST(ParseArguments, ANumberOutOfItsLimitsIsAnsweredWithThem) {
     }
     return {};
   };
+  EXPECT_EQ(errorOf({"--count", "000100"}), "");
+  EXPECT_EQ(count, 100) << "as KITTI names a scan, not octal";
   EXPECT_EQ(errorOf({"--count", "-5"}), "--count: '-5' is not a whole number from 0 on (see --help)");
   EXPECT_EQ(errorOf({"--threads", "0"}), "--threads: '0' is not a whole number from 1 to 256 (see --help)");
   EXPECT_EQ(errorOf({"--share", "1.5"}), "--share: '1.5' is not a number from 0 to 1 (see --help)");

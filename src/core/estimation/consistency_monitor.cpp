@@ -34,6 +34,7 @@ void ConsistencyMonitor::clear() {
 void ConsistencyMonitor::forgetSweeps() {
   undecided_m_.clear();
   innovation_m_.clear();
+  residual_m_.clear();
   recent_fit_.clear();
   fitting_ratio_.clear();
   without_planes_s_ = 0.0;
@@ -50,6 +51,7 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   bool fits_not = false;
   if (sweep.inlier_ratio) {
     without_planes_s_ = 0.0;
+    residual_m_.add(sweep.rms_residual_m);
     if (++sweeps_in_map_ > kYoungMap) {
       const double fit = fitting_ratio_.add(*sweep.inlier_ratio, sweep.inliers);
       fits_not = fit < params_.fitting_ratio;
@@ -64,7 +66,7 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
   const double jump_m = sweep.overruled ? innovation_m : 0.0;
   Inflation inflation;
-  const double noisy = noisyRatio(sweep.rms_residual_m);
+  const double noisy = residual_m_.isFull() ? noisyRatio(residual_m_.median()) : 0.0;
   inflation.doubt.sigma_m =
       std::hypot(std::hypot(apart_m, persistent_m, jump_m), std::hypot(found_m, noisy * sweep.increment_sigma_m));
   inflation.doubt.sigma_yaw_rad =

@@ -106,14 +106,15 @@ TEST(ConsistencyMonitor, YoungMapIsNotJudged) {
 }
 
 TEST(ConsistencyMonitor, ErrorsOfNoisySweepsAddUp) {
-  const auto noisy = [](double rms_residual_m) {
-    return afterOdd(1, [=](Sweep& sweep) {
+  const auto noisy = [](double rms_residual_m, int sweeps = 3) {
+    return afterOdd(sweeps, [=](Sweep& sweep) {
       sweep.rms_residual_m = rms_residual_m;
       sweep.increment_sigma_m = 0.03;
       sweep.increment_sigma_yaw_rad = 0.001;
     });
   };
   expectNone(noisy(0.045), "rain");
+  expectNone(noisy(0.2, 2), "two of the last five: the mount was hit");
   EXPECT_NEAR(noisy(0.06).doubt.sigma_m, 0.03 * std::sqrt(0.44), 1e-12);
   EXPECT_NEAR(noisy(0.2).doubt.sigma_m, 0.03, 1e-12);
   EXPECT_NEAR(noisy(0.2).doubt.sigma_yaw_rad, 0.001, 1e-12);
