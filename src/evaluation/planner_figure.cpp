@@ -40,9 +40,21 @@ std::size_t firstLook(const PlannerDrive& drive) {
   return static_cast<std::size_t>(it - drive.seconds.begin());
 }
 
-bool isTooSudden(const PlannerDrive& drive, double stop_s) {
+// The speed at that time; that of the first second, if it is earlier.
+double speedAt(const PlannerDrive& drive, double since_start_s) {
+  double speed_mps = 0.0;
+  for (const PlannerSecond& second : drive.seconds) {
+    if (&second != &drive.seconds.front() && second.since_start_s > since_start_s + kSame_s) break;
+    speed_mps = second.speed_mps;
+  }
+  return speed_mps;
+}
+
+// By the speed at the fault, whatever the planner does: which failures are stoppable is the same for all rules.
+bool isTooSudden(const PlannerDrive& drive, double deceleration_mps2) {
   return std::any_of(drive.faults_s.begin(), drive.faults_s.end(), [&](double begin_s) {
-    return begin_s > 0.0 && begin_s <= drive.time_s && drive.time_s - begin_s < stop_s;
+    return begin_s > 0.0 && begin_s <= drive.time_s &&
+           drive.time_s - begin_s < stopTime_s(speedAt(drive, begin_s), deceleration_mps2);
   });
 }
 
@@ -67,9 +79,8 @@ void addSound(const PlannerDrive& drive, double stop_begin_s, PlannerFigure& fig
 void add(const PlannerDrive& drive, double deceleration_mps2, const BeginOfStop& beginOfStop, PlannerFigure& figure) {
   const std::size_t look = firstLook(drive);
   const bool looks = look < drive.seconds.size();
-  // the same for all rules: which failures are stoppable does not depend on when a stop begins
   const double first_stop_s = looks ? stopTime_s(drive.seconds[look].speed_mps, deceleration_mps2) : kShortestStop_s;
-  if (drive.failed && isTooSudden(drive, first_stop_s)) {
+  if (drive.failed && isTooSudden(drive, deceleration_mps2)) {
     ++figure.too_sudden;
     return;
   }

@@ -13,7 +13,8 @@
 // of those that are in time at least as often as the planner the one with the most time used; if none is, the one that
 // is in time most often.
 //
-// Faults: a failure is not stoppable if the stop does not fit between a fault that begins after t1 and the failure.
+// Faults: a failure is not stoppable if the stop, from the speed at the fault, does not fit between a fault that begins
+// after t1 and the failure.
 // Where the begins of the faults are known, such failures count apart (too_sudden) and nowhere else.
 #pragma once
 

@@ -112,6 +112,9 @@ TEST(PlannerFigure, ASuddenFaultIsNobodysFailure) {
   EXPECT_EQ(apart.stoppable + apart.unstoppable, 0u);
   sudden.faults_s = {-20.0, 6.0};
   EXPECT_EQ(figureOf(sudden).stoppable, 1u) << "5 s from the fault to the failure";
+  for (std::size_t i = 0; i < 5; ++i) sudden.seconds[i].speed_mps = 1.0;
+  sudden.faults_s = {7.0};
+  EXPECT_EQ(figureOf(sudden).too_sudden, 1u) << "by the speed at the fault";
   sudden.faults_s = {11.5};
   EXPECT_EQ(figureOf(sudden).stoppable, 1u) << "after the failure";
 }
