@@ -16,6 +16,12 @@ def end_of_script(why):
     return SystemExit(f"{os.path.basename(sys.argv[0])}: error: {why}")
 
 
+def make_empty_folder(path):
+    path.mkdir(parents=True, exist_ok=True)
+    if any(path.iterdir()):
+        raise end_of_script(f"{path} is not empty")
+
+
 def find_tool(name, failure=end_of_script):
     """Its path: beside the scripts (installed), in the PATH, in this tree's build, in a sourced workspace. Otherwise raises
     failure(why)."""

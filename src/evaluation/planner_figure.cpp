@@ -40,33 +40,28 @@ std::size_t firstLook(const PlannerDrive& drive) {
   return static_cast<std::size_t>(it - drive.seconds.begin());
 }
 
-// The speed at that time; that of the first second, if it is earlier.
-double speedAt(const PlannerDrive& drive, double since_start_s) {
-  double speed_mps = 0.0;
-  for (const PlannerSecond& second : drive.seconds) {
-    if (&second != &drive.seconds.front() && second.since_start_s > since_start_s + kSame_s) break;
-    speed_mps = second.speed_mps;
-  }
-  return speed_mps;
+// The last second before that time; nullptr if there is none.
+const PlannerSecond* lastBefore(const PlannerDrive& drive, double since_start_s) {
+  const auto it = std::find_if(drive.seconds.begin(), drive.seconds.end(),
+                               [&](const PlannerSecond& second) { return second.since_start_s >= since_start_s; });
+  return it == drive.seconds.begin() ? nullptr : &*std::prev(it);
 }
 
 // By the speed at the fault, whatever the planner does: which failures are stoppable is the same for all rules.
 bool isTooSudden(const PlannerDrive& drive, double deceleration_mps2) {
   return std::any_of(drive.faults_s.begin(), drive.faults_s.end(), [&](double begin_s) {
-    return begin_s > 0.0 && begin_s <= drive.time_s &&
-           drive.time_s - begin_s < stopTime_s(speedAt(drive, begin_s), deceleration_mps2);
+    const PlannerSecond* const at_fault = lastBefore(drive, begin_s + kSame_s);
+    const double stop_s = stopTime_s(at_fault ? at_fault->speed_mps : 0.0, deceleration_mps2);
+    return begin_s > 0.0 && begin_s <= drive.time_s && drive.time_s - begin_s < stop_s;
   });
 }
 
 // A failure before the planner's first look, or at it.
 void addEarlyFailure(const PlannerDrive& drive, PlannerFigure& figure) {
-  const auto after = std::find_if(drive.seconds.begin(), drive.seconds.end(), [&](const PlannerSecond& second) {
-    return second.since_start_s >= drive.time_s - kSame_s;
-  });
-  if (after == drive.seconds.begin()) return;  // nothing was said before it
-  const PlannerSecond& last = *std::prev(after);
+  const PlannerSecond* const last = lastBefore(drive, drive.time_s - kSame_s);
+  if (!last) return;  // nothing was said before it
   ++figure.unstoppable;
-  if (isStopState(last.state) || last.time_to_failure.seconds <= 1.0) ++figure.told;
+  if (isStopState(last->state) || last->time_to_failure.seconds <= kShortestStop_s) ++figure.told;
 }
 
 void addSound(const PlannerDrive& drive, double stop_begin_s, PlannerFigure& figure) {

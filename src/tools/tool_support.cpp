@@ -73,7 +73,7 @@ CLI::Validator checked(const std::string& limits, Parse&& parse, Fits&& fits) {
   const auto check = [=](std::string& text) {
     const auto value = parse(text);
     if (!value || !fits(*value)) return "'" + text + "' is not " + limits;
-    if constexpr (std::is_same_v<decltype(*value), const long&>) text = std::to_string(*value);
+    if constexpr (std::is_integral_v<std::decay_t<decltype(*value)>>) text = std::to_string(*value);
     return std::string();
   };
   return CLI::Validator(check, std::string());

@@ -52,6 +52,7 @@ int runTool(const std::string& name, Work&& work) {
 }
 
 /// The range of a numeric option, ends included. The error names option, value, limits. Refuses text, nan and inf.
+/// A whole number is decimal, whatever zeros it begins with, if the option uses it by transform() in place of check().
 CLI::Validator wholeNumber(long low, long high = std::numeric_limits<long>::max());
 CLI::Validator realNumber(double low, double high = std::numeric_limits<double>::max());
 CLI::Validator positiveNumber();
