@@ -55,6 +55,10 @@ class Planner {
     last_ = message;
     heard_ = ros::SteadyTime::now();
     if (!gps_lost_ || message.t1.isZero()) return;
+    if (t1_.isZero() && (lost_at_ - message.t1).toSec() > kOldest_s) {
+      last_.state = TimeToFailure::UNKNOWN;  // t1 of an earlier call: the state is not about the pose since this loss
+      return;
+    }
     if (t1_.isZero()) t1_ = message.t1;
     // a late or new t1: the state does not include the error from the loss of the GPS to it
     pose_lost_ = pose_lost_ || message.t1 != t1_ || t1_ > lost_at_ + ros::Duration(kWait_s);

@@ -27,6 +27,9 @@ def on_time(message):
     last, heard = message, time.monotonic()
     if lost_since is None or message.t1.is_zero():
         return
+    if t1 is None and lost_at_s - message.t1.to_sec() > OLDEST_S:
+        last.state = TimeToFailure.UNKNOWN  # t1 of an earlier call: the state is not about the pose since this loss
+        return
     t1 = t1 or message.t1
     # a late or new t1: the state does not include the error from the loss of the GPS to it
     pose_lost = pose_lost or message.t1 != t1 or t1.to_sec() > lost_at_s + WAIT_S

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "clock_check.hpp"
+#include "core/preprocessing/stamp_fault.hpp"
 #include "core/preprocessing/sweep_check.hpp"
 #include "core/preprocessing/sweep_corrector.hpp"
 #include "core/types/corrected_sweep.hpp"
@@ -17,7 +18,6 @@
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
 #include "spoken_faults.hpp"
-#include "stamp_fault.hpp"
 #include "sweep_progress.hpp"
 
 namespace fail_aware {

@@ -24,6 +24,7 @@
 #include "drive_monitor.hpp"
 #include "fail_aware_monitor_params.hpp"
 #include "graph_nodelet.hpp"
+#include "monitor_log.hpp"
 #include "private_parameters.hpp"
 #include "rate_meter.hpp"
 #include "reconfiguration.hpp"
@@ -94,6 +95,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
 
   void publish(const std_msgs::Header& header) {
     silence_.published(now_s());
+    log_.tell(output_);
     publisher_.publish(messages::TimeToFailureConstPtr(
         boost::make_shared<messages::TimeToFailure>(toMessage(output_, monitor_->params(), header))));
     if (!header.stamp.isZero() && marker_publisher_.getNumSubscribers() > 0) showMarkers(header);
@@ -160,6 +162,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   ClockCheck clock_;  ///< of the filter states' stamps
   RateMeter rate_;
   SilenceWatch silence_;
+  MonitorLog log_;
   ros::Publisher publisher_, marker_publisher_;
   // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;

@@ -1,9 +1,11 @@
 #include "drive_results.hpp"
 
 #include <cstdio>
+#include <utility>
 
 #include "core/integrity/monitor_replay.hpp"
 #include "core/parameters/yaml_parameters.hpp"
+#include "core/preprocessing/stamp_fault.hpp"
 #include "tool_support.hpp"
 
 namespace fail_aware {
@@ -15,6 +17,9 @@ void DriveResults::add(const ReadResult& read, const std::string& name, double s
   motion_unknown_at_t1_ = motion_unknown_at_t1_ || (result.monitor.reasons & kReasonMotionUnknown) != 0;
   if (!t1_stamp_s_ && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s_ = result.monitor.t1_stamp_s;
   log_.add(stamp_s, result);
+  if (std::string fault = fail_aware::stampFault(params_.sensor.timing, result.timing); !fault.empty()) {
+    stamp_fault_ = std::move(fault);
+  }
   last_ = result;
   if (!SweepLog::hasPose(result.status)) return;
   const Pose T_odom_lidar = result.T_odom_base * params_.sensor.T_base_lidar();

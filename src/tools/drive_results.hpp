@@ -31,6 +31,8 @@ class DriveResults {
 
   /// One line each, for the user.
   std::vector<std::string> warnings() const;
+  /// The last contradiction between the points' times and the stamps' reference (preprocessing/stamp_fault.hpp).
+  const std::string& stampFault() const { return stamp_fault_; }
 
   /// Writes trajectories and parameters, and closes the logs. Throws std::runtime_error.
   void write();
@@ -62,6 +64,7 @@ class DriveResults {
   std::size_t points_dropped_ = 0, set_back_ = 0;
   std::optional<double> t1_stamp_s_;
   bool motion_unknown_at_t1_ = false;
+  std::string stamp_fault_;
   SweepResult last_;
 };
 

@@ -205,7 +205,9 @@ double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, d
 int run(const Options& options) {
   if (!options.lidar_in_base.empty()) requireMounting("--lidar-in-base", options.lidar_in_base);
   PipelineParameters params = loadPipelineParameters(options.files);
+  const std::string stamp_reference = params.sensor.timing.stamp_reference;
   const std::unique_ptr<SweepSource> drive = openDrive(options, params.sensor);
+  const bool kitti_stamps = params.sensor.timing.stamp_reference != stamp_reference;  // whatever its times count from
   const std::string drive_name = options.bags.empty() ? options.kitti : joined(options.bags);
   const long last = options.scans.end(drive->size(), drive_name);
   overrideParameters(params, options.parameters, options.set);
@@ -220,6 +222,7 @@ int run(const Options& options) {
   for (const std::string& warning : results.warnings()) warn(warning);
   for (const std::string& warning : poses.warnings()) warn(warning);
   if (const std::string contradiction = pipeline.seamContradiction(); !contradiction.empty()) warn(contradiction);
+  if (!kitti_stamps && !results.stampFault().empty()) warn(results.stampFault());
 
   results.write();
   Json summary = results.summary({options.scans.first, drive->size(), skipped_stamp_s.value_or(first_stamp_s)});

@@ -138,10 +138,10 @@ TEST(PipelineParameters, ASweepBeginsWhereTheHeadsOwnZeroSays) {
 
 TEST(PipelineParameters, TheLidarsAnglesAreRadians) {
   PipelineParameters params;
-  params.sensor.lidar_in_base = {1.2, 0.0, 1.9, 0.0, 3.14159, -6.28318};
+  params.sensor.lidar_in_base = {1.2, 0.0, 1.9, 0.0, 3.14159, -3.14159};
   EXPECT_EQ(refusal(params), kNoError);
   params.sensor.lidar_in_base[5] = 90.0;
-  EXPECT_EQ(refusal(params), "sensor.lidar_in_base = 90: must be in [-6.3, 6.3] where it is an angle: rad, not deg");
+  EXPECT_EQ(refusal(params), "sensor.lidar_in_base = 90: must be in [-3.15, 3.15] where it is an angle: rad, not deg");
   params.sensor.lidar_in_base = {0.0, -1730.0, 0.0, 0.0, 0.0, 0.0};
   EXPECT_TRUE(startsWith(refusal(params), "sensor.lidar_in_base = -1730: must be in [-100, 100]")) << refusal(params);
 }

@@ -134,8 +134,21 @@ TEST_P(PlannerExample, AsksOnlyFromTheLossOfTheGpsOn) {
   EXPECT_EQ(reaction("stop blind", TimeToFailure::UNKNOWN, -1.0), "stop blind") << "0.5 s later";
   publish(gps_lost_, false);
   EXPECT_EQ(reaction("own localisation", TimeToFailure::OK, 60.0), "own localisation") << "the GPS is back";
+  t1_ = ros::Time::now();
   publish(gps_lost_, true);
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive") << "at the next loss";
+}
+
+TEST_P(PlannerExample, AT1OfAnEarlierCallIsNotTakenForThisLoss) {
+  t1_ = ros::Time::now() - ros::Duration(30.0);
+  EXPECT_EQ(reaction("slow down", TimeToFailure::OK, 60.0), "slow down") << "it waits for its own t1";
+  t1_ = ros::Time::now();
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive") << "though another one was there before";
+  publish(gps_lost_, false);
+  ASSERT_EQ(await("own localisation"), "own localisation");
+  t1_ = ros::Time::now() - ros::Duration(30.0);
+  publish(gps_lost_, true);
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0), "stop blind") << "nobody called start_redundant";
 }
 
 TEST_P(PlannerExample, AT1ThatNobodyAskedForEndsTheUseOfThePose) {

@@ -123,6 +123,28 @@ TEST_F(BagTools, PointTimesPassThroughTheBag) {
   EXPECT_TRUE(trajectory("bag") == trajectory("folder"));
 }
 
+TEST_F(BagTools, AReferenceThatThePointTimesContradictIsWarnedOf) {
+  const std::string drive = makeDrive(true), other = (folder_ / "other.bag").string();
+  ASSERT_EQ(toBag("'" + drive + "' '" + bag() + "' --point-times").exit_code, 0);
+  EXPECT_EQ(offline("--bag '" + bag() + "'", "kitti").err.find(" warning: "), std::string::npos)
+      << "what KITTI's stamps mean is known";
+  {
+    const rosbag::Bag from(bag());
+    rosbag::Bag to(other, rosbag::bagmode::Write);
+    for (const rosbag::MessageInstance& message : rosbag::View(from)) {
+      const bool is_cloud = message.isType<sensor_msgs::PointCloud2>();
+      to.write(is_cloud ? "/points" : message.getTopic(), message.getTime(), message);
+    }
+  }
+  const ToolRun wrong = offline("--bag '" + other + "' --set sensor.timing.stamp_reference=end", "wrong");
+  EXPECT_EQ(wrong.exit_code, 0) << wrong.err;
+  EXPECT_NE(wrong.err.find("the points' times say that the stamp is the sweep's start, and "
+                           "sensor.timing.stamp_reference says end"),
+            std::string::npos)
+      << wrong.err;
+  EXPECT_EQ(offline("--bag '" + other + "'", "right").err.find(" warning: "), std::string::npos);
+}
+
 TEST_F(BagTools, BadScansAndPartsOfTheDriveAreTheFolders) {
   const std::string drive = makeDrive(false);
   fs::resize_file(fs::path(drive) / "velodyne" / "000004.bin", 0);

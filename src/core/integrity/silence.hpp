@@ -11,8 +11,8 @@
 namespace fail_aware {
 
 struct SilenceParams {
-  double stale_sweeps = 3.0;   ///< sweep periods without a filter state that mean failure
-  double min_period_s = 0.05;  ///< the measured sweep period is taken to be within these
+  double stale_sweeps = 3.0;  ///< sweep periods without a filter state that mean failure
+  double min_period_s = 0.1;  ///< the measured sweep period is taken to be within these
   double max_period_s = 0.15;
 
   template <class Self, class Visitor>

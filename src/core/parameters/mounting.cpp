@@ -8,7 +8,7 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kFarthest_m = 100.0, kMaxAngle_rad = 6.3;  // one turn
+constexpr double kFarthest_m = 100.0, kMaxAngle_rad = 3.15;  // half a turn, rounded up
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void requireMounting(const char* name, const std::vector<double>& x_y_z_roll_pit
   for (std::size_t i = 0; i < 3; ++i) requireWithin(name, x_y_z_roll_pitch_yaw[i], -kFarthest_m, kFarthest_m);
   for (std::size_t i = 3; i < 6; ++i) {
     requireParameter(std::abs(x_y_z_roll_pitch_yaw[i]) <= kMaxAngle_rad, name, x_y_z_roll_pitch_yaw[i],
-                     "in [-6.3, 6.3] where it is an angle: rad, not deg");
+                     "in [-3.15, 3.15] where it is an angle: rad, not deg");
   }
 }
 

@@ -14,10 +14,10 @@ std::string refusal(const std::vector<double>& mounting) {
 }
 
 TEST(Mounting, IsSixNumbersInMetresAndRadians) {
-  EXPECT_EQ(refusal({-0.6, 0.1, 1.73, 0.01, -0.02, 6.283}), kNoError);
+  EXPECT_EQ(refusal({-0.6, 0.1, 1.73, 0.01, -0.02, 3.1416}), kNoError);
   EXPECT_EQ(refusal({-0.6, 0.1, 1.73}), "place: must be 6 finite numbers, has 3");
   EXPECT_EQ(refusal({-0.6, 0.1, 1730, 0, 0, 0}), "place = 1730: must be in [-100, 100]");
-  EXPECT_EQ(refusal({0, 0, 0, 0, 0, -90}), "place = -90: must be in [-6.3, 6.3] where it is an angle: rad, not deg");
+  EXPECT_EQ(refusal({0, 0, 0, 0, 0, -90}), "place = -90: must be in [-3.15, 3.15] where it is an angle: rad, not deg");
   EXPECT_EQ(refusal({0, 0, 0, 0, 0, std::numeric_limits<double>::quiet_NaN()}),
             "place: must be 6 finite numbers, has one that is not");
 }

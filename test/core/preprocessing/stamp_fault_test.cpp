@@ -1,4 +1,4 @@
-#include "../../src/nodelets/stamp_fault.hpp"
+#include "core/preprocessing/stamp_fault.hpp"
 
 #include <gtest/gtest.h>
 
