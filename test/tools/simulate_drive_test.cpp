@@ -204,6 +204,18 @@ TEST_F(SimulateDrive, WithoutRollingShutterThereAreNoPointTimes) {
   EXPECT_FALSE(KittiDirectory::open(path("drive")).hasPointTimes());
 }
 
+TEST_F(SimulateDrive, AFolderThatIsNotEmptyIsRefused) {
+  ASSERT_EQ(simulate("twice", "--duration 0.1").exit_code, 0);
+  EXPECT_EQ(simulate("twice", "--duration 0.1").exit_code, 2);
+  fs::create_directories(path("notes"));
+  std::ofstream(path("notes/times.txt")) << "of the user\n";
+  const ToolRun run = simulate("notes", "--duration 0.1");
+  EXPECT_EQ(run.exit_code, 2);
+  expectOneErrorLine(run, "simulate_drive", "notes: is not empty; remove it or give another folder");
+  EXPECT_EQ(filesBelow(path("notes")), std::vector<std::string>{"times.txt"});
+  EXPECT_EQ(lines("notes/times.txt"), std::vector<std::string>{"of the user"});
+}
+
 TEST_F(SimulateDrive, BadUseIsOneLineAndExitCode2) {
   for (const char* arguments :
        {"--scene moon", "--duration 0", "--duration nan", "--seed -1", "--fault fog", "--fault noise:1:1 --duration 1",
@@ -213,8 +225,6 @@ TEST_F(SimulateDrive, BadUseIsOneLineAndExitCode2) {
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     fs::remove_all(path("bad"));
   }
-  ASSERT_EQ(simulate("twice", "--duration 0.1").exit_code, 0);
-  EXPECT_EQ(simulate("twice", "--duration 0.1").exit_code, 2);  // nothing is written over
   const ToolRun help = runProgram(SIMULATE_DRIVE, "--help", folder_);
   EXPECT_EQ(help.exit_code, 0);
   for (const FaultTraits& traits : faultTraits()) EXPECT_NE(help.out.find(traits.name), std::string::npos);

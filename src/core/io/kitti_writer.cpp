@@ -35,8 +35,8 @@ void writeSideFile(const fs::path& folder, const std::string& name, const std::v
 KittiWriter::KittiWriter(const std::string& directory) : directory_(directory) {
   const fs::path root(directory);
   std::error_code error;
-  if (fs::exists(root / "velodyne", error) && !fs::is_empty(root / "velodyne", error)) {
-    throw InputError(directory + ": has scans already; remove it or give another folder");
+  if (fs::is_directory(root, error) && !fs::is_empty(root, error)) {
+    throw InputError(directory + ": is not empty; remove it or give another folder");
   }
   fs::create_directories(root / "velodyne", error);
   if (error) throw InputError(directory + ": cannot be made: " + error.message());

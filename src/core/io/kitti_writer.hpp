@@ -5,7 +5,7 @@
 // calib.txt has Tr = identity: poses.txt is in the lidar frame, not in a camera's.
 //
 // Until finish() the folder has the file `unfinished`, and the reader refuses it.
-// Failure: InputError if the folder cannot be made or already has scans; std::runtime_error if writing fails.
+// Failure: InputError if the folder cannot be made or is not empty; std::runtime_error if writing fails.
 #pragma once
 
 #include <cstddef>
