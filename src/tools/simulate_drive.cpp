@@ -7,6 +7,7 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/io/kitti_writer.hpp"
@@ -151,6 +152,31 @@ void writeNotes(const Options& options, const std::vector<Fault>& faults, std::s
   writeText(sideFile(options, "simulation.json"), notes.dump(2) + "\n");
 }
 
+/// The file of cfg/sensors for a head of lidar_head.hpp.
+std::string sensorOf(const std::string& head) {
+  if (head.rfind("os1", 0) == 0) return "ouster";
+  if (head.rfind("pandar", 0) == 0) return "hesai";
+  return head == "hdl64e" ? head : "velodyne";
+}
+
+/// How to run the odometry on the drive. Of the sensor files only hdl64e.yaml has the simulated lidar's place; a bag has
+/// it in /tf_static.
+std::string odometryCall(const Options& options) {
+  const bool bag = isBag(options.output);
+  std::ostringstream call;
+  call << callOf("offline_odometry") << (bag ? " --bag " : " --kitti ") << options.output << " --output OUT";
+  const std::string sensor = sensorOf(options.simulation.lidar.head);
+  if (sensor != "hdl64e") {
+    call << " --sensor " << sensor;
+    const char* before = " --lidar-in-base ";
+    for (const double value : options.simulation.lidar_in_base) {
+      if (!bag) call << std::exchange(before, ",") << value;
+    }
+  }
+  if (options.no_rolling_shutter) call << " --set sensor.timing.source=none";
+  return call.str();
+}
+
 int run(Options& options) {
   options.simulation.rolling_shutter = !options.no_rolling_shutter;
   options.simulation.traffic = !options.no_traffic;
@@ -184,9 +210,7 @@ int run(Options& options) {
   std::ostringstream verdict;
   verdict << options.output << ": " << options.simulation.scene << ", " << options.simulation.duration_s << " s, "
           << written << " sweeps, faults: " << faults.size();
-  reportVerdict(kName, verdict.str(),
-                callOf("offline_odometry") + " " + (isBag(options.output) ? "--bag " : "--kitti ") + options.output +
-                    " --output OUT");
+  reportVerdict(kName, verdict.str(), odometryCall(options));
   return kExitDone;
 }
 

@@ -199,8 +199,23 @@ esac
   EXPECT_EQ(matrix("--faults fog").exit_code, 2);
 }
 
+TEST_F(SimulateDrive, TheNextStepNamesTheSensorOfAnotherHead) {
+  const auto nextOf = [this](const std::string& name, const std::string& arguments) {
+    const std::string err = simulate(name, "--duration 0.1 " + arguments).err;
+    const std::size_t at = err.find(" --output OUT");
+    return at == std::string::npos ? err : err.substr(at);
+  };
+  EXPECT_EQ(nextOf("hdl64e", ""), " --output OUT\n");
+  const std::string place = " --lidar-in-base -0.595,0,1.73,0,0,0\n";
+  EXPECT_EQ(nextOf("vlp16", "--head vlp16"), " --output OUT --sensor velodyne" + place);
+  EXPECT_EQ(nextOf("os1_64", "--head os1_64"), " --output OUT --sensor ouster" + place);
+  EXPECT_EQ(nextOf("pandar64", "--head pandar64"), " --output OUT --sensor hesai" + place);
+}
+
 TEST_F(SimulateDrive, WithoutRollingShutterThereAreNoPointTimes) {
-  ASSERT_EQ(simulate("drive", "--duration 0.2 --no-rolling-shutter").exit_code, 0);
+  const ToolRun run = simulate("drive", "--duration 0.2 --no-rolling-shutter");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find(" --output OUT --set sensor.timing.source=none\n"), std::string::npos) << run.err;
   EXPECT_FALSE(KittiDirectory::open(path("drive")).hasPointTimes());
 }
 
