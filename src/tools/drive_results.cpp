@@ -13,6 +13,7 @@ namespace fail_aware {
 void DriveResults::add(const ReadResult& read, const std::string& name, double stamp_s, std::size_t points_dropped,
                        const SweepResult& result) {
   if (!read.hasPoints()) bad_scans_.push_back({name, read.message});
+  if (!read.hasPoints() || result.status == SweepStatus::kNotStarted) ++unusable_;
   points_dropped_ += points_dropped;
   motion_unknown_at_t1_ = motion_unknown_at_t1_ || (result.monitor.reasons & kReasonMotionUnknown) != 0;
   if (!t1_stamp_s_ && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s_ = result.monitor.t1_stamp_s;
@@ -45,7 +46,7 @@ std::vector<std::string> DriveResults::warnings() const {
   }
   if (const std::size_t unusable = log_.count(SweepStatus::kNotStarted)) {
     lines.push_back("the odometry begins at the first sweep with usable points; " + std::to_string(unusable) +
-                    " sweeps without (" + toString(SweepStatus::kNotStarted) +
+                    " sweeps without usable points (" + toString(SweepStatus::kNotStarted) +
                     " in per_sweep.csv) have no row in the trajectories");
   }
   if (const std::size_t refused = log_.count(SweepStatus::kStampNotAdvancing)) {
@@ -113,8 +114,8 @@ std::string DriveResults::verdict() const {
   std::string reasons = reasonText(last_.monitor.reasons);
   if (!reasons.empty()) reasons = " (" + reasons + ")";
   char text[200];
-  std::snprintf(text, sizeof text, "%.1f m in %.1f s, %zu sweeps, %zu without points, %zu refused; final state ",
-                distance_m_, duration_s, log_.sweeps(), bad_scans_.size(), log_.count(SweepStatus::kStampNotAdvancing));
+  std::snprintf(text, sizeof text, "%.1f m in %.1f s, %zu sweeps, %zu without usable points, %zu refused; final state ",
+                distance_m_, duration_s, log_.sweeps(), unusable_, log_.count(SweepStatus::kStampNotAdvancing));
   return text + std::string(toString(last_.monitor.state)) + reasons;
 }
 

@@ -27,7 +27,7 @@ class DriveResults {
            const SweepResult& result);
 
   std::size_t sweeps() const { return log_.sweeps(); }
-  bool allUnusable() const { return bad_scans_.size() == log_.sweeps(); }
+  bool withoutAnyPose() const { return base_trajectory_.empty(); }
 
   /// One line each, for the user.
   std::vector<std::string> warnings() const;
@@ -61,7 +61,7 @@ class DriveResults {
   Pose T_odom_lidar_first_ = Pose::Identity();
   double distance_m_ = 0.0;
   std::vector<BadScan> bad_scans_;
-  std::size_t points_dropped_ = 0, set_back_ = 0;
+  std::size_t points_dropped_ = 0, unusable_ = 0, set_back_ = 0;
   std::optional<double> t1_stamp_s_;
   bool motion_unknown_at_t1_ = false;
   std::string stamp_fault_;

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -17,6 +18,7 @@
 #include "core/parameters/mounting.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 #include "drive_results.hpp"
+#include "evaluation/quantile.hpp"
 #include "json.hpp"
 #include "poses_from_outside.hpp"
 #include "run_folder.hpp"
@@ -175,11 +177,22 @@ std::optional<double> skipTo(std::size_t first, SweepSource& drive) {
   return sweep.stamp_s;
 }
 
+/// The coordinates of a lidar's points are at most some hundred metres.
+void warnOfMillimetres(const Sweep& sweep) {
+  constexpr double kFarthest_m = 1000.0;
+  std::vector<double> ranges_m;
+  for (const Eigen::Vector3f& point : sweep.points_lidar) ranges_m.push_back(static_cast<double>(point.norm()));
+  const double median_m = quantile(ranges_m, 0.5);
+  if (median_m <= kFarthest_m) return;
+  warn("the median range of the first sweep's points is " + std::to_string(std::lround(median_m)) +
+       " m, so their coordinates are probably in millimetres; metres are needed");
+}
+
 /// Returns the stamp of the run's first scan.
 double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, double redundant_at_s,
                OdometryPipeline& pipeline, DriveResults& results) {
   double begin_stamp_s = 0.0;
-  bool side_file_told = false;
+  bool side_file_told = false, range_checked = false;
   Sweep sweep;
   ProgressBar progress(scans);
   for (std::size_t i = 0; i < scans; ++i) {
@@ -193,6 +206,7 @@ double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, d
     }
     const double stamp_s = sweep.stamp_s;
     const std::size_t points_dropped = sweep.points_dropped;
+    if (!sweep.empty() && !std::exchange(range_checked, true)) warnOfMillimetres(sweep);
     poses.offer(stamp_s);
     const SweepResult result = read.status == ReadStatus::kOtherFrame ? pipeline.refuse() : pipeline.step(sweep);
     if (!result.pose_set.refused.empty()) warn("--set-pose: refused: " + result.pose_set.refused);
@@ -233,7 +247,7 @@ int run(const Options& options) {
   summary["profile"] = options.files.profile;
   summary = folder.finish(std::move(summary));
   std::cout << summary.dump(2, ' ', false, Json::error_handler_t::replace) << std::endl;
-  if (results.allUnusable()) {
+  if (results.withoutAnyPose()) {
     return reportError(kName, "no scan of " + drive_name + " could be used", kExitFailed);
   }
   reportVerdict(kName, results.verdict(), callOf("report") + " " + options.output);

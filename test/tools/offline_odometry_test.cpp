@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -164,7 +165,7 @@ TEST_F(OfflineOdometry, WritesAllFilesOfADrive) {
   EXPECT_TRUE(warningsOf(result_.err).empty()) << result_.err;
   const std::vector<std::string> verdict = linesOf(result_.err);
   ASSERT_EQ(verdict.size(), 2u) << result_.err;
-  EXPECT_NE(verdict[0].find(std::to_string(kScans) + " sweeps, 0 without points, 0 refused; final state "),
+  EXPECT_NE(verdict[0].find(std::to_string(kScans) + " sweeps, 0 without usable points, 0 refused; final state "),
             std::string::npos)
       << verdict[0];
   EXPECT_EQ(verdict[1], "offline_odometry: next: " + callOf("report") + " " + (folder_ / "out").string());
@@ -441,6 +442,7 @@ TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
   EXPECT_EQ(json["dropped"], 4);
   EXPECT_EQ(json["by_status"]["predicted"], 4);
   ASSERT_EQ(json["bad_scans"].size(), 4u);
+  EXPECT_NE(result_.err.find("10 sweeps, 4 without usable points, 0 refused"), std::string::npos) << result_.err;
   const std::vector<std::string> warnings = warningsOf(result_.err);
   ASSERT_EQ(warnings.size(), 4u) << result_.err;
   const std::vector<Row> rows = readCsv(out("per_sweep.csv"));
@@ -546,6 +548,44 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
   expectRefused(good + "--redundant-at nan", "--redundant-at");
   expectRefused(good + "--nonsense", "--nonsense");
   EXPECT_FALSE(fs::exists(output)) << "nothing is made before everything is known to be good";
+}
+
+TEST_F(OfflineOdometry, StampsThatAreNotInSecondsAreRefused) {
+  const fs::path drive = copyOfDrive();
+  const std::string arguments = "--kitti '" + drive.string() + "' --output '" + (folder_ / "out").string() + "'";
+  const auto writeTimes = [&](const std::string& step) {
+    std::ofstream times(drive / "times.txt");
+    for (int i = 0; i < kScans; ++i) times << 170 + i << step << "\n";
+  };
+  writeTimes("00");
+  expectRefused(arguments,
+                "times.txt: the stamps are 100 apart (median), so they are probably in milliseconds; "
+                "seconds are needed: divide them by 1000");
+  writeTimes("00000.5");
+  expectRefused(arguments, "probably in microseconds; seconds are needed: divide them by 1000000");
+  writeTimes("00000000");
+  expectRefused(arguments, "probably in nanoseconds; seconds are needed: divide them by 1000000000");
+  writeTimes("");
+  run(drive);
+  EXPECT_EQ(result_.exit_code, 0) << "a step of 1 s is one of seconds: " << result_.err;
+}
+
+TEST_F(OfflineOdometry, PointsInMillimetresAreTold) {
+  const fs::path drive = copyOfDrive();
+  for (int i = 0; i < kScans; ++i) {
+    const std::string bytes = contentOf(scan(drive, i));
+    std::vector<float> values(bytes.size() / sizeof(float));
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    for (float& value : values) value *= 1000.0f;
+    std::ofstream(scan(drive, i), std::ios::binary)
+        .write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  run(drive);
+  EXPECT_EQ(result_.exit_code, 1);
+  EXPECT_NE(result_.err.find("so their coordinates are probably in millimetres; metres are needed"), std::string::npos)
+      << result_.err;
+  EXPECT_NE(result_.err.find("10 sweeps without usable points"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("no scan of " + drive.string() + " could be used"), std::string::npos) << result_.err;
 }
 
 TEST_F(OfflineOdometry, UnwritableOutputIsRefusedFirst) {

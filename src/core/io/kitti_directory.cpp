@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "core/io/input_error.hpp"
+#include "core/io/stamp_unit.hpp"
 #include "core/io/text_lines.hpp"
 #include "core/parameters/check.hpp"
 #include "core/types/sweep_points.hpp"
@@ -107,6 +108,7 @@ std::vector<double> readScanTimes(const fs::path& path, std::size_t scan_count) 
     time_s = wholeMicroseconds(time_s);
     times_s.push_back(time_s);
   }
+  requireSeconds(path.string(), times_s);
   return times_s;
 }
 

@@ -12,6 +12,7 @@
 
 #include "core/io/input_error.hpp"
 #include "core/io/output_file.hpp"
+#include "core/io/stamp_unit.hpp"
 #include "core/io/text_lines.hpp"
 
 namespace fail_aware {
@@ -129,6 +130,7 @@ std::vector<double> readTimes(const std::string& path) {
     times.push_back(time_s);
   });
   requireRows(times.size(), path, "times");
+  requireSeconds(path, times);
   return times;
 }
 
