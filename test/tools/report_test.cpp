@@ -259,6 +259,27 @@ TEST_F(Report, MatchTruthMovesPosesToTheLidarAtItsStamps) {
   }
 }
 
+TEST_F(Report, MatchTruthRefusesQuaternionsThatBeginWithW) {
+  const auto match = [this](double yaw_rad, bool w_first) {
+    const double c = std::cos(0.5 * yaw_rad), s = std::sin(0.5 * yaw_rad);
+    std::ostringstream ins;  // 10 m/s, as the run
+    for (int i = 0; i < kSweeps; ++i) {
+      ins << 0.1 * i << ' ' << i * std::cos(yaw_rad) << ' ' << i * std::sin(yaw_rad) << " 0 ";
+      if (w_first) ins << c << " 0 0 " << s << '\n';
+      if (!w_first) ins << "0 0 " << s << ' ' << c << '\n';
+    }
+    write("ins.txt", ins.str());
+    return runProgram(SCRIPTS "/match_truth",
+                      path("run") + " --poses " + path("ins.txt") + " --output " + path("matched.txt"), folder_);
+  };
+  for (const double yaw_rad : {0.1, 1.5, 3.1, -2.0}) {
+    const ToolRun done = match(yaw_rad, true);
+    EXPECT_EQ(done.exit_code, 2) << yaw_rad;
+    expectOneErrorLine(done, "match_truth", "ins.txt: its quaternions are probably in the order w x y z");
+    EXPECT_EQ(match(yaw_rad, false).exit_code, 0) << yaw_rad;
+  }
+}
+
 TEST_F(Report, MatchTruthNamesSweepsWithoutAPose) {
   write("ins.txt", "0 0 0 0 0 0 0 1\n0.1 1 0 0 0 0 0 1\n");
   const ToolRun done =
