@@ -198,7 +198,6 @@ int run(const Options& options) {
   if (options.guarantee && !(options.late_ratio > 0.0)) {
     return reportError(kName, "no number of runs guarantees --late 0: give a larger ratio", kExitUsage);
   }
-  requireMonitorKeys(options.runs);
   Calibration calibration(options);
   calibration.fitThreshold();
   calibration.fitConfidence();

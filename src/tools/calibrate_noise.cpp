@@ -26,8 +26,10 @@ struct Options {
 constexpr double kLeastRatio = 0.1;
 constexpr double kMostError_m = 0.1, kMostErrorRatio = 0.05;  // of a sweep's motion
 
-bool isOfDrift(const std::string& key) { return key.rfind("monitor.drift.", 0) == 0; }
-bool isOfIncrement(const std::string& key) { return key.rfind("filter.increment_", 0) == 0; }
+const std::string kDrift = "monitor.drift.", kIncrement = "filter.increment_";
+
+bool isOfDrift(const std::string& key) { return key.rfind(kDrift, 0) == 0; }
+bool isOfIncrement(const std::string& key) { return key.rfind(kIncrement, 0) == 0; }
 
 /// Another drive's truth, or an odometry that was lost, would give values that no vehicle can use.
 void requireItsTruth(const FailAwareRun& run, const std::vector<IncrementSample>& increments) {
@@ -105,6 +107,7 @@ int main(int argc, char** argv) {
         "Exit codes: 0 done, 1 the work failed, 2 bad usage or input.",
         kName);
     Options options;
+    options.runs.used_keys = {kDrift, kIncrement};
     addRunOptions(app, options.runs);
     app.add_option("--output", options.output, "yaml file with the fitted parameters, for --parameters");
     if (!parseArguments(app, argc, argv)) return kExitDone;

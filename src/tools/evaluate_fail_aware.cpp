@@ -66,7 +66,6 @@ void addOptions(CLI::App& app, Options& options) {
 }
 
 std::vector<JudgedRun> judgeRuns(Options& options) {
-  requireMonitorKeys(options.runs);
   const std::vector<FailAwareRun> runs = loadRuns(options.runs);
   options.episodes.alert_limit_m = alertLimitOf(runs, options.alert_limit_m);
   std::vector<JudgedRun> judged;

@@ -1,7 +1,9 @@
 #include "fail_aware_run.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iostream>
 
 #include "core/io/input_error.hpp"
 #include "core/io/monitor_log.hpp"
@@ -56,6 +58,28 @@ void requireOneDrive(const std::vector<MonitorInput>& log, const fs::path& path)
   }
 }
 
+bool hasEffect(const std::string& key, const FailAwareRunOptions& options) {
+  return std::any_of(options.used_keys.begin(), options.used_keys.end(),
+                     [&](const std::string& begin) { return key.rfind(begin, 0) == 0; });
+}
+
+void requireEffectOfSet(const FailAwareRunOptions& options) {
+  std::string used;
+  for (const std::string& begin : options.used_keys) used += (used.empty() ? "" : " and ") + begin;
+  for (const std::string& setting : options.set) {
+    if (hasEffect(setting, options)) continue;
+    throw InputError("--set " + setting + ": only keys of " + used +
+                     " have an effect here: run offline_odometry with it");
+  }
+}
+
+void warnOfUnusedKeys(const FailAwareRun& run, const FailAwareRunOptions& options) {
+  const std::size_t more = run.unused_keys.size() - 1;
+  std::cerr << options.tool << ": warning: " << run.name << " was made with another " << run.unused_keys.front()
+            << " than --parameters gives" << (more > 0 ? " (and " + std::to_string(more) + " more keys)" : "")
+            << ", which has no effect here: run offline_odometry with it" << std::endl;
+}
+
 FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth, const FailAwareRunOptions& options) {
   FailAwareRun run;
   fs::path path(folder);
@@ -74,7 +98,12 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
   run.made_with = run.params.profile.filter;
   // the lidar was where the run had it, whatever the monitor is replayed with
   const Pose T_lidar_cog = run.params.sensor.T_base_lidar().inverse() * run.params.vehicle.T_base_cog();
+  const ParameterList of_run = toList(run.params);
   overrideParameters(run.params, options.parameters, options.set);
+  const ParameterList changed = toList(run.params);
+  for (std::size_t i = 0; i < changed.size(); ++i) {
+    if (changed[i] != of_run[i] && !hasEffect(changed[i].first, options)) run.unused_keys.push_back(changed[i].first);
+  }
 
   std::vector<Pose> poses = readKittiTrajectory(ground_truth);
   if (!options.calib.empty()) poses = lidarFromCameraTrajectory(poses, readLidarToCamera(options.calib));
@@ -94,6 +123,7 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
 }  // namespace
 
 void addRunOptions(CLI::App& app, FailAwareRunOptions& options) {
+  options.tool = app.get_name();
   app.add_option("--ground-truth", options.ground_truths,
                  "true poses of a run, KITTI rows, lidar frame; may be repeated, in the order of --run")
       ->required();
@@ -111,19 +141,14 @@ std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options) {
     throw InputError(std::to_string(options.ground_truths.size()) + " x --ground-truth, " +
                      std::to_string(options.runs.size()) + " x --run: there must be as many of one as of the other");
   }
+  requireEffectOfSet(options);
   std::vector<FailAwareRun> runs;
   for (std::size_t i = 0; i < options.runs.size(); ++i) {
     runs.push_back(loadRun(options.runs[i], options.ground_truths[i], options));
   }
+  const auto unused = std::find_if(runs.begin(), runs.end(), [](const auto& run) { return !run.unused_keys.empty(); });
+  if (unused != runs.end()) warnOfUnusedKeys(*unused, options);
   return runs;
-}
-
-void requireMonitorKeys(const FailAwareRunOptions& options) {
-  for (const std::string& setting : options.set) {
-    if (setting.rfind("monitor.", 0) == 0) continue;
-    throw InputError("--set " + setting +
-                     ": only the monitor runs again, so only keys of monitor. count: run offline_odometry with it");
-  }
 }
 
 std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, std::size_t index,

@@ -22,23 +22,23 @@ struct FailAwareRun {
   std::vector<MeasuredMotion> measurements;  ///< empty if the run was made before they were logged
   std::vector<double> fault_begins_s;        ///< in the log's time, of faults.csv (simulate_drive) if the folder has it
   std::vector<Pose> truth;                   ///< of the centre of gravity, one for each entry of `log`
+  std::vector<std::string> unused_keys;      ///< that FailAwareRunOptions would change, without any effect
 };
 
 struct FailAwareRunOptions {
   std::vector<std::string> ground_truths, runs;
   std::string calib;
   std::vector<std::string> parameters, set;
+  std::vector<std::string> used_keys = {"monitor."};  ///< what the keys begin with that have an effect
+  std::string tool;                                   ///< its name, for warnings
 };
 
 void addRunOptions(CLI::App& app, FailAwareRunOptions& options);
 
 /// The n-th ground truth belongs to the n-th run. The monitor's parameters are those of the runs, changed by
-/// `parameters` (yaml files that may name only some keys, applied in order) and `set`. Throws InputError,
-/// ParameterError.
+/// `parameters` (yaml files that may name only some keys, applied in order) and `set`. Warns if one of the files would
+/// change a key without an effect. Throws InputError, ParameterError; for such a key in `set`, too.
 std::vector<FailAwareRun> loadRuns(const FailAwareRunOptions& options);
-
-/// Only the monitor runs again in a replay. Throws InputError for a key of `set` that is not the monitor's.
-void requireMonitorKeys(const FailAwareRunOptions& options);
 
 /// The episodes of runs[index], with its faults, replayed with `monitor`.
 std::vector<FailAwareEpisode> episodesOf(const std::vector<FailAwareRun>& runs, std::size_t index,

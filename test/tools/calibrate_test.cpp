@@ -195,6 +195,10 @@ TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   run(CALIBRATE_NOISE, options("tiny"));
   EXPECT_EQ(result_.exit_code, 2);
   EXPECT_NE(result_.err.find("too few sweeps"), std::string::npos) << result_.err;
+  run(CALIBRATE_NOISE, options("tiny") + " --set monitor.predictor.confidence=0.9");
+  EXPECT_EQ(result_.exit_code, 2);
+  expectOneErrorLine(result_, "calibrate_noise",
+                     "--set monitor.predictor.confidence=0.9: only keys of monitor.drift. and filter.increment_ have");
   run(CALIBRATE_FAIL_AWARE, options("tiny") + " --late 2");
   EXPECT_EQ(result_.exit_code, 2);
   EXPECT_NE(result_.err.find("--late"), std::string::npos) << result_.err;

@@ -212,6 +212,29 @@ TEST_F(EvaluateFailAware, ParametersCanBeChangedForTheReplay) {
   EXPECT_TRUE(report()["run"]["stop_in_time_2mps2"].is_null()) << "nothing failed";
 }
 
+TEST_F(EvaluateFailAware, AKeyOfAFileWithoutEffectIsTold) {
+  MadeUpRun made_up;
+  made_up.sweeps = 60;
+  made_up.write(folder_ / "run");
+  std::ofstream(folder_ / "noise.yaml") << "filter:\n  increment_scale: 3.5\n  increment_floor_m: 0.25\n"
+                                           "monitor:\n  drift:\n    scale_bias: 0.002\n";
+  const std::string arguments =
+      options("run") + " --resamples 1 --parameters '" + (folder_ / "noise.yaml").string() + "'";
+  run(arguments);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_EQ(result_.err.rfind("evaluate_fail_aware: warning: run was made with another filter.increment_", 0), 0u)
+      << result_.err;
+  EXPECT_NE(result_.err.find("(and 1 more keys), which has no effect here: run offline_odometry with it\n"),
+            std::string::npos)
+      << result_.err;
+  PipelineParameters same;
+  same.profile.filter.increment_scale = 3.5;
+  same.profile.filter.increment_floor_m = 0.25;
+  made_up.write(folder_ / "run", same);
+  run(arguments);
+  EXPECT_EQ(result_.err.find("warning"), std::string::npos) << result_.err;
+}
+
 TEST_F(EvaluateFailAware, RunsOfOneNameStayApart) {
   MadeUpRun good;
   good.sweeps = 120;
@@ -372,7 +395,8 @@ TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
   expectRefused("--run x --run y --ground-truth z", "as many of one as of the other");
   expectRefused(options("absent"), "absent: no such folder");
   expectRefused(options("run") + " --set monitor.nonsense=1", "monitor.nonsense");
-  expectRefused(options("run") + " --set filter.increment_scale=3", "--set filter.increment_scale=3: only the monitor");
+  expectRefused(options("run") + " --set filter.increment_scale=3",
+                "--set filter.increment_scale=3: only keys of monitor. have");
   expectRefused(options("run") + " --alert-limit -1", "--alert-limit: '-1' is not a number above 0");
   expectRefused(options("run") + " --alert-limit 0", "--alert-limit");
   expectRefused(options("run") + " --resamples 0", "--resamples");
