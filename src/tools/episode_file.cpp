@@ -1,11 +1,13 @@
 #include "episode_file.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <limits>
 #include <type_traits>
 
 #include "core/io/input_error.hpp"
+#include "crc32.hpp"
 #include "result_files.hpp"
 
 namespace fail_aware {
@@ -14,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kBegin = "fail_aware episodes 2\n", kEnd = "end of the episodes\n";
+const std::string kBegin = "fail_aware episodes 3\n", kEnd = "end of the episodes\n";
 
 class Writer {
  public:
@@ -22,20 +24,26 @@ class Writer {
 
   template <class Value>
   std::enable_if_t<std::is_arithmetic_v<Value> || std::is_enum_v<Value>> operator()(const Value& value) {
-    file_.write(reinterpret_cast<const char*>(&value), sizeof value);
+    put(reinterpret_cast<const char*>(&value), sizeof value);
   }
   void operator()(const std::string& text) {
     (*this)(static_cast<std::uint64_t>(text.size()));
-    file_.write(text.data(), static_cast<std::streamsize>(text.size()));
+    put(text.data(), text.size());
   }
   template <class Item>
   void operator()(const std::vector<Item>& items) {
     (*this)(static_cast<std::uint64_t>(items.size()));
     for (const Item& item : items) visitItem(*this, item);
   }
+  void put(const char* bytes, std::size_t count) {
+    crc_.add(bytes, count);
+    file_.write(bytes, static_cast<std::streamsize>(count));
+  }
+  void writeCrc() { (*this)(crc_.value()); }
 
  private:
   std::ofstream& file_;
+  Crc32 crc_;
 };
 
 class Reader {
@@ -52,14 +60,22 @@ class Reader {
   }
   template <class Item>
   void operator()(std::vector<Item>& items) {
-    items.resize(size());
-    for (Item& item : items) visitItem(*this, item);
+    const std::size_t count = size();
+    items.clear();
+    items.reserve(std::min<std::size_t>(count, left_ / sizeof(Item)));  // a damaged count does not take all memory
+    while (items.size() < count) visitItem(*this, items.emplace_back());
   }
   void expect(const std::string& text) {
     if (text.size() > left_) fail();
     std::string found(text.size(), ' ');
     take(found.data(), found.size());
     if (found != text) fail();
+  }
+  void checkCrc() {
+    const std::uint32_t of_bytes = crc_.value();
+    std::uint32_t written = 0;
+    (*this)(written);
+    if (written != of_bytes) fail();
   }
 
  private:
@@ -72,17 +88,19 @@ class Reader {
   }
   void take(char* bytes, std::size_t count) {
     if (count > left_ || !file_.read(bytes, static_cast<std::streamsize>(count))) fail();
+    crc_.add(bytes, count);
     left_ -= count;
   }
   [[noreturn]] void fail() const {
-    throw InputError(
-        path_.string() +
-        ": not a complete file of episodes of this version; run evaluate_fail_aware --keep-episodes again");
+    throw InputError(path_.string() +
+                     ": not a complete and undamaged file of episodes of this version; run evaluate_fail_aware "
+                     "--keep-episodes again");
   }
 
   std::ifstream& file_;
   fs::path path_;
   std::uintmax_t left_;
+  Crc32 crc_;
 };
 
 template <class Visitor, class Time>
@@ -171,8 +189,9 @@ void visitItem(Visitor& v, Item& item) {
 void writeEpisodeFile(const fs::path& path, const std::vector<JudgedRun>& runs) {
   std::ofstream file = createFile(path, std::ios::binary);
   Writer write(file);
-  file << kBegin;
+  write.put(kBegin.data(), kBegin.size());
   write(runs);
+  write.writeCrc();
   file << kEnd;
   finishFile(file, path);
 }
@@ -185,6 +204,7 @@ std::vector<JudgedRun> readEpisodeFile(const fs::path& path) {
   std::vector<JudgedRun> runs;
   read.expect(kBegin);
   read(runs);
+  read.checkCrc();
   read.expect(kEnd);
   return runs;
 }

@@ -26,7 +26,7 @@ struct JudgedRun {
 /// Throws std::runtime_error, InputError.
 void writeEpisodeFile(const std::filesystem::path& path, const std::vector<JudgedRun>& runs);
 
-/// Throws InputError: not such a file, of another version, or not complete.
+/// Throws InputError: not such a file, of another version, not complete, or damaged (CRC-32).
 std::vector<JudgedRun> readEpisodeFile(const std::filesystem::path& path);
 
 }  // namespace fail_aware

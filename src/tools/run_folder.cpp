@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/io/input_error.hpp"
+#include "crc32.hpp"
 #include "result_files.hpp"
 
 namespace fail_aware {
@@ -49,16 +50,6 @@ std::vector<fs::path> unfinishedIn(const fs::path& folder) {
   return found;
 }
 
-std::array<std::uint32_t, 256> crcTable() {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < table.size(); ++i) {
-    std::uint32_t value = i;
-    for (int bit = 0; bit < 8; ++bit) value = (value & 1u) != 0u ? 0xEDB88320u ^ (value >> 1u) : value >> 1u;
-    table[i] = value;
-  }
-  return table;
-}
-
 struct FileMark {
   std::uint64_t bytes = 0;
   std::uint32_t crc32 = 0;
@@ -66,23 +57,20 @@ struct FileMark {
 
 /// False if the file cannot be read.
 bool markOf(const fs::path& path, FileMark& mark) {
-  static const std::array<std::uint32_t, 256> kTable = crcTable();
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return false;
   std::ifstream file(path, std::ios::binary);
   if (!file) return false;
   mark = {};
-  std::uint32_t crc = 0xFFFFFFFFu;
+  Crc32 crc;
   std::array<char, 65536> block{};
   do {
     file.read(block.data(), block.size());
     const auto count = static_cast<std::size_t>(file.gcount());
-    for (std::size_t i = 0; i < count; ++i) {
-      crc = kTable[(crc ^ static_cast<unsigned char>(block[i])) & 0xFFu] ^ (crc >> 8u);
-    }
+    crc.add(block.data(), count);
     mark.bytes += count;
   } while (file);
-  mark.crc32 = ~crc;
+  mark.crc32 = crc.value();
   return !file.bad();
 }
 

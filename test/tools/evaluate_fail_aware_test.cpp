@@ -1,6 +1,7 @@
 // Runs the built tool on made-up runs; EVALUATE_FAIL_AWARE is its path (compile definition).
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -376,15 +377,40 @@ TEST_F(EvaluateFailAware, KeptEpisodesGiveTheSameFigures) {
   const fs::path file = folder_ / "bad_result/episodes.bin";
   const std::string whole = contentOf(file);
   std::ofstream(file, std::ios::binary) << whole.substr(0, whole.size() / 2);
-  expectRefused(kept, "not a complete file of episodes");
+  expectRefused(kept, "not a complete and undamaged file of episodes");
   std::ofstream(file, std::ios::binary) << "something else";
-  expectRefused(kept, "not a complete file of episodes");
+  expectRefused(kept, "not a complete and undamaged file of episodes");
   fs::remove(file);
   expectRefused(kept, "episodes.bin: cannot be read");
   run(options("bad") + output("bad_result") + " --keep-episodes --episode-every 7");
   expectRefused(kept, "another --alert-limit or --episode-every");
   expectRefused(kept + options("good"), "excludes --episodes");
   expectRefused(kept + " --set monitor.predictor.alert_limit_m=0.9", "--set excludes --episodes");
+}
+
+TEST_F(EvaluateFailAware, ADamagedEpisodeFileIsRefused) {
+  MadeUpRun made_up;
+  made_up.sweeps = 120;
+  made_up.write(folder_ / "run");
+  run(options("run") + " --resamples 1 --keep-episodes --output '" + (folder_ / "result").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const fs::path file = folder_ / "result/episodes.bin";
+  const std::string whole = contentOf(file);
+  const std::string episodes = " --resamples 1 --episodes '" + file.string() + "'";
+  run(episodes);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  for (std::size_t at = 20; at < whole.size(); at += whole.size() / 20) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x40);
+    std::ofstream(file, std::ios::binary) << damaged;
+    expectRefused(episodes, "not a complete and undamaged file of episodes");
+  }
+  // A number of runs that the file's size allows, but no computer's memory.
+  std::string count(8, '\0');
+  count[3] = 0x10;  // 2^28
+  std::ofstream(file, std::ios::binary) << whole.substr(0, whole.find('\n') + 1) << count << std::string(8, '\xff');
+  fs::resize_file(file, std::uintmax_t{1} << 29u);
+  expectRefused(episodes, "not a complete and undamaged file of episodes");
 }
 
 TEST_F(EvaluateFailAware, UnusableInputIsRefusedInOneLine) {
