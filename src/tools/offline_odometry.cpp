@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -216,6 +217,14 @@ double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, d
   return begin_stamp_s;
 }
 
+/// The user put it beside an earlier run, for evaluate_fail_aware. It may be another drive's.
+void removeFaultsOfAnEarlierRun(const std::filesystem::path& output) {
+  std::error_code error;
+  const std::filesystem::path faults = output / "faults.csv";
+  if (std::filesystem::remove(faults, error))
+    warn(faults.string() + " was of an earlier run and is removed; copy the one of this drive, if it has one");
+}
+
 int run(const Options& options) {
   if (!options.lidar_in_base.empty()) requireMounting("--lidar-in-base", options.lidar_in_base);
   PipelineParameters params = loadPipelineParameters(options.files);
@@ -245,6 +254,7 @@ int run(const Options& options) {
   summary["sweep_clock"] = clockSummary(pipeline.sweepClock());
   summary["threads"] = options.threads;
   summary["profile"] = options.files.profile;
+  removeFaultsOfAnEarlierRun(options.output);
   summary = folder.finish(std::move(summary));
   std::cout << summary.dump(2, ' ', false, Json::error_handler_t::replace) << std::endl;
   if (results.withoutAnyPose()) {

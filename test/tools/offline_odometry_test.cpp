@@ -366,6 +366,17 @@ TEST_F(OfflineOdometry, RefusedSweepsAreToldAndHaveNoPose) {
   EXPECT_EQ(warningsOf(result_.err).size(), 1u) << result_.err;
 }
 
+TEST_F(OfflineOdometry, TheFaultsOfAnEarlierRunAreRemoved) {
+  fs::create_directories(folder_ / "out");
+  std::ofstream(out("faults.csv")) << "kind,start_s,duration_s,severity\n";
+  run(base() / "drive", "--count 2");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_FALSE(fs::exists(out("faults.csv")));
+  EXPECT_NE(result_.err.find("warning: " + out("faults.csv").string() + " was of an earlier run and is removed"),
+            std::string::npos)
+      << result_.err;
+}
+
 TEST_F(OfflineOdometry, InterruptedRunKeepsOlderResults) {
   run(base() / "drive", "--count 3");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
