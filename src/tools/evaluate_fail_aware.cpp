@@ -128,7 +128,7 @@ int run(Options options) {
   Json reports;
   std::vector<FailAwareEpisode> all;
   std::vector<const ConsistencySamples*> all_samples;
-  std::vector<std::string> names;
+  std::vector<std::string> names;  // as cells
   ProgressBar progress(runs.size() + 1);
   progress.update(0);
   for (std::size_t r = 0; r < runs.size(); ++r) {
@@ -143,7 +143,7 @@ int run(Options options) {
     reports[name]["consistency"] = consistencyReport({&runs[r].samples}, episodes);
     std::move(episodes.begin(), episodes.end(), std::back_inserter(all));
     all_samples.push_back(&runs[r].samples);
-    names.push_back(name);
+    names.push_back(csvCell(name));
     progress.update(r + 1);
   }
   if (runs.size() > 1) {

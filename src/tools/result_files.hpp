@@ -16,6 +16,14 @@ inline void makeResultFolder(const std::filesystem::path& folder) {
   if (error) throw InputError(folder.string() + ": cannot be made: " + error.message());
 }
 
+/// A text as one cell of a CSV file.
+inline std::string csvCell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string cell = "\"";
+  for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return cell + '"';
+}
+
 /// Writes to the standard output and, if `path` is not empty, to the file.
 inline void printAndKeep(const std::string& text, const std::filesystem::path& path) {
   std::cout << text << std::flush;

@@ -254,6 +254,18 @@ TEST_F(EvaluateFailAware, RunsOfOneNameStayApart) {
   }
 }
 
+TEST_F(EvaluateFailAware, ARunsNameMayContainCommasAndQuotes) {
+  MadeUpRun made_up;
+  made_up.sweeps = 120;
+  made_up.write(folder_ / "rain, \"heavy\"");
+  run(options("rain, \"heavy\"") + " --resamples 1 --output '" + (folder_ / "result").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  for (const char* file : {"predictions.csv", "episodes.csv"}) {
+    const std::string csv = contentOf(folder_ / "result" / file);
+    EXPECT_NE(csv.find("\n\"rain, \"\"heavy\"\"\",0"), std::string::npos) << csv.substr(0, 400);
+  }
+}
+
 TEST_F(EvaluateFailAware, ARunWithASetPoseOrTwoDrivesIsRefused) {
   MadeUpRun made_up;
   made_up.sweeps = 60;
