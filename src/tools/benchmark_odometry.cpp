@@ -21,6 +21,7 @@
 #include "core/odometry_pipeline.hpp"
 #include "evaluation/quantile.hpp"
 #include "json.hpp"
+#include "result_files.hpp"
 #include "tool_support.hpp"
 
 namespace {
@@ -109,6 +110,8 @@ int run(const Options& options) {
   PipelineParameters params = loadPipelineParameters(options.files);
   params.sensor.timing.useKittiStamps();
   overrideParameters(params, {}, options.set);
+  std::ofstream json;
+  if (!options.json.empty()) json = createFile(options.json);  // the run takes minutes
 
   OdometryPipeline pipeline(params, options.threads);
   pipeline.startRedundant();
@@ -154,9 +157,8 @@ int run(const Options& options) {
     std::printf("quarter %zu: mean %.2f ms, %.0f MB resident at its end\n", k + 1, mean(part), resident_mb[end - 1]);
   }
   if (!options.json.empty()) {
-    std::ofstream file(options.json);
-    file << result.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
-    if (!file.flush()) throw InputError("cannot write " + options.json);
+    json << result.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
+    finishFile(json, options.json);
   }
   return kExitDone;
 }
@@ -177,7 +179,9 @@ int main(int argc, char** argv) {
     app.add_option("--sensor", options.files.sensor, "a file of cfg/sensors, or a yaml file")->capture_default_str();
     app.add_option("--cfg", options.files.cfg, "the package's cfg folder (default: found from the tool's own place)");
     app.add_option("--set", options.set, "key=value, overrides one parameter; may be repeated")->take_all();
-    app.add_option("--threads", options.threads, "of the odometry")->transform(wholeNumber(1, 256))->capture_default_str();
+    app.add_option("--threads", options.threads, "of the odometry")
+        ->transform(wholeNumber(1, 256))
+        ->capture_default_str();
     options.scans.addOptions(app);
     app.add_flag("--without-pcl", options.without_pcl, "the odometry alone");
     app.add_option("--json", options.json, "file for the figures");

@@ -152,6 +152,11 @@ TEST_F(Benchmark, BenchmarkOdometryPrintsBothAndTheirRatio) {
 TEST_F(Benchmark, BenchmarkOdometryRefusesBadInputInOneLine) {
   const ToolRun outcome = run(BENCHMARK_ODOMETRY, "--kitti /does/not/exist");
   expectRefused(outcome, "benchmark_odometry");
+  const ToolRun unwritable =
+      run(BENCHMARK_ODOMETRY, "--kitti " + (root() / "sequences/04").string() + " --count 2 --json " +
+                                  (root() / "no/such/times.json").string());
+  expectRefused(unwritable, "benchmark_odometry");
+  EXPECT_EQ(unwritable.out, "") << "before the first sweep";
 }
 #endif
 
