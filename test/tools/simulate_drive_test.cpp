@@ -142,6 +142,19 @@ TEST_F(SimulateDrive, BenchmarkHasARowForEachDriveAndTheirMean) {
   EXPECT_EQ(benchmark("--seeds x").exit_code, 2);
 }
 
+TEST_F(SimulateDrive, StampJitterTableHasTheHeadOfItsPage) {
+  setenv("PATH", (fs::path(SIMULATE_DRIVE).parent_path().string() + ":" + getenv("PATH")).c_str(), 1);
+  const ToolRun run =
+      runProgram(SCRIPTS "/stamp_jitter_table",
+                 "--scenes town --jitter_ms 0 --seeds 11 --duration 5 --before '" OFFLINE_ODOMETRY "' --output '" +
+                     path("jitter") + "'",
+                 folder_);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string head = run.out.substr(0, run.out.find("| town |"));
+  EXPECT_NE(contentOf(SCRIPTS "/../doc/stamps_and_starts.md").find("\n" + head), std::string::npos) << head;
+  EXPECT_EQ(countOf(run.out, "| town | 0 |"), 1u) << run.out;
+}
+
 TEST_F(SimulateDrive, FaultMatrixTableIsDocumented) {
   const ToolRun run = runProgram(SCRIPTS "/fault_matrix", "--table", folder_);
   ASSERT_EQ(run.exit_code, 0) << run.err;
