@@ -9,9 +9,6 @@ namespace fail_aware {
 
 namespace {
 
-/// The beams that meet walls have errors of their own (0.03 to 0.2 deg each on surrogate drives), whose mean depends on
-/// the scenery.
-constexpr double kSceneryVariance_deg2 = 0.03 * 0.03;
 constexpr double kLeastGain = 0.5;  // of the information, relative to the prior's
 
 }  // namespace
@@ -26,7 +23,7 @@ std::optional<ElevationEstimate> withoutPrior(const ElevationEstimate& found, do
 ElevationEstimate meanElevation(const std::vector<ElevationEstimate>& drives) {
   if (drives.empty()) throw InputError("no run determines the elevation of the beams");
   const auto weightOf = [](const ElevationEstimate& drive) {
-    return 1.0 / (drive.sigma_deg * drive.sigma_deg + kSceneryVariance_deg2);
+    return 1.0 / (drive.sigma_deg * drive.sigma_deg + kScenerySigma_deg * kScenerySigma_deg);
   };
   double weights = 0.0, weighted = 0.0;
   for (const ElevationEstimate& drive : drives) {

@@ -60,10 +60,12 @@ int run(const Options& options) {
     trajectories.push_back(baseTrajectory(folder, own.T_base_lidar()));
   }
   const DirectionOfTravel found = directionOfTravel(trajectories);
-  char text[160];
+  char text[200];
   std::snprintf(text, sizeof(text),
-                "%d motions, %.0f m: the vehicle travels %+.3f deg off base_link's x axis, +- %.3f deg", found.motions,
-                found.distance_m, found.direction_deg, found.sigma_deg);
+                "%d motions, %.0f m: the vehicle travels %+.3f deg off base_link's x axis (positive: to the left, seen "
+                "from above), "
+                "+- %.3f deg",
+                found.motions, found.distance_m, found.direction_deg, found.sigma_deg);
   std::cerr << kName << ": " << text << std::endl;
   if (found.curvature_ratio > kMostBends) {
     std::cerr

@@ -65,6 +65,12 @@ int run(const Options& options) {
     throw InputError("that is more than sensor.vertical_angle.angle_deg takes (" +
                      std::to_string(std::lround(VerticalAngleCorrectionParams::kMax_deg)) + " deg)");
   }
+  char text[160];
+  std::snprintf(
+      text, sizeof(text),
+      "together: %+.3f deg, +- %.3f deg; to the +- of each run %g deg are added, by which the scenery changes it",
+      mean.angle_deg, mean.sigma_deg, kScenerySigma_deg);
+  std::cerr << kName << ": " << text << std::endl;
   if (mean.sigma_deg > kUsefulSigma_deg) {
     std::cerr << kName << ": warning: that is not known to " << kUsefulSigma_deg
               << " deg; give more drives, or longer ones, between houses" << std::endl;

@@ -230,7 +230,9 @@ TEST_F(Calibrate, AzimuthIsWhatTheRunsHadLessWhatIsLeft) {
   run(CALIBRATE_AZIMUTH, runs + " --output '" + yaml.string() + "'");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_NE(result_.err.find("398 motions, 398 m"), std::string::npos) << result_.err;
-  EXPECT_NE(result_.err.find("+0.250 deg"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("+0.250 deg off base_link's x axis (positive: to the left, seen from above)"),
+            std::string::npos)
+      << result_.err;
   EXPECT_EQ(result_.out, contentOf(yaml));
   PipelineParameters params;
   loadYaml(yaml.string(), params, MissingKeys::kKeep);
@@ -338,6 +340,9 @@ TEST_F(Calibrate, ElevationIsWhatTheRunsHadAndWhatIsLeft) {
   loadYaml(yaml.string(), params, MissingKeys::kKeep);
   EXPECT_NEAR(params.sensor.vertical_angle.angle_deg, 0.182, 1e-9);  // without the prior of 0.15 deg
   EXPECT_NEAR(params.sensor.vertical_angle.sigma_deg, 0.036, 1e-9);
+  EXPECT_NE(result_.err.find("together: +0.182 deg, +- 0.036 deg; to the +- of each run 0.03 deg are added"),
+            std::string::npos)
+      << result_.err;
 }
 
 TEST_F(Calibrate, ElevationSaysWhatItCannotUse) {
