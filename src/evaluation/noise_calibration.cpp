@@ -207,7 +207,8 @@ std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, co
     IncrementSample sample;
     sample.error = motionError(truth[i - 1].inverse() * truth[i], state.T_previous_now);
     sample.distance_m = state.T_previous_now.translation().norm();
-    sample.modelled = state.increment_covariance;
+    sample.doubt = covarianceOf(state.doubt);
+    sample.modelled = state.increment_covariance - sample.doubt;
     sample.modelled.diagonal() -= floors(params, sample.distance_m);
     sample.modelled /= params.increment_scale;
     samples.push_back(sample);
@@ -230,7 +231,7 @@ PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples
     const P params = scaled(begin, fields, factors);
     double sum = 0.0;
     for (const IncrementSample& sample : samples) {
-      Matrix6d C = params.increment_scale * sample.modelled;
+      Matrix6d C = params.increment_scale * sample.modelled + sample.doubt;
       C.diagonal() += floors(params, sample.distance_m);
       sum += surprise<6>(sample.error, C);
     }

@@ -2,7 +2,7 @@
 // scale variances, the NEES per degree of freedom over the data is 1 at the optimum; whether it is elsewhere is for
 // other data to say.
 //
-// Increments: error ~ N(0, scale * modelled + floors), floors as in estimation/pose_filter.hpp.
+// Increments: error ~ N(0, scale * modelled + floors + doubt), floors as in estimation/pose_filter.hpp.
 // Drift: horizontal errors since t1, `every_s` apart up to `until_s`, against estimation/odometry_covariance.hpp's
 // covariance; errors of one episode are treated as independent (a composite likelihood), which does not bias the
 // estimate.
@@ -24,11 +24,12 @@ namespace fail_aware {
 
 struct IncrementSample {
   Vector6d error = Vector6d::Zero();     ///< evaluation/consistency.hpp's motionError
-  Matrix6d modelled = Matrix6d::Zero();  ///< the covariance with increment_scale 1 and no floors
+  Matrix6d modelled = Matrix6d::Zero();  ///< the covariance with increment_scale 1, no floors and no doubt
+  Matrix6d doubt = Matrix6d::Zero();     ///< FilterState's: added to the covariance, and scaled by no parameter
   double distance_m = 0.0;
 };
 
-/// `params`: those the run was made with; their scale and floors are taken out of what it logged.
+/// `params`: those the run was made with; their scale and floors, and the doubt, are taken out of what it logged.
 std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, const std::vector<MonitorInput>& log,
                                               const PoseFilter::Params& params);
 

@@ -65,6 +65,37 @@ TEST(NoiseCalibration, TakesScaleAndFloorsOutOfWhatWasLogged) {
   EXPECT_NEAR(samples[0].distance_m, 2.0, 1e-12);
 }
 
+/// The doubt in a sweep is no part of what increment_scale scales.
+TEST(NoiseCalibration, TheDoubtOfASweepIsNotScaled) {
+  PoseFilter::Params params;
+  params.increment_scale = 2.0;
+  params.increment_floor_m = params.increment_per_metre_m = params.increment_floor_deg = 1e-9;
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> normal;
+  std::vector<Pose> truth(1, Pose::Identity());
+  std::vector<MonitorInput> log(1);
+  for (int i = 0; i < 1000; ++i) {
+    MonitorInput input;
+    FilterState& s = input.state;
+    s.dt_s = 0.1;
+    if (i % 2 == 0) {
+      s.doubt.sigma_m = 0.5;
+      s.doubt.sigma_yaw_rad = 0.05;
+    }
+    s.increment_covariance = 2.0 * 1e-4 * Matrix6d::Identity() + covarianceOf(s.doubt);
+    Vector6d error;
+    for (int k = 0; k < 6; ++k) error[k] = normal(random) * std::sqrt(4e-4 + covarianceOf(s.doubt)(k, k));
+    truth.push_back(truth.back() * poseFromVector(error));
+    log.push_back(input);
+  }
+  const std::vector<IncrementSample> samples = incrementSamples(truth, log, params);
+  ASSERT_EQ(samples.size(), 1000u);
+  EXPECT_TRUE(samples.front().modelled.isApprox(1e-4 * Matrix6d::Identity(), 1e-6));
+  const PoseFilter::Params fitted = fitIncrementNoise(samples, PoseFilter::Params());
+  const double floor_m = fitted.increment_floor_m;
+  EXPECT_NEAR(fitted.increment_scale * 1e-4 + floor_m * floor_m, 4e-4, 4e-5);
+}
+
 /// Straight drives whose odometry drifts as the model says.
 std::vector<DriftRun> driftingRuns(const DriftModel::Params& drift, int runs) {
   std::mt19937_64 random(3);
