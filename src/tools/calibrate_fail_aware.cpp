@@ -24,7 +24,7 @@ constexpr const char* kName = "calibrate_fail_aware";
 constexpr const char* kConfidence = "monitor.predictor.confidence";
 constexpr double kSmallestAlarmConfidence = 0.3;
 constexpr double kSmallestLateRatio = 0.05;
-constexpr std::size_t kMostReplays = 25;  // as the runs are, and a dozen for each confidence
+constexpr std::size_t kMostReplays = 37;  // as the runs are, and a dozen for each of three fits
 
 struct Options {
   FailAwareRunOptions runs;
@@ -79,7 +79,10 @@ std::string fewFailures(std::size_t failed, double late_ratio) {
 class Calibration {
  public:
   explicit Calibration(const Options& options)
-      : options_(options), runs_(loadRuns(options.runs)), progress_(kMostReplays * runs_.size()) {
+      : options_(options),
+        runs_(loadRuns(options.runs)),
+        given_(runs_.front().params.profile.monitor.predictor),
+        progress_(kMostReplays * runs_.size()) {
     options_.episodes.alert_limit_m = alertLimitOf(runs_, options.alert_limit_m);
     progress_.update(0);
     as_is_ = replay([](MonitorParameters&) {});
@@ -99,14 +102,9 @@ class Calibration {
   }
 
   void fitConfidence() {
-    const auto withConfidence = [&](double tried) {
-      return replay([&](MonitorParameters& m) {
-        m.predictor.confidence = tried;
-        // the alarm confidence is fitted after it: the smallest gives the longest times
-        const double alarm = options_.guarantee ? kSmallestAlarmConfidence : m.predictor.alarm_confidence;
-        m.predictor.alarm_confidence = std::min(alarm, tried);
-      });
-    };
+    // the alarm confidence is fitted after it: the smallest gives the longest times
+    const double alarm = options_.guarantee ? kSmallestAlarmConfidence : given_.alarm_confidence;
+    const auto withConfidence = [&](double tried) { return withConfidences(tried, alarm); };
     const double late_ratio = options_.late_ratio;
     const std::size_t count = failuresThatCount(as_is_);
     if (options_.guarantee) {
@@ -129,8 +127,7 @@ class Calibration {
   // The alarm confidence is at most the confidence: the state must not act on a probability of failure that is smaller
   // than the one that the published time already bears.
   void fitAlarmConfidence() {
-    const CovariancePredictor::Params& given = runs_.front().params.profile.monitor.predictor;
-    const double largest = confidence_.value_or(given.confidence);
+    const double largest = confidence_.value_or(given_.confidence);
     const auto withAlarm = [&](double tried) {
       return replay([&](MonitorParameters& m) {
         if (threshold_) m.indicator.threshold = *threshold_;
@@ -140,7 +137,7 @@ class Calibration {
     };
     std::optional<double> alarm =
         confidenceForAlarmRatio(withAlarm, options_.alarm_ratio, std::min(kSmallestAlarmConfidence, largest), largest);
-    if (!alarm && given.alarm_confidence > largest) {
+    if (!alarm && given_.alarm_confidence > largest) {
       alarm = largest;
       notes_.push_back(
           "monitor.predictor.alarm_confidence lowered to the confidence, which bounds it; the alarm is up too long "
@@ -149,6 +146,7 @@ class Calibration {
     const bool all_failed = failed_ == static_cast<std::ptrdiff_t>(as_is_.size());
     add("monitor.predictor.alarm_confidence", alarm,
         all_failed ? "every start fails" : "the alarm is up too long whatever it is");
+    if (alarm && confidence_ && !options_.guarantee && *alarm < given_.alarm_confidence) refitConfidence(*alarm);
   }
 
   int report() {
@@ -163,6 +161,28 @@ class Calibration {
   }
 
  private:
+  /// A smaller alarm confidence makes times longer, and more of them late.
+  void refitConfidence(double alarm) {
+    const auto withConfidence = [&](double tried) { return withConfidences(tried, alarm); };
+    const std::optional<double> refitted = confidenceForLateRatio(withConfidence, options_.late_ratio, *confidence_);
+    if (!refitted) {
+      notes_.push_back("with this alarm_confidence more predictions are late than --late whatever the confidence is");
+    } else if (*refitted != *confidence_) {
+      notes_.push_back(kConfidence + std::string(" fitted again, with the new alarm_confidence"));
+      for (auto& [key, value] : list_) {
+        if (key == kConfidence) value = *refitted;
+      }
+    }
+  }
+
+  /// The alarm confidence is at most the confidence.
+  std::vector<FailAwareEpisode> withConfidences(double confidence, double alarm) {
+    return replay([&](MonitorParameters& m) {
+      m.predictor.confidence = confidence;
+      m.predictor.alarm_confidence = std::min(alarm, confidence);
+    });
+  }
+
   /// All starts of all runs, with parameters that `change` has changed.
   template <class Change>
   std::vector<FailAwareEpisode> replay(const Change& change) {
@@ -185,6 +205,7 @@ class Calibration {
 
   Options options_;
   std::vector<FailAwareRun> runs_;
+  CovariancePredictor::Params given_;  ///< of the first run
   ProgressBar progress_;
   std::size_t replayed_ = 0;
   std::vector<FailAwareEpisode> as_is_;

@@ -136,6 +136,36 @@ TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
   EXPECT_NO_THROW(validate(fitted.monitor));
 }
 
+/// A smaller alarm confidence makes times longer: fitted before it, the confidence alone lets too many be late.
+TEST_F(Calibrate, TheConfidenceIsJudgedWithTheAlarmConfidenceThatIsWritten) {
+  MadeUpRun failing, sound;
+  failing.sweeps = 190;
+  failing.drift_m = 0.01;
+  sound.sweeps = 200;
+  PipelineParameters timid;
+  timid.profile.monitor.predictor.horizon_s = timid.profile.monitor.indicator.horizon_s = 12.0;  // quicker
+  timid.profile.monitor.thresholds.degraded_s = 9.0;
+  timid.profile.monitor.drift.position_per_root_metre_m = 0.05;
+  failing.write(folder_ / "failing", timid);
+  timid.profile.monitor.drift.position_per_root_metre_m = 0.036;
+  sound.write(folder_ / "sound", timid);
+  const fs::path yaml = folder_ / "alarm.yaml";
+  run(CALIBRATE_FAIL_AWARE, options("failing") + options("sound") +
+                                " --episode-every 3 --alarm 0.1 --late 0.2 --output '" + yaml.string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("monitor.predictor.confidence fitted again, with the new alarm_confidence"),
+            std::string::npos)
+      << result_.err;
+  const CovariancePredictor::Params fitted = fittedProfile().monitor.predictor;
+  EXPECT_LT(fitted.alarm_confidence, 0.6);
+  EXPECT_GT(fitted.confidence, 0.85) << "0.65 before it is fitted again";
+  run(EVALUATE_FAIL_AWARE, options("failing") + " --episode-every 3 --resamples 1 --parameters '" + yaml.string() +
+                               "' --output '" + (folder_ / "result").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const Json report = Json::parse(contentOf(folder_ / "result" / "fail_aware.json"));
+  EXPECT_LE(report["failing"]["times"]["covariance"]["late_ratio_of_failing"].get<double>(), 0.2);
+}
+
 TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {
   MadeUpRun good;
   good.sweeps = 120;
