@@ -218,7 +218,8 @@ std::vector<IncrementSample> incrementSamples(const std::vector<Pose>& truth, co
 
 PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples, const PoseFilter::Params& others) {
   if (samples.size() < kFewest) {
-    throw InputError("too few sweeps to calibrate with: at least " + std::to_string(kFewest) + " are needed");
+    throw InputError("too few sweeps to calibrate with: " + std::to_string(samples.size()) + ", at least " +
+                     std::to_string(kFewest) + " are needed");
   }
   using P = PoseFilter::Params;
   P begin = others;
@@ -244,7 +245,9 @@ DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel:
                             const DriftFitOptions& options) {
   std::vector<DriftSample> samples = driftSamples(runs, options);
   if (samples.size() < kFewest) {
-    throw InputError("too few sweeps to calibrate the drift with: a run of 25 s, or several of 15 s, are needed");
+    throw InputError("too few errors to calibrate the drift with: " + std::to_string(samples.size()) +
+                     " (5 s and more after starts 5 s apart), at least " + std::to_string(kFewest) +
+                     " are needed: give a run of 25 s, or several of 15 s");
   }
   DriftModel::Params begin = others;
   begin.position_per_root_metre_m = begin.heading_per_root_metre_deg = 0.005;

@@ -224,7 +224,14 @@ TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   tiny.write(folder_ / "tiny");
   run(CALIBRATE_NOISE, options("tiny"));
   EXPECT_EQ(result_.exit_code, 2);
-  EXPECT_NE(result_.err.find("too few sweeps"), std::string::npos) << result_.err;
+  expectOneErrorLine(result_, "calibrate_noise", "too few sweeps to calibrate with: 4, at least 10 are needed");
+  tiny.sweeps = 120;
+  tiny.write(folder_ / "short");
+  run(CALIBRATE_NOISE, options("short"));
+  EXPECT_EQ(result_.exit_code, 2);
+  expectOneErrorLine(result_, "calibrate_noise",
+                     "calibrate the drift with: 3 (5 s and more after starts 5 s apart), at "
+                     "least 10 are needed: give a run of 25 s");
   run(CALIBRATE_NOISE, options("tiny") + " --set monitor.predictor.confidence=0.9");
   EXPECT_EQ(result_.exit_code, 2);
   expectOneErrorLine(result_, "calibrate_noise",
