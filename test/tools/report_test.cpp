@@ -301,7 +301,8 @@ TEST_F(Report, RefusesWhatItCannotUse) {
   expectRefused(path("drive.db3"), "is a ROS 2 bag (sqlite3)");
   expectRefused(run_folder + truth + path("absent"), "cannot read");
   write("short.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
-  expectRefused(run_folder + truth + path("short.txt"), "has 1 poses: the ground truth needs one for each of the run's 60 scans");
+  expectRefused(run_folder + truth + path("short.txt"),
+                "has 1 poses: the ground truth needs one for each of the run's 60 scans");
   write("words.txt", "one two three\n");
   expectRefused(run_folder + truth + path("words.txt"), "line 1 is not a row of numbers");
   write("nan.txt", "0 nan 0 0 0 0 0 1\n");
