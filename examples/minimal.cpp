@@ -1,7 +1,7 @@
-// The odometry as a library, without ROS: reads a folder of scans in KITTI's layout (DIR/velodyne/*.bin, ten a second) and
-// prints for each sweep its stamp, position, standard deviation of the position since t1, state and time to failure. t1 is
-// the first sweep whose motion is observed. Stamps of KITTI and of simulate_drive mean the middle of a sweep; without point
-// times, `auto` would take them for its end. To build it: examples/minimal_project.
+// The odometry as a library, without ROS: reads a folder of scans in KITTI's layout (DIR/velodyne/*.bin, ten a second)
+// and prints for each sweep its stamp, position, standard deviation of the position since t1, state and time to
+// failure. t1 is the first sweep whose motion is observed. Stamps of KITTI and of simulate_drive mean the middle of a
+// sweep; without point times, `auto` would take them for its end. To build it: examples/minimal_project.
 // usage: minimal DIR
 #include <cstdio>
 #include <exception>

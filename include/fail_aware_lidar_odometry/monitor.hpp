@@ -1,5 +1,5 @@
-// What the planner gets: the state that it acts on, the reasons for it, and the time to failure. doc/planner_contract.md says
-// what they promise. Units: s, m, rad.
+// What the planner gets: the state that it acts on, the reasons for it, and the time to failure.
+// doc/planner_contract.md says what they promise. Units: s, m, rad.
 #pragma once
 
 #include <Eigen/Core>

@@ -4,9 +4,9 @@
 //   odometry.startRedundant();                   // t1: the first sweep whose motion is observed
 //   fail_aware::Result result = odometry.step(std::move(sweep));
 //
-// Deterministic: the same sweeps give the same bits, for any number of threads, offline and on the vehicle. A sweep that
-// cannot be used is no error: Result says what became of it. Not for use by several threads at once; several objects may
-// run beside each other. Example: examples/minimal.cpp.
+// Deterministic: the same sweeps give the same bits, for any number of threads, offline and on the vehicle. A sweep
+// that cannot be used is no error: Result says what became of it. Not for use by several threads at once; several
+// objects may run beside each other. Example: examples/minimal.cpp.
 #pragma once
 
 #include <limits>
@@ -29,9 +29,9 @@ class Odometry {
   Odometry(Odometry&&) noexcept;
   Odometry& operator=(Odometry&&) noexcept;
 
-  /// Sweeps come in the order of their stamps. Points that are not finite or exactly zero (no return) are left out; without
-  /// points the vehicle model carries the pose. Throws std::invalid_argument if the stamp is not finite, or if an array
-  /// is neither empty nor as long as the points.
+  /// Sweeps come in the order of their stamps. Points that are not finite or exactly zero (no return) are left out;
+  /// without points the vehicle model carries the pose. Throws std::invalid_argument if the stamp is not finite, or if
+  /// an array is neither empty nor as long as the points.
   Result step(Sweep sweep);
 
   /// t1: from the next sweep that is not before `from_stamp_s` and whose motion is observed, the odometry serves as the

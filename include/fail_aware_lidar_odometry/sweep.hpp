@@ -1,5 +1,5 @@
-// What goes into the odometry: a sweep (one revolution of a spinning lidar, as it came from the driver or a file), and poses
-// from elsewhere. Points: m, sensor frame.
+// What goes into the odometry: a sweep (one revolution of a spinning lidar, as it came from the driver or a file), and
+// poses from elsewhere. Points: m, sensor frame.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +21,8 @@ inline bool isUsablePoint(const Eigen::Vector3f& point_m) {
   return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() <= kFarthest_m && !point_m.isZero(0.0f);
 }
 
-/// What is known of the field that a sweep's `times_s` come from (preprocessing/point_times.hpp). The default is that of times
-/// that are s from some instant of the sweep.
+/// What is known of the field that a sweep's `times_s` come from (preprocessing/point_times.hpp). The default is that
+/// of times that are s from some instant of the sweep.
 struct TimeFieldSource {
   std::string name;        ///< in the driver's cloud; empty: it has none, or the sweep comes from no cloud
   const char* unit = "s";  ///< in which its numbers were read
@@ -45,8 +45,8 @@ struct Sweep {
   bool empty() const { return points_lidar.empty(); }
 };
 
-/// A pose from elsewhere (GPS, visual odometry, set_pose) with a stamp of its own. Not in the paper. The covariance is in
-/// result.hpp's convention (m, rad); a rotation block that is all zero: not measured.
+/// A pose from elsewhere (GPS, visual odometry, set_pose) with a stamp of its own. Not in the paper. The covariance is
+/// in result.hpp's convention (m, rad); a rotation block that is all zero: not measured.
 struct ExternalPose {
   double stamp_s = 0.0;
   Eigen::Isometry3d T_odom_base = Eigen::Isometry3d::Identity();

@@ -44,7 +44,8 @@ messages::PoseMeasurement toMessage(const Measurement& measurement, const std::s
 /// A pose that is not valid becomes not finite, and the fusion counts it as invalid. An unknown status: kNoReference.
 Measurement fromMessage(const messages::PoseMeasurement& message);
 
-/// Of a message's two fields. Not known if one is not a number in its range; a distance of 0: the fields were not filled.
+/// Of a message's two fields. Not known if one is not a number in its range; a distance of 0: the fields were not
+/// filled.
 InformationAhead aheadOf(double ratio, double distance_m);
 
 /// `points`: number of usable points.

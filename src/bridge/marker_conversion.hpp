@@ -45,7 +45,8 @@ visualization_msgs::MarkerArray uncertaintyMarkers(const Eigen::Matrix2d& covari
                                                    const Eigen::Vector3d& position_odom, double alert_limit_m,
                                                    const std_msgs::Header& header);
 
-/// A line across the road where the weak stretch ahead begins (WEAK_ROAD_AHEAD), drawn straight ahead. Deleted without one.
+/// A line across the road where the weak stretch ahead begins (WEAK_ROAD_AHEAD), drawn straight ahead. Deleted without
+/// one.
 visualization_msgs::Marker roadAheadMarker(const MonitorOutput& output, const Pose& T_odom_base,
                                            const std_msgs::Header& header);
 

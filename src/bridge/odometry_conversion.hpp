@@ -1,7 +1,7 @@
 // The filter's estimate -> nav_msgs/Odometry of base_link.
 //
-// pose: base_link in odom, covariance accumulated since the start (estimation/odometry_covariance.hpp). twist: in base_link
-// at the stamp, the mean over the last sweep; its covariance is that of one increment.
+// pose: base_link in odom, covariance accumulated since the start (estimation/odometry_covariance.hpp). twist: in
+// base_link at the stamp, the mean over the last sweep; its covariance is that of one increment.
 // An unknown motion (dt_s is 0, or the motion is not finite) gives a twist of 0 with the standard deviations
 // kUnknownSpeed_mps and kUnknownRate_rps: a filter that takes the message gives it no weight. A covariance of 0 would
 // mean standstill.

@@ -1,7 +1,8 @@
 // Runs the odometry sweep by sweep: the stages of the paper's architecture in order. It is the offline counterpart of
 // the nodelets and uses the same objects.
 //
-//   predict -> correct the sweep -> measure (a list of sources) -> fuse, correct the filter -> update the map -> monitor
+//   predict -> correct the sweep -> measure (a list of sources) -> fuse, correct the filter -> update the map ->
+//   monitor
 //
 // Deterministic: the same sweeps give the same bits for any number of threads (the number of threads changes neither
 // what runs in parallel nor the order of summation). Failure is data: SweepResult describes what a sweep gave. From the
@@ -83,8 +84,8 @@ class OdometryPipeline {
   /// Resets everything; the next sweep is the first.
   void reset();
 
-  /// Sets the pose of base_link in odom; the next sweep applies it (estimation/pose_setting.hpp). Returns why the pose is
-  /// refused; empty: it is accepted. SweepResult::pose_set gives the outcome.
+  /// Sets the pose of base_link in odom; the next sweep applies it (estimation/pose_setting.hpp). Returns why the pose
+  /// is refused; empty: it is accepted. SweepResult::pose_set gives the outcome.
   std::string setPose(const ExternalPose& pose);
 
   /// A source of external poses (estimation/external_pose.hpp). Offer each pose no later than the sweep it belongs to.

@@ -1,6 +1,6 @@
 // What a planner that acts on the state would have lived through. Alarm: state FAILING or FAILED, silence (STALE)
-// included. A failure found at the first sweep after a silence counts as told by it: what was true during the silence is
-// not looked at.
+// included. A failure found at the first sweep after a silence counts as told by it: what was true during the silence
+// is not looked at.
 //
 // Everything is counted before the failure (or, without one, up to the run's end):
 // missed       failing episodes without any alarm before the failing sweep

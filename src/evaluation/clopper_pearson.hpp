@@ -1,5 +1,6 @@
-// The exact confidence interval of a proportion (Clopper and Pearson, Biometrika 26, 1934): `part` of `whole` independent
-// trials succeeded. Low bound p: P(X >= part | p) = (1 - level) / 2; high bound p: P(X <= part | p) = (1 - level) / 2.
+// The exact confidence interval of a proportion (Clopper and Pearson, Biometrika 26, 1934): `part` of `whole`
+// independent trials succeeded. Low bound p: P(X >= part | p) = (1 - level) / 2; high bound p: P(X <= part | p) = (1 -
+// level) / 2.
 //
 // Failure: nothing without trials. Cost: O(whole) for each of 60 bisections.
 #pragma once

@@ -1,11 +1,12 @@
 // The drift over a segment, axis by axis: which way the odometry errs, where the KITTI metric says only how far.
 //
-// Segments as in kitti_metric.hpp. The error of a segment is the estimated motion against the true one, seen from its first
-// pose: along the line to its true end, across (to the left), and up (the vehicle's z axis there); its rotation is the
-// angles of (true rotation)^-1 (estimated rotation). Means of absolute values, divided by the segment's nominal length.
+// Segments as in kitti_metric.hpp. The error of a segment is the estimated motion against the true one, seen from its
+// first pose: along the line to its true end, across (to the left), and up (the vehicle's z axis there); its rotation
+// is the angles of (true rotation)^-1 (estimated rotation). Means of absolute values, divided by the segment's nominal
+// length.
 //
-// Both trajectories in the same moving frame, x ahead and z up, pose by pose (equal counts, else InputError). No segment:
-// `segments` 0 and errors 0. Cost: as the KITTI metric.
+// Both trajectories in the same moving frame, x ahead and z up, pose by pose (equal counts, else InputError). No
+// segment: `segments` 0 and errors 0. Cost: as the KITTI metric.
 #pragma once
 
 #include <cstddef>

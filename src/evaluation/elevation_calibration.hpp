@@ -1,9 +1,10 @@
 // The error that the beams' elevations have in common, from several drives with one lidar: no ground truth. Not in the
 // paper.
 //
-// The vertical reference (core/preprocessing/vertical_reference.hpp) finds the error in each drive anew, in the first 50
-// to 200 m, and until then pitch drifts. A drive that begins with the error of the last ones does not. The mean of the
-// drives is weighted by 1 / sigma^2. Where they differ by more than their sigmas say, the sigma grows by that ratio.
+// The vertical reference (core/preprocessing/vertical_reference.hpp) finds the error in each drive anew, in the first
+// 50 to 200 m, and until then pitch drifts. A drive that begins with the error of the last ones does not. The mean of
+// the drives is weighted by 1 / sigma^2. Where they differ by more than their sigmas say, the sigma grows by that
+// ratio.
 //
 // deg. Cost: none to speak of.
 #pragma once
@@ -26,7 +27,8 @@ struct ElevationEstimate {
 /// that is hardly more than it began with.
 std::optional<ElevationEstimate> withoutPrior(const ElevationEstimate& found, double prior_sigma_deg);
 
-/// sigma_deg: with the scenery's part. Throws InputError without estimates, and where a number is not finite or a sigma is not above 0.
+/// sigma_deg: with the scenery's part. Throws InputError without estimates, and where a number is not finite or a sigma
+/// is not above 0.
 ElevationEstimate meanElevation(const std::vector<ElevationEstimate>& drives);
 
 }  // namespace fail_aware

@@ -1,4 +1,5 @@
-// The planner's figure: the result for a planner that obeys the time to failure, compared with a fixed time or distance.
+// The planner's figure: the result for a planner that obeys the time to failure, compared with a fixed time or
+// distance.
 //
 // The planner looks once a second, from 3 s after t1 on. A stop from speed v takes max(1 s, v / deceleration).
 //   stop rule   the stop begins in the first second in which the time to failure is no longer than the stop takes, or
@@ -9,9 +10,9 @@
 //               look: the state, or a time of 1 s or less, demands the stop in the last second before it
 //   used        time driven before the stop begins, divided by the time that a perfect predictor drives: until the
 //               failure minus the stop, or the whole drive where no failure comes (a sound drive)
-// Baselines: the stop begins after a fixed time, or a fixed distance, since t1. The best of each is chosen in hindsight:
-// of those that are in time at least as often as the planner the one with the most time used; if none is, the one that
-// is in time most often.
+// Baselines: the stop begins after a fixed time, or a fixed distance, since t1. The best of each is chosen in
+// hindsight: of those that are in time at least as often as the planner the one with the most time used; if none is,
+// the one that is in time most often.
 //
 // Faults: a failure is not stoppable if the stop, from the speed at the fault, does not fit between a fault that begins
 // after t1 and the failure.

@@ -1,6 +1,6 @@
 // SweepCorrection's diagnostics: the status `sweep_correction` and its warnings in the log. They report whether the
-// clouds are readable, what the sweep check found (core/preprocessing/sweep_check.hpp), and whether the stamps and the point
-// times agree with the parameters. Units s. No failure modes. Single-threaded.
+// clouds are readable, what the sweep check found (core/preprocessing/sweep_check.hpp), and whether the stamps and the
+// point times agree with the parameters. Units s. No failure modes. Single-threaded.
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>

@@ -1,7 +1,7 @@
 // Normal-filtered ICP in the live graph (core/registration/icp_point_to_plane.hpp), with the partial measurements of
-// core/aiding as sources of their own: measurement/road_profile and measurement/above_ground. It also publishes its reference as
-// `local_map`, once a second of sweep time, relative to the lidar at the previous sweep, whose pose is final. In odom's
-// axes FLOAT32 would shift the points by half a metre if odom has map coordinates (UTM).
+// core/aiding as sources of their own: measurement/road_profile and measurement/above_ground. It also publishes its
+// reference as `local_map`, once a second of sweep time, relative to the lidar at the previous sweep, whose pose is
+// final. In odom's axes FLOAT32 would shift the points by half a metre if odom has map coordinates (UTM).
 #include "fail_aware_lidar_odometry/IcpPointToPlaneConfig.h"
 #include <pluginlib/class_list_macros.hpp>
 

@@ -1,6 +1,6 @@
 // Collects the answers to the open sweep and knows when none is missing. Sources: the sweep check (from
-// SweepCorrection), the three measurements, the partial measurements (from IcpPointToPlane), and any other source that a
-// parameter names.
+// SweepCorrection), the three measurements, the partial measurements (from IcpPointToPlane), and any other source that
+// a parameter names.
 //
 // FusionUkf does not wait for: a source without a publisher; one that missed absent_after_sweeps consecutive sweeps
 // (until it answers again); one whose last absent_after_sweeps answers came later than a sweep may stay open (until one

@@ -1,8 +1,8 @@
-// What evaluate_fail_aware keeps of its runs (--keep-episodes), so that runs judged one by one can be judged together later
-// (--episodes): the same figures, to the last digit, as over all the runs at once.
+// What evaluate_fail_aware keeps of its runs (--keep-episodes), so that runs judged one by one can be judged together
+// later (--episodes): the same figures, to the last digit, as over all the runs at once.
 //
-// Binary, numbers as they are in memory: read it on the kind of machine that wrote it. Of an episode's covariance since t1
-// the horizontal block is kept; what is not kept is NaN when it is read. About 200 bytes a sweep and episode.
+// Binary, numbers as they are in memory: read it on the kind of machine that wrote it. Of an episode's covariance since
+// t1 the horizontal block is kept; what is not kept is NaN when it is read. About 200 bytes a sweep and episode.
 #pragma once
 
 #include <filesystem>

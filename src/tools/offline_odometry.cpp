@@ -218,11 +218,13 @@ double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, d
 }
 
 /// The user put it beside an earlier run, for evaluate_fail_aware. It may be another drive's.
-void removeFaultsOfAnEarlierRun(const std::filesystem::path& output) {
+void setAsideFaultsOfAnEarlierRun(const std::filesystem::path& output) {
+  const std::filesystem::path faults = output / "faults.csv", aside = output / "faults_of_earlier_run.csv";
   std::error_code error;
-  const std::filesystem::path faults = output / "faults.csv";
-  if (std::filesystem::remove(faults, error))
-    warn(faults.string() + " was of an earlier run and is removed; copy the one of this drive, if it has one");
+  std::filesystem::rename(faults, aside, error);
+  if (error) return;  // there is none
+  warn(faults.string() + " is of an earlier run and is now " + aside.filename().string() +
+       "; copy the one of this drive, if it has one");
 }
 
 int run(const Options& options) {
@@ -254,7 +256,7 @@ int run(const Options& options) {
   summary["sweep_clock"] = clockSummary(pipeline.sweepClock());
   summary["threads"] = options.threads;
   summary["profile"] = options.files.profile;
-  removeFaultsOfAnEarlierRun(options.output);
+  setAsideFaultsOfAnEarlierRun(options.output);
   summary = folder.finish(std::move(summary));
   std::cout << summary.dump(2, ' ', false, Json::error_handler_t::replace) << std::endl;
   if (results.withoutAnyPose()) {

@@ -159,8 +159,8 @@ std::string sensorOf(const std::string& head) {
   return head == "hdl64e" ? head : "velodyne";
 }
 
-/// How to run the odometry on the drive. Of the sensor files only hdl64e.yaml has the simulated lidar's place; a bag has
-/// it in /tf_static.
+/// How to run the odometry on the drive. Of the sensor files only hdl64e.yaml has the simulated lidar's place; a bag
+/// has it in /tf_static.
 std::string odometryCall(const Options& options) {
   const bool bag = isBag(options.output);
   std::ostringstream call;

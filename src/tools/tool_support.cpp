@@ -66,8 +66,8 @@ std::string limits(Value low, Value high) {
   return text.str();
 }
 
-/// `parse` returns the number or nothing; `fits` checks the limits. A whole number is written back: CLI11 would take one
-/// that begins with a zero, as KITTI's names do, for octal.
+/// `parse` returns the number or nothing; `fits` checks the limits. A whole number is written back: CLI11 would take
+/// one that begins with a zero, as KITTI's names do, for octal.
 template <class Parse, class Fits>
 CLI::Validator checked(const std::string& limits, Parse&& parse, Fits&& fits) {
   const auto check = [=](std::string& text) {

@@ -1,5 +1,5 @@
-// The smallest and the largest power of ten, or zero, that validate() takes for every number, one at a time, over a short
-// drive with an empty sweep and a gap in a street: it ends, and what comes out is finite.
+// The smallest and the largest power of ten, or zero, that validate() takes for every number, one at a time, over a
+// short drive with an empty sweep and a gap in a street: it ends, and what comes out is finite.
 #include <gtest/gtest.h>
 
 #include <algorithm>

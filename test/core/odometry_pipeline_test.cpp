@@ -540,7 +540,8 @@ TEST(OdometryPipeline, AzimuthOffsetIsCorrected) {
   for (const std::string source : {"azimuth", "none"}) {
     PipelineParameters params = streetParameters();
     params.sensor.timing.source = source;
-    // Turned points are rounded otherwise. A seed of the point-to-point ICP that then ends elsewhere moves its mean by 7 mm.
+    // Turned points are rounded otherwise. A seed of the point-to-point ICP that then ends elsewhere moves its mean by
+    // 7 mm.
     params.profile.registration.use_icp_point_to_point = false;
     params.profile.vertical_reference.enabled = false;  // the rounding decides which points of a wall it takes, too
     std::vector<Sweep> sweeps(driveSweeps().begin(), driveSweeps().begin() + 8);

@@ -1,5 +1,5 @@
-// A fuzzer's bytes as numbers, texts and choices, read from front to back; zeros once they are used up. Written out here
-// and not taken from clang, so that the corpus means the same to every compiler.
+// A fuzzer's bytes as numbers, texts and choices, read from front to back; zeros once they are used up. Written out
+// here and not taken from clang, so that the corpus means the same to every compiler.
 #pragma once
 
 #include <algorithm>

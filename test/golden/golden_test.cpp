@@ -1,9 +1,9 @@
 // Golden behaviour: pose and covariance of every sweep of a small made-up drive, as committed in test/golden/. Any
-// change of a pose beyond 1e-6 (m, rad), and of a covariance's entry (i, j) beyond a thousandth of sqrt(Pii Pjj), fails.
-// Was it meant? scripts/update_golden, and say why in the commit.
-// Another compiler, Eigen or C library rounds otherwise, and the registration's decisions (which voxel, which neighbour)
-// turn a last bit into millimetres. So what is committed names the toolchain that it was made with (toolchain.txt), and
-// others are compared to what other roundings do (kElsewhere).
+// change of a pose beyond 1e-6 (m, rad), and of a covariance's entry (i, j) beyond a thousandth of sqrt(Pii Pjj),
+// fails. Was it meant? scripts/update_golden, and say why in the commit.
+// Another compiler, Eigen or C library rounds otherwise, and the registration's decisions (which voxel, which
+// neighbour) turn a last bit into millimetres. So what is committed names the toolchain that it was made with
+// (toolchain.txt), and others are compared to what other roundings do (kElsewhere).
 #include <gtest/gtest.h>
 
 #include <algorithm>

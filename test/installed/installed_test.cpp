@@ -44,7 +44,8 @@ class Installed : public testing::Test {
     ASSERT_EQ(run.exit_code, 0) << program << ' ' << arguments << '\n' << run.out << run.err;
   }
 
-  /// examples/minimal_project, built against `prefix`, and examples/minimal.py print what the package's own build prints.
+  /// examples/minimal_project, built against `prefix`, and examples/minimal.py print what the package's own build
+  /// prints.
   static void expectMinimalOver(const fs::path& prefix, const fs::path& examples, const std::string& name) {
     const fs::path build = folder() / name;
     expectDone(CMAKE, "-S " + quoted(examples / "minimal_project") + " -B " + quoted(build) +

@@ -36,8 +36,8 @@ std::vector<Sweep> driveSweeps() {
   return sweeps;
 }
 
-/// The position's variance grows with the distance. The heading's may shrink a little: a registration that is better than
-/// the one before takes back more of its error in the map.
+/// The position's variance grows with the distance. The heading's may shrink a little: a registration that is better
+/// than the one before takes back more of its error in the map.
 void expectGrownCovariance(const nav_msgs::Odometry& now, const nav_msgs::Odometry& before) {
   const Matrix6d C = fromMessage(now.pose.covariance), C_before = fromMessage(before.pose.covariance);
   EXPECT_LT((C - C.transpose()).cwiseAbs().maxCoeff(), 1e-15);

@@ -116,8 +116,8 @@ TEST_F(Interfaces, CloudsOfEveryDriverGiveTheSameOdometry) {
       ASSERT_TRUE(graph_->drive(packing.cloud(i))) << packing.name << ", sweep " << i;
       EXPECT_EQ(stateAt(i).measurement_applied != 0, i > 0) << packing.name << ", sweep " << i;
       if (static_cast<int>(expected.size()) <= i) expected.push_back(poseAt(i));
-      // Points and times are rounded otherwise in each. A seed of the point-to-point ICP that then ends elsewhere moves its
-      // mean by 7 mm, the pose by 2. Times that are wrong by 0.4 ms would move it by 5.
+      // Points and times are rounded otherwise in each. A seed of the point-to-point ICP that then ends elsewhere moves
+      // its mean by 7 mm, the pose by 2. Times that are wrong by 0.4 ms would move it by 5.
       expectNear(poseAt(i), expected[static_cast<std::size_t>(i)], 5e-3,
                  packing.name + std::string(", sweep ") + std::to_string(i));
     }

@@ -1,6 +1,7 @@
 // Every kind of fault that the simulator makes, and some together, through the live graph: each accepted cloud has
-// exactly one filter state, odometry and time to failure, every number on every topic of the graph is finite, the fault is
-// told, and the odometry corrects again when it is over. Clouds as the driver's, each sent when the one before is answered.
+// exactly one filter state, odometry and time to failure, every number on every topic of the graph is finite, the fault
+// is told, and the odometry corrects again when it is over. Clouds as the driver's, each sent when the one before is
+// answered.
 #include <gtest/gtest.h>
 #include <nav_msgs/Path.h>
 #include <std_srvs/Trigger.h>

@@ -1,5 +1,6 @@
-// doc/article_map.md, from the article's equations to files: each equation stands in it once, each named file has its header,
-// source and test, each named test is in the test of a file of its row, and each folder of the core stands in the map.
+// doc/article_map.md, from the article's equations to files: each equation stands in it once, each named file has its
+// header, source and test, each named test is in the test of a file of its row, and each folder of the core stands in
+// the map.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// scripts/install_dependencies with stand-ins for apt, --cli11 of the scripts that hand it on, and test_in_chroot's usage.
+// scripts/install_dependencies with stand-ins for apt, --cli11 of the scripts that hand it on, and test_in_chroot's
+// usage.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -10,8 +10,8 @@
 
 namespace fail_aware {
 
-/// What a sensor at `T_odom_sensor` sees of posts that are 0.12 m thick and stand at y = +-5 m, from z = -1 to 0.5 m, in
-/// its frame. Ranges scatter by 2 cm.
+/// What a sensor at `T_odom_sensor` sees of posts that are 0.12 m thick and stand at y = +-5 m, from z = -1 to 0.5 m,
+/// in its frame. Ranges scatter by 2 cm.
 inline std::vector<Eigen::Vector3f> nearSidesSeenAt(const Pose& T_odom_sensor) {
   constexpr double kRadius_m = 0.06;
   std::mt19937 random(7);

@@ -241,8 +241,8 @@ TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   EXPECT_NE(result_.err.find("--late"), std::string::npos) << result_.err;
 }
 
-/// A run in which the vehicle travels 0.25 deg to the left of the lidar's x axis, made with points turned by `angle_deg`
-/// already.
+/// A run in which the vehicle travels 0.25 deg to the left of the lidar's x axis, made with points turned by
+/// `angle_deg` already.
 void writeSkewedRun(const fs::path& run, double angle_deg, int sweeps = 200,
                     const std::vector<double>& lidar_in_base = SensorParameters().lidar_in_base) {
   fs::create_directories(run);

@@ -366,14 +366,15 @@ TEST_F(OfflineOdometry, RefusedSweepsAreToldAndHaveNoPose) {
   EXPECT_EQ(warningsOf(result_.err).size(), 1u) << result_.err;
 }
 
-TEST_F(OfflineOdometry, TheFaultsOfAnEarlierRunAreRemoved) {
+TEST_F(OfflineOdometry, TheFaultsOfAnEarlierRunAreSetAside) {
   fs::create_directories(folder_ / "out");
-  std::ofstream(out("faults.csv")) << "kind,start_s,duration_s,severity\n";
+  const std::string faults = "kind,start_s,duration_s,severity\n";
+  std::ofstream(out("faults.csv")) << faults;
   run(base() / "drive", "--count 2");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   EXPECT_FALSE(fs::exists(out("faults.csv")));
-  EXPECT_NE(result_.err.find("warning: " + out("faults.csv").string() + " was of an earlier run and is removed"),
-            std::string::npos)
+  EXPECT_EQ(contentOf(out("faults_of_earlier_run.csv")), faults);
+  EXPECT_NE(result_.err.find("warning: " + out("faults.csv").string() + " is of an earlier run"), std::string::npos)
       << result_.err;
 }
 

@@ -1,17 +1,19 @@
 // Where the vehicle is by what stands around it, for open country (not in the paper).
 //
-// In a field the ground is nearly all that surfaces tell of, and it misleads: its scan lines travel with the sensor, and
-// a map of sweeps that were placed at a wrong speed fits the next one at the same wrong speed. A few bushes and posts
-// know better but are outnumbered. In open country horizontal position and heading are
-// therefore taken from the standing points alone (above_ground_points.hpp). They are matched with those of one sweep that
-// is kept for some metres (above_ground_reference.hpp), a vote each place: a search along the way, then Gauss-Newton over
-// x, y and heading. Open country is where planes observe both horizontal directions poorly (`max_information_ratio`) and
-// few points stand (`max_above_ground_ratio`). A motorway is none: its rails observe the direction across.
+// In a field the ground is nearly all that surfaces tell of, and it misleads: its scan lines travel with the sensor,
+// and a map of sweeps that were placed at a wrong speed fits the next one at the same wrong speed. A few bushes and
+// posts know better but are outnumbered. In open country horizontal position and heading are
+// therefore taken from the standing points alone (above_ground_points.hpp). They are matched with those of one sweep
+// that is kept for some metres (above_ground_reference.hpp), a vote each place: a search along the way, then
+// Gauss-Newton over x, y and heading. Open country is where planes observe both horizontal directions poorly
+// (`max_information_ratio`) and few points stand (`max_above_ground_ratio`). A motorway is none: its rails observe the
+// direction across.
 //
 // The match allows for the near sides that move around what stands while the vehicle passes (near_side.hpp).
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
-// distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4 m).
+// distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4
+// m).
 //
 // Frames: points of the centre of gravity; poses odom. Failure: nothing. Cost: the planes' equations once, of some of
 // the points (0.6 ms); in open country 1 to 2 ms more.

@@ -6,8 +6,8 @@
 // a wrong speed. Once the filter knows the speed (registration observed it, or it agreed with the road's), the road's
 // must stay near it: on a field what travels with the sensor fits at standstill, and the search drifts there. From then
 // on the map is not wrong either.
-// It shares the points and the predicted deskew with every other source, but not the map: heights of the last sweeps are
-// compared, by the headings of the estimates.
+// It shares the points and the predicted deskew with every other source, but not the map: heights of the last sweeps
+// are compared, by the headings of the estimates.
 // Cost: a few ms, only during dead reckoning.
 #pragma once
 

@@ -14,8 +14,8 @@ constexpr double kForgetFit_s = 1.05;  // without planes
 // At first the map holds a sweep or two: with 32 beams 0.24 and 0.33 of the points fit, though the pose is right.
 constexpr int kYoungMap = 2;         // sweeps
 constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from the interval's uncertainty
-// Residuals of the points that fit. Simulated: sound sweeps leave 0.02 to 0.04 m, with 80 % of false returns in addition
-// 0.043, with a noise of 0.05 m less than this, of 0.12 m 0.06, of 0.2 m 0.07.
+// Residuals of the points that fit. Simulated: sound sweeps leave 0.02 to 0.04 m, with 80 % of false returns in
+// addition 0.043, with a noise of 0.05 m less than this, of 0.12 m 0.06, of 0.2 m 0.07.
 constexpr double kNoisyResidual_m = 0.05;
 
 // Whether the points are noisy: 0 to 1, by degrees.

@@ -15,11 +15,11 @@
 // - The position jumps: most measurements that agree are outside the gate. Sources that share the map can all settle in
 //   the same wrong place, so the whole jump may be an error.
 // - Measurements disagree in the first two sweeps after a gap of a second or more. Little of the scenery was in view
-//   before the gap, so the pose may settle half a metre off, and the next sweeps that enter the map keep this error. Where
-//   it is right, the measurements agree within centimetres, however little fits.
+//   before the gap, so the pose may settle half a metre off, and the next sweeps that enter the map keep this error.
+//   Where it is right, the measurements agree within centimetres, however little fits.
 // - The points are noisy: those that fit the map stay far from its surfaces (median of five sweeps). The map gets as
-//   thick as the noise, and the pose slides through it: the errors of the sweeps' increments add up, where a map usually
-//   ends them.
+//   thick as the noise, and the pose slides through it: the errors of the sweeps' increments add up, where a map
+//   usually ends them.
 // Cost: under 1 us a sweep.
 #pragma once
 

@@ -16,8 +16,8 @@ constexpr double kWidestDriven_rad = 0.25;
 // Gaps of 8 and 12 s on eight simulated country roads: errors of 7 to 57 m and of 28 to 120 m.
 constexpr double kTurnedInAGap_rad = 0.4;
 
-/// The largest sigma of a measurement that corrects the motion. None over a gap: even an uncertain mean is nearer to the
-/// motion at its end than what the motion before it becomes with a constant acceleration.
+/// The largest sigma of a measurement that corrects the motion. None over a gap: even an uncertain mean is nearer to
+/// the motion at its end than what the motion before it becomes with a constant acceleration.
 double largestSigma(double of_one_sweep, double dt_s) {
   return dt_s > kLongInterval_s ? std::numeric_limits<double>::max() : of_one_sweep;
 }

@@ -5,10 +5,10 @@
 // Where little is observed, the derivatives of unsure poses wander: on highways until posts are paired with their
 // neighbours. So a separate Kalman filter estimates velocity v and acceleration a (a: first-order Markov, standard
 // deviation `acceleration_mps2`, correlation time `acceleration_time_s`). A sweep's fused measurement with covariance R
-// corrects the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. If it
-// observes the motion, it is a registration with the map, and what it takes back of the last estimate's error is no
-// speed: (R + P) / dt^2, where P is that estimate's and at least R. The yaw rate is treated the same way, without P; the
-// yaw acceleration decreases with speed, since fast bends are wide (`turning_speed_mps`).
+// corrects the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. If
+// it observes the motion, it is a registration with the map, and what it takes back of the last estimate's error is no
+// speed: (R + P) / dt^2, where P is that estimate's and at least R. The yaw rate is treated the same way, without P;
+// the yaw acceleration decreases with speed, since fast bends are wide (`turning_speed_mps`).
 // A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
 // speedError() gives the accumulated covariance the size of the error along the road and how much of it persists.
 // Vectors: m, m/s, rad/s, in the axes of the current body (x forward, y left, z up). Cost: about 2 us.

@@ -1,8 +1,8 @@
 // Whether the ICPs doubt a standstill that was found as the first motion. Not in the paper.
 //
 // Amid vehicles that travel along on a highway nothing seems to move. While the speed was never observed, both ICPs say
-// so (initial_guess/first_motion.hpp): they leave the way along the road open. The corners of those vehicles do not: they
-// fit to centimetres, and must not be what ends the doubt.
+// so (initial_guess/first_motion.hpp): they leave the way along the road open. The corners of those vehicles do not:
+// they fit to centimetres, and must not be what ends the doubt.
 // Failure: none. Cost: none to speak of.
 #pragma once
 

@@ -3,8 +3,8 @@
 // The one nearest to the sweep's stamp within a tolerance is moved there by the vehicle's twist and becomes a
 // measurement of the centre of gravity. Each is used for one sweep at most. Nothing waits for them.
 // Inputs: base_link in odom; covariance in geometry/pose.hpp's convention (m, rad). A rotation block that is all zero
-// means "rotation not measured". Failure is data: a pose that is not finite, or whose covariance is none, or that is out
-// of all proportion (beyond 1e9 m, a variance above 1e12), has a reason.
+// means "rotation not measured". Failure is data: a pose that is not finite, or whose covariance is none, or that is
+// out of all proportion (beyond 1e9 m, a variance above 1e12), has a reason.
 // Cost: microseconds.
 #pragma once
 

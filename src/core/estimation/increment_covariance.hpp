@@ -1,5 +1,5 @@
-// The covariance of one sweep's motion, and what the accumulated covariance is made of (odometry_covariance.hpp). Not in
-// the paper.
+// The covariance of one sweep's motion, and what the accumulated covariance is made of (odometry_covariance.hpp). Not
+// in the paper.
 //
 // The increment's: one Kalman step from an exactly known pose, the process noise Q against the fused measurement's R.
 // Covariances of an increment are about the previous body's axes (m, rad), geometry/pose.hpp's convention.

@@ -1,10 +1,10 @@
 // Tells when the local map has become useless while the speed was dead-reckoned. Not in the paper.
 //
 // Where measurements do not observe the speed (a tunnel, thick fog), the sweeps are inserted at dead-reckoned poses.
-// When the speed can be observed again and is far from the dead-reckoned one, the sweeps do not fit the map: registration
-// converges to nearby minima, which differ with the last digits, and the speed taken from them diverges. The inlier
-// ratio shows it: it stays far below the usual one. Then the motion is unknown, as at the start of a drive: the map
-// begins anew and the motion is searched for. The error of the pose stays as large as it was.
+// When the speed can be observed again and is far from the dead-reckoned one, the sweeps do not fit the map:
+// registration converges to nearby minima, which differ with the last digits, and the speed taken from them diverges.
+// The inlier ratio shows it: it stays far below the usual one. Then the motion is unknown, as at the start of a drive:
+// the map begins anew and the motion is searched for. The error of the pose stays as large as it was.
 // After a gap (no measurement) relocalization.hpp searches in the map instead.
 // Failure: none. Cost: under 1 us a sweep.
 #pragma once

@@ -8,13 +8,14 @@
 //   half of a revolution.
 // Restart, at an estimate whose error stays in every later pose:
 // - after consecutive sweeps that were registered and fitted nowhere: the reference is out of sight;
-// - after measured sweeps in which the velocity was unobservable, one after the other: the inserted ones spoil the reference;
+// - after measured sweeps in which the velocity was unobservable, one after the other: the inserted ones spoil the
+//   reference;
 // - when the motion is lost (lost_motion.hpp): the sweeps inserted during dead reckoning spoil the reference;
 // - when both ICPs have no reference, unless a pose was set: setting a pose moves odom, and both ICPs must begin again.
 //   If only one ICP has no reference, its nodelet was restarted.
 // Skip: every other sweep. The first two after a long gap are deskewed with the motion before the gap, or with the mean
-// over it. Where they show what the references do not hold, the next sweeps fit them at a wrong motion, and the error goes
-// on. Those two are registered against what was there before the gap.
+// over it. Where they show what the references do not hold, the next sweeps fit them at a wrong motion, and the error
+// goes on. Those two are registered against what was there before the gap.
 // Cost: under 1 us a sweep.
 #pragma once
 
@@ -25,8 +26,8 @@
 
 namespace fail_aware {
 
-/// Whether a drive can begin with these measurements' sweep. False for an empty sweep or without an answer from the ICPs:
-/// the next sweep would have nothing to register against.
+/// Whether a drive can begin with these measurements' sweep. False for an empty sweep or without an answer from the
+/// ICPs: the next sweep would have nothing to register against.
 bool canBegin(const std::vector<FusionInput>& measurements);
 
 class MapUpdatePolicy {

@@ -9,16 +9,16 @@
 // default: d_i is the Mahalanobis distance under P~_xy + R_i,xy and w_i = 1 - d_i / gate_sigma. With v_i = w_i / sum w:
 //   R = (sum v_i R_i^-1)^-1,  z = R sum v_i R_i^-1 z_i     (covariance intersection)
 // Since sum v_i = 1, measurements that share a sweep's errors do not shrink R, and a direction that a measurement does
-// not observe (huge variance) is left to the others. One whose standard deviations are all a hundred times those of another gets
-// no weight: its share would only make R larger. Where two or more measurements outside their gates agree with each
-// other, and with the fewer that are inside, the prediction is what is wrong: the largest group that agrees is fused with
-// equal weights, flagged.
+// not observe (huge variance) is left to the others. One whose standard deviations are all a hundred times those of
+// another gets no weight: its share would only make R larger. Where two or more measurements outside their gates agree
+// with each other, and with the fewer that are inside, the prediction is what is wrong: the largest group that agrees
+// is fused with equal weights, flagged.
 //
 // Disagreement. One that is gated out is outvoted, and its disagreement decides nothing, if more of those that are used
 // speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
 // One inside its gate that is outnumbered in this way, by those of greater weight, counts by its weight.
-// Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are: their
-// sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
+// Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are:
+// their sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
 // A disagreement with an external one does not count while its covariance explains the distance.
 //
 // Partial measurements (FusionInput::Kind::kPartial) come after the others: inside their gate (the distance to the

@@ -29,8 +29,8 @@ bool isUsable(const OdometryIncrement& increment) {
          std::isfinite(increment.speed_error.kept);
 }
 
-/// A registration with a smaller standard deviation counts as it is, with a larger one not at all: it has hardly left its
-/// guess. Between them less and less.
+/// A registration with a smaller standard deviation counts as it is, with a larger one not at all: it has hardly left
+/// its guess. Between them less and less.
 struct Observed {
   double surely, hardly;
 };
@@ -39,8 +39,8 @@ constexpr double kLargestOpenVariance = 1e8;
 constexpr int kConfirmedAlone = 20;             // registered sweeps in a row: what only one source measures
 constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
 constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
-// Standard deviation along the road of a registration that observes almost nothing. A simulated tunnel has 0.05 to 0.2 m
-// where niches are in view.
+// Standard deviation along the road of a registration that observes almost nothing. A simulated tunnel has 0.05 to 0.2
+// m where niches are in view.
 constexpr double kWeakStretch_m = 0.5;
 constexpr double kLeastReplaced = 1e-4;  // at standstill the rate is that of a very slow drive
 

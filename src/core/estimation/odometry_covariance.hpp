@@ -9,9 +9,9 @@
 //   m += a part of K R K^T: what the registrations that make a map have in common; random walks.
 // So where registration is good, the pose goes with the map. Along a tunnel d grows, and so m; a place without
 // information shorter than the map costs nothing, since the map from before it is seen again.
-// After a pose that is a prediction (sensor gone for a moment) nothing is taken back until two measurements agree, or one
-// alone holds for 20 sweeps; if the prediction becomes too uncertain for a search, or too old, the map is out of sight:
-// d stays for good.
+// After a pose that is a prediction (sensor gone for a moment) nothing is taken back until two measurements agree, or
+// one alone holds for 20 sweeps; if the prediction becomes too uncertain for a search, or too old, the map is out of
+// sight: d stays for good.
 //
 // Beside them it carries, with their correlations: heading bias per metre, scale bias (both constant), and the error
 // of the speed along the vehicle's axis during dead reckoning (successive errors are then alike, not independent).

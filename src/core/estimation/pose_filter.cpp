@@ -192,8 +192,8 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   return state_;
 }
 
-// Whether the first motion must be searched for again: a map that was made at a guessed speed (in a tunnel) later seems to
-// confirm it; and a standstill that nothing observes may be wrong (on highways).
+// Whether the first motion must be searched for again: a map that was made at a guessed speed (in a tunnel) later seems
+// to confirm it; and a standstill that nothing observes may be wrong (on highways).
 bool PoseFilter::mustSearchAgain() {
   if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
   if (state_.motion_status == MotionStatus::kDeadReckoning) {

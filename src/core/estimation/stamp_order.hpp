@@ -1,9 +1,9 @@
 // Classifies a sweep's stamp relative to the newest stamp. The live graph and the offline runner use this one rule.
 //
 // A stamp that does not advance is refused. So is a stamp that is far off: a single wrong stamp must not end the drive.
-// If the next stamp follows it, the clock was set, or a recording restarts: a new drive begins. Far back is further than
-// messages get out of order in transit. Far ahead is one hour: for a shorter gap the vehicle model predicts, and its
-// covariance shows how good that is. A difference that is NaN is refused.
+// If the next stamp follows it, the clock was set, or a recording restarts: a new drive begins. Far back is further
+// than messages get out of order in transit. Far ahead is one hour: for a shorter gap the vehicle model predicts, and
+// its covariance shows how good that is. A difference that is NaN is refused.
 #pragma once
 
 #include <algorithm>

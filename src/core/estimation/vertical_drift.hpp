@@ -2,8 +2,8 @@
 //
 // How fast the tilt of an odometry drifts depends on the head: the fewer beams meet the ground, the worse their errors
 // average out, and the sparser the map of the first sweeps is. The vertical reference measures the result
-// (preprocessing/vertical_reference.hpp): M, the mean square of the tilt since the start, what is not corrected included.
-// An error of tilt lasts for tens of metres, so that the heights that it causes add up, not their squares:
+// (preprocessing/vertical_reference.hpp): M, the mean square of the tilt since the start, what is not corrected
+// included. An error of tilt lasts for tens of metres, so that the heights that it causes add up, not their squares:
 //   d(sigma_z) = sqrt(v^T M v),  v = (step_y, -step_x)
 // Horizontal parts of the covariance stay as they are: on level road a tilt moves the vehicle up or down only.
 //

@@ -19,8 +19,8 @@ constexpr double kInformationNothingFits = 0.7;     // instead of kInformation i
 // less fits.
 constexpr double kAlone = 0.97, kInformationWeight = 0.25, kInformationAlone = 0.35;
 constexpr double kClearlyMore = 1.5;  // times the information at the pose from the stamps
-// Below these ratios to the usual values, registration has most likely found a wrong pose: none of 5712 sweeps of simulated
-// drives without a jump is below both.
+// Below these ratios to the usual values, registration has most likely found a wrong pose: none of 5712 sweeps of
+// simulated drives without a jump is below both.
 constexpr double kMisfitRatio = 0.85, kMisfitInformation = 0.3;
 constexpr double kSearched_m = 15.0;  // the relocalization reaches as far
 constexpr double kSearchStep_m = 0.7;

@@ -12,8 +12,8 @@
 // If the poses cannot be told apart (tunnels, open country), the stamps are believed. A jump of less than half an
 // interval is not detected: registration tolerates it. If the sweep after the unusual interval was not measured (empty,
 // or too late), the next sweeps are tested: they follow the last inserted pose by several intervals, and any of these
-// may be wrong. If the sweep fits badly, sweeps may have been lost while the clock was set: all poses up to 15 m ahead and
-// behind are tried.
+// may be wrong. If the sweep fits badly, sweeps may have been lost while the clock was set: all poses up to 15 m ahead
+// and behind are tried.
 //
 // Input: poses of the centre of gravity in odom; twists in m/s and rad/s.
 // Failure: nullopt; the pose from the stamps stays.

@@ -11,11 +11,11 @@ namespace fail_aware {
 
 namespace {
 
-// Part of a revolution tells rate and pose apart badly: half sweeps of a highway turned the heading by 0.04 deg in 10 s. Whole
-// revolutions have 0.78 (a tunnel) to 1.
+// Part of a revolution tells rate and pose apart badly: half sweeps of a highway turned the heading by 0.04 deg in 10
+// s. Whole revolutions have 0.78 (a tunnel) to 1.
 constexpr double kMinAzimuthCoverage = 0.75;
-// None of 2000 sweeps (town, country, highway, field, real roads) is beyond. A larger rate is another minimum, and the map
-// keeps the bent sweep.
+// None of 2000 sweeps (town, country, highway, field, real roads) is beyond. A larger rate is another minimum, and the
+// map keeps the bent sweep.
 constexpr double kMostSigmas = 4.0;
 
 // The equations of the pose, and those of the turn rate w, odom's axes: a point measured tau after the middle moves

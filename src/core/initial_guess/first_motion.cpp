@@ -10,8 +10,8 @@ namespace fail_aware {
 
 namespace {
 
-// In place of standstill_ratio in a sweep in which the vehicle surely stands. A tunnel without a niche has up to 0.04, and
-// all of it meets at standstill, too.
+// In place of standstill_ratio in a sweep in which the vehicle surely stands. A tunnel without a niche has up to 0.04,
+// and all of it meets at standstill, too.
 constexpr double kSureRatio = 0.06;
 
 // A Kalman update: along `axis` (of length 1, in odom) the true position differs from the measured one by `offset_m`,

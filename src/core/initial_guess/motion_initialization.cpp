@@ -16,13 +16,13 @@ constexpr double kRounding = 1e-9;  // 0.7 / 0.1 is less than 7
 // Probability that a place meets nothing at the right speed: it was hidden, or it moves. On 135 starts at highway speed
 // and in open country 0.05 to 0.2 find the speed equally often.
 constexpr double kUnmet = 0.1;
-// The vote of a point that something hid from the first sweep: about that of a point that is seen twice. Of 120 starts on
-// highways 115 find the speed if such a point counts as one that meets nothing, 118 with 0.5, 119 with 0.7 and 0.9.
+// The vote of a point that something hid from the first sweep: about that of a point that is seen twice. Of 120 starts
+// on highways 115 find the speed if such a point counts as one that meets nothing, 118 with 0.5, 119 with 0.7 and 0.9.
 constexpr double kHidden = 0.7;
 constexpr double kFineKernel = 0.3;  // the kernel of the last search, as a ratio of kernel_m
-// A cell with this vote meets the first sweep; at a true standstill at least this ratio of the cells does. In 57 simulated
-// starts from standstill (16 to 64 beams) it is 0.92 or more, with the wrong standstill of tunnels and of convoys 0.89 or
-// less.
+// A cell with this vote meets the first sweep; at a true standstill at least this ratio of the cells does. In 57
+// simulated starts from standstill (16 to 64 beams) it is 0.92 or more, with the wrong standstill of tunnels and of
+// convoys 0.89 or less.
 constexpr double kMet = 0.5, kStandingRatio = 0.9;
 
 // The log likelihood of another speed must be above the median of all speeds by this much. In a smooth tunnel the best
@@ -88,8 +88,8 @@ struct Search {
     return all;
   }
 
-  /// Without a vote for what is hidden: one above that of a place that meets, though not within the narrow kernel, would
-  /// draw the speed to where less is seen.
+  /// Without a vote for what is hidden: one above that of a place that meets, though not within the narrow kernel,
+  /// would draw the speed to where less is seen.
   Tried refined(const Tried& coarse) const {
     constexpr double kStep = MotionInitialization::kFineStep;
     Tried best;

@@ -10,13 +10,14 @@
 // - A vehicle ahead that keeps its distance: each cell has one vote, so that the scenery outvotes the vehicle.
 // - Hedges and rails fit a little better at standstill, as the beams hit them in the same pattern. The score is the log
 //   likelihood of all votes, so a pole that meets nothing counts more than ten places that meet a little less well.
-// - A vehicle that travels along hides what is behind it, and its shadow travels along, too: points at the shadow's edge
-//   meet nothing at the true speed. What the first sweep could not see speaks neither for nor against a speed.
-// - At a true standstill the beams hit the same spots, so that nearly everything meets within centimetres. If standstill
-//   fits best but not that well, another speed that stands out of all the others is taken.
+// - A vehicle that travels along hides what is behind it, and its shadow travels along, too: points at the shadow's
+//   edge meet nothing at the true speed. What the first sweep could not see speaks neither for nor against a speed.
+// - At a true standstill the beams hit the same spots, so that nearly everything meets within centimetres. If
+//   standstill fits best but not that well, another speed that stands out of all the others is taken.
 // Limit: where the scenery looks the same at every speed (a smooth tunnel) the vehicle ahead still wins;
 // first_motion.hpp inflates the covariance in this case (`standstill_ratio`), unless the vehicle surely stands.
-// Failure: nullopt. Cost: about 150 ms, on the second sweep, and where the search starts again (estimation/pose_filter).
+// Failure: nullopt. Cost: about 150 ms, on the second sweep, and where the search starts again
+// (estimation/pose_filter).
 #pragma once
 
 #include <Eigen/Core>

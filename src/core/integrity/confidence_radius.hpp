@@ -1,9 +1,9 @@
 // The circle that holds a horizontal error with a given probability, and the probability beyond a radius (not in the
 // paper).
 //
-// The error (x, y) is Student's t with the covariance as its scale and `degrees_of_freedom` n: most drives err less than
-// a Gaussian of the same tails would, some a lot more. With scales a >= b along its axes and c = 1 - b/a it is within r
-// with
+// The error (x, y) is Student's t with the covariance as its scale and `degrees_of_freedom` n: most drives err less
+// than a Gaussian of the same tails would, some a lot more. With scales a >= b along its axes and c = 1 - b/a it is
+// within r with
 //   p = 1 - 1/(2 pi) integral over phi of (1 + r^2 / (n a (1 - c sin^2 phi)))^(-n/2),
 // for a Gaussian (n infinite; here 0) of exp(-r^2 / (2 a (1 - c sin^2 phi))): from a circle's sqrt(-2 ln(1 - p)) sigma
 // down to a normal's two-sided quantile for a line. `ConfidenceRadius` gives that r.

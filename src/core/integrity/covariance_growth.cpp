@@ -77,8 +77,8 @@ void GrowingCovariance::enterWeakStretch() {
   S_(5, 5) = std::max(S_(5, 5), weak.speed_variance);
 }
 
-// Solves dS/dt = L S + S L^T + Q; L^3 = 0, and L^2 Q = 0, since what L^2 takes in has no noise. The error of the speed has
-// a solution of its own: it moves the position in the direction `along_`.
+// Solves dS/dt = L S + S L^T + Q; L^3 = 0, and L^2 Q = 0, since what L^2 takes in has no noise. The error of the speed
+// has a solution of its own: it moves the position in the direction `along_`.
 GrowingCovariance::Matrix GrowingCovariance::after(double dt_s) const {
   const SpeedStep step = stepOf(speed_, dt_s);
   Matrix A = Matrix::Identity() + dt_s * L_ + 0.5 * dt_s * dt_s * L_ * L_;

@@ -1,8 +1,8 @@
 // Beyond the paper: the time at which the horizontal error since t1 passes the alert limit with a given probability,
 // from the accumulated covariance and its present growth.
 //
-// The radius is that of confidence_radius.hpp, the growth that of covariance_growth.hpp, in steps; the crossing is found
-// inside its step by bisection.
+// The radius is that of confidence_radius.hpp, the growth that of covariance_growth.hpp, in steps; the crossing is
+// found inside its step by bisection.
 //
 // Two times. To the alarm: until a failure has a probability of 1 - alarm_confidence. To the failure: what has not
 // failed by now (probability 1 - p) fails before it with 1 - confidence, so until p has grown to

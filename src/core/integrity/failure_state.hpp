@@ -1,11 +1,11 @@
 // From a time to failure and reasons to the state that the planner acts on. Pure functions, and the hysteresis.
 //
 // There are two times: the published time to failure, before which a failure is improbable, and the time to the alarm,
-// by which its probability is too large to go on (covariance_predictor.hpp's confidence and alarm_confidence). Eta's time
-// to its threshold is in both: the earlier counts. The published time never exceeds the time to the alarm.
+// by which its probability is too large to go on (covariance_predictor.hpp's confidence and alarm_confidence). Eta's
+// time to its threshold is in both: the earlier counts. The published time never exceeds the time to the alarm.
 //
-// A stop from the present speed v takes v / comfortable_deceleration_mps2. FAILING says that it must begin now, DEGRADED
-// that twice that time is left, so that there is time to slow down.
+// A stop from the present speed v takes v / comfortable_deceleration_mps2. FAILING says that it must begin now,
+// DEGRADED that twice that time is left, so that there is time to slow down.
 //
 // state        condition (the first that holds)
 // FAILED       reason STALE, or the time to the alarm reached

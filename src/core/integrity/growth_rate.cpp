@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kLeastKept = 1e-3;  // of a speed's error: all but nothing
 constexpr double kBlinded_s = 0.28;  // three sweeps at 10 Hz, as silence (silence.hpp); stamps jitter
-// Between the niches of simulated tunnels. Where niches are in view, 0.4 m/s are forgotten at 1.6 /s; with that growth three
-// of six failures behind four mouths are stopped in time, with this one all six.
+// Between the niches of simulated tunnels. Where niches are in view, 0.4 m/s are forgotten at 1.6 /s; with that growth
+// three of six failures behind four mouths are stopped in time, with this one all six.
 constexpr double kTunnelSpeedSigma_mps = 0.5, kTunnelSpeedForgotten_per_s = 0.3;
 
 }  // namespace

@@ -1,10 +1,11 @@
-// How the accumulated covariance grows if the last sweeps go on: averages for the prediction (covariance_predictor.hpp).
+// How the accumulated covariance grows if the last sweeps go on: averages for the prediction
+// (covariance_predictor.hpp).
 //
 // Of the increments the mean over a window in time, of the speed's error (dead_reckoning.hpp) medians over 5 sweeps. A
 // single blinded sweep says nothing of the future: sweeps whose error a registration may take back count from 0.3 s on,
 // and no longer once one has.
-// The speed's error wanders: measurements take a part of it back in each sweep, and as much is made anew. In a tunnel it
-// is 0.4 m/s, and of another sign every 0.6 s.
+// The speed's error wanders: measurements take a part of it back in each sweep, and as much is made anew. In a tunnel
+// it is 0.4 m/s, and of another sign every 0.6 s.
 // On a weak stretch ahead (registration/look_ahead.hpp) the growth is assumed to be that of a simulated tunnel.
 // Cost: five medians of a few values a sweep.
 #pragma once

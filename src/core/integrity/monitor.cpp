@@ -159,8 +159,8 @@ void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& outpu
                                   output.reasons, motion_.speed_mps());
 }
 
-// Returns the time to the alarm. What a registration may take back at once counts in the radius and for the alarm, but not
-// in the time: a heading that is unknown for one sweep would be taken for one that stays so.
+// Returns the time to the alarm. What a registration may take back at once counts in the radius and for the alarm, but
+// not in the time: a heading that is unknown for one sweep would be taken for one that stays so.
 TimeToFailure FailAwareMonitor::predictFailure(const FilterState& state, MonitorOutput& output) {
   CovarianceGrowth now = growth(state, covariance_.driftSinceMark(), mark_.T_odom);
   if (error_unbounded_) now.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());

@@ -5,9 +5,9 @@
 // observed, or a gap is before it, the error since the sweep before counts. If no motion is known at start(), t1 is the
 // first sweep whose motion is observed: before, the error has no bound. Until t1 times are unknown; `standby` says what
 // they would be if t1 were now.
-// Failure: an increment that cannot be added (pose, covariance or interval not finite), or states that were lost (this one
-// does not begin where the last one ended), leave the error without a bound: FAILED (COVARIANCE_LIMIT) until the next t1,
-// or UNKNOWN as long as the rate of growth is not known. Cost: < 0.1 ms.
+// Failure: an increment that cannot be added (pose, covariance or interval not finite), or states that were lost (this
+// one does not begin where the last one ended), leave the error without a bound: FAILED (COVARIANCE_LIMIT) until the
+// next t1, or UNKNOWN as long as the rate of growth is not known. Cost: < 0.1 ms.
 #pragma once
 
 #include <cstdint>
@@ -62,8 +62,8 @@ class FailAwareMonitor {
  public:
   explicit FailAwareMonitor(const MonitorParameters& params);
 
-  /// t1 = the stamp of the next update(), or of the next one whose motion is observed, see above. An earlier t1 ends now,
-  /// and its state with it. Once it serves, a pose set from outside (FilterState::odom_reset_count) is a new t1.
+  /// t1 = the stamp of the next update(), or of the next one whose motion is observed, see above. An earlier t1 ends
+  /// now, and its state with it. Once it serves, a pose set from outside (FilterState::odom_reset_count) is a new t1.
   void start();
   /// No t1 any more: the state is UNKNOWN, and standby is given again.
   void stop();

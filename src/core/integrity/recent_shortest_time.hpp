@@ -1,8 +1,8 @@
 // A time to failure that is calm: the shortest one of the last five seconds (not in the paper).
 //
 // Where the scenery changes from sweep to sweep, so does the prediction: a niche in a tunnel's wall, seen for a second,
-// makes it jump up and, behind the niche, down again. A planner needs the fall without delay; a rise can wait. With three
-// seconds the time jumps more often, with seven it is no calmer (58 drives).
+// makes it jump up and, behind the niche, down again. A planner needs the fall without delay; a rise can wait. With
+// three seconds the time jumps more often, with seven it is no calmer (58 drives).
 // Unknown: passed on, and the times before it do not count. Cost: none to speak of.
 #pragma once
 

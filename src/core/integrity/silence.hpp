@@ -28,8 +28,8 @@ struct SilenceParams {
 double staleAfter_s(const SilenceParams& params, double period_s);
 
 /// What is said from then on, until the next filter state: failed, now; the two times that it is made of are unknown,
-/// since nobody computes them, as is the protection level. Eta and the sigmas stay those of `last`, what was said of the
-/// last filter state.
+/// since nobody computes them, as is the protection level. Eta and the sigmas stay those of `last`, what was said of
+/// the last filter state.
 MonitorOutput staleOutput(MonitorOutput last);
 
 }  // namespace fail_aware

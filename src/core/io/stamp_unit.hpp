@@ -1,4 +1,5 @@
-// The unit of a file of sweep stamps. Lidars turn 1 to 50 times a second, so the steps between the stamps show the unit.
+// The unit of a file of sweep stamps. Lidars turn 1 to 50 times a second, so the steps between the stamps show the
+// unit.
 #pragma once
 
 #include <algorithm>

@@ -41,8 +41,8 @@ AboveGroundPoints findAboveGroundPoints(const std::vector<Eigen::Vector3f>& poin
 /// Those no farther than range_m.
 std::vector<Eigen::Vector3f> pointsWithin(const std::vector<Eigen::Vector3f>& points, double range_m);
 
-/// Each place's mean weight, 0 ... 1: how near its points, moved by T, are to those of `map` (Geman-McClure kernel, none
-/// beyond kFarthestInKernels of it). `unmet`: the weight of a moved point that is near none; 0 without it.
+/// Each place's mean weight, 0 ... 1: how near its points, moved by T, are to those of `map` (Geman-McClure kernel,
+/// none beyond kFarthestInKernels of it). `unmet`: the weight of a moved point that is near none; 0 without it.
 std::vector<double> votesOfPlaces(const AboveGroundPoints& above_ground, const VoxelMap& map, const Pose& T,
                                   double kernel_m, const std::function<double(const Eigen::Vector3d&)>& unmet = {});
 

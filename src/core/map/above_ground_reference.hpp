@@ -1,5 +1,5 @@
-// What stands above the ground in one sweep, kept as the reference of the above-ground match (above_ground_matcher.hpp). Not
-// in the paper.
+// What stands above the ground in one sweep, kept as the reference of the above-ground match
+// (above_ground_matcher.hpp). Not in the paper.
 //
 // One sweep is kept for some metres, then another one. A sweep in which much stands is none: the match is for open
 // country; the next one is kept as late as after any other.

@@ -1,8 +1,8 @@
 // The near side of what stands (not in the paper).
 //
-// A lidar sees the side of a post, a trunk or a bush that faces it. While the vehicle passes, that side moves around the
-// object in the direction of travel. Two sweeps whose near sides are matched as if they were one place give a way that is
-// too short (doc/parts.md, "Near sides"). The edge of a house, which looks like a post, does not move around.
+// A lidar sees the side of a post, a trunk or a bush that faces it. While the vehicle passes, that side moves around
+// the object in the direction of travel. Two sweeps whose near sides are matched as if they were one place give a way
+// that is too short (doc/parts.md, "Near sides"). The edge of a house, which looks like a post, does not move around.
 // Units m; directions: horizontal unit vectors in odom, from the centre of gravity to the object.
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace fail_aware {
 
-/// From what stands to the near side that nearest neighbours match: 0.02 to 0.035 m for posts that are 0.12 m thick, 0.03
-/// to 0.1 m for bales and trees (two simulated fields).
+/// From what stands to the near side that nearest neighbours match: 0.02 to 0.035 m for posts that are 0.12 m thick,
+/// 0.03 to 0.1 m for bales and trees (two simulated fields).
 constexpr double kNearSide_m = 0.03;
 
 /// How far the near side has moved between two views.

@@ -33,8 +33,8 @@ struct PlanePatch {
   Eigen::Vector3f tangent = Eigen::Vector3f::Zero();  ///< unit, in the plane, across the points' longest extent
   float spread = 0.0f;                                ///< m^2, variance of the points along `tangent`
   float samples = 0.0f;                               ///< points fitted; 0: no plane here
-  /// Unit, horizontal, odom axes: from the origin of the points, when the voxel was first seen. Most of the points that are
-  /// kept are of that view.
+  /// Unit, horizontal, odom axes: from the origin of the points, when the voxel was first seen. Most of the points that
+  /// are kept are of that view.
   Eigen::Vector2f first_view = Eigen::Vector2f::Zero();
   bool post = false;  ///< no plane but thin and upright: a post, a trunk, an edge of a house
 };
@@ -80,9 +80,9 @@ class VoxelMap {
   bool empty() const { return voxels_.empty(); }
   std::size_t size() const { return voxels_.size(); }
 
-  /// The eight voxels that meet at the corner of the grid nearest to a query, as far as queries have looked them up. One
-  /// for each point, handed to its query in every iteration, spares the probes as long as the point stays near the same
-  /// corner; the answers are the same without. Of one map, and to be forgotten when that changes.
+  /// The eight voxels that meet at the corner of the grid nearest to a query, as far as queries have looked them up.
+  /// One for each point, handed to its query in every iteration, spares the probes as long as the point stays near the
+  /// same corner; the answers are the same without. Of one map, and to be forgotten when that changes.
   class Neighborhood {
     friend class VoxelMap;
     static constexpr std::uint32_t kUnknown = ~std::uint32_t{0}, kNone = kUnknown - 1;  // not looked up; no such voxel

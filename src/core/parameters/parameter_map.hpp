@@ -1,10 +1,10 @@
 // Parameter structs <-> a flat map of named values, shared by yaml files, `--set key=value` and the parameter server.
 //
 // A struct has a `template <class Self, class Visitor> static void visit(Self&, Visitor&&)` that calls the visitor with
-// every field's name, the field and, if it has one, its check (validate.hpp). Fields are bool, int, double, std::string,
-// std::vector<double> or a nested struct with its own visit; nested names are joined with dots ("fusion.gate_sigma"). A
-// field that visit leaves out is a constant: no file sets it, and the reason for its value is beside it.
-// Failure: ParameterError naming the key; the struct is then unchanged. Nothing here validates.
+// every field's name, the field and, if it has one, its check (validate.hpp). Fields are bool, int, double,
+// std::string, std::vector<double> or a nested struct with its own visit; nested names are joined with dots
+// ("fusion.gate_sigma"). A field that visit leaves out is a constant: no file sets it, and the reason for its value is
+// beside it. Failure: ParameterError naming the key; the struct is then unchanged. Nothing here validates.
 #pragma once
 
 #include <map>

@@ -25,8 +25,8 @@ class HeldTiming {
     bool clockwise = true;
   };
 
-  /// The head that a sweep with a valid field shows. times_s: relative to its stamp, may hold NaN; first_s: the first time.
-  /// None: the azimuth does not follow the times.
+  /// The head that a sweep with a valid field shows. times_s: relative to its stamp, may hold NaN; first_s: the first
+  /// time. None: the azimuth does not follow the times.
   static std::optional<Head> headOf(const Sweep& sweep, const std::vector<float>& times_s, double first_s,
                                     double period_s);
 

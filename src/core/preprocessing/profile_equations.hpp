@@ -1,10 +1,11 @@
 // The measurement of the vertical reference (vertical_reference.hpp; not in the paper): an upright profile as linear
-// equations in the state. By beam b, the mean offset o_b along a horizontal direction m, at the height z_b; in odom, tilted
-// by (d_x, d_y) against gravity,
-//   o_b = const + z_b ((d_y + j_y) m_x - (d_x + j_x) m_y + e (m . away)) + g_b a_b + noise,   g_b = m . (direction of sight)
+// equations in the state. By beam b, the mean offset o_b along a horizontal direction m, at the height z_b; in odom,
+// tilted by (d_x, d_y) against gravity,
+//   o_b = const + z_b ((d_y + j_y) m_x - (d_x + j_x) m_y + e (m . away)) + g_b a_b + noise,   g_b = m . (direction of
+//   sight)
 // a_b is the error of the beam's ranges, e what the elevations of all beams have in common (it leans everything towards
-// the sensor or away from it, on all sides; a tilt leans one side towards and the other away), j what a single estimate is
-// off by. The constant is unknown and is eliminated. The less straight a profile is, the less its lean counts.
+// the sensor or away from it, on all sides; a tilt leans one side towards and the other away), j what a single estimate
+// is off by. The constant is unknown and is eliminated. The less straight a profile is, the less its lean counts.
 // Units: m, rad. Cost: some microseconds a profile.
 #pragma once
 
@@ -26,8 +27,8 @@ struct VerticalState {
   static constexpr Eigen::Index kBeams = 9;              ///< from here on: a_b by ring
 };
 
-/// Equations A x = b of unit variance: one for the lean, the true lean of things included in its variance, and those for
-/// the straightness. Columns of A: `of` in the state.
+/// Equations A x = b of unit variance: one for the lean, the true lean of things included in its variance, and those
+/// for the straightness. Columns of A: `of` in the state.
 struct ProfileEquations {
   std::vector<Eigen::Index> of;
   Eigen::VectorXd lean;

@@ -65,7 +65,8 @@ class RegistrationCloudBuilder {
   explicit RegistrationCloudBuilder(const Params& params,
                                     const std::optional<SweepTimingParams>& compensated_head = std::nullopt);
 
-  /// `cloud` is reused: no allocation once its arrays have grown. bias: is taken out of the points of sweeps with rings.
+  /// `cloud` is reused: no allocation once its arrays have grown. bias: is taken out of the points of sweeps with
+  /// rings.
   void build(const CorrectedSweep& sweep, const Pose& T_cog_lidar, RegistrationCloud& cloud, const BeamBias& bias = {});
 
   const Params& params() const { return params_; }

@@ -11,10 +11,10 @@ namespace fail_aware {
 inline constexpr double kLateFrom_periods = 0.9, kLateTo_periods = 1.6;
 
 /// One line for the user; empty: no contradiction.
-/// `age_s`: age of the clouds on arrival (ClockCheck); 0: not known, of a recording. If a stamp is the time of the revolution's first packet, the
-/// cloud arrives one period later. If it is the time of the last packet, the age is only the delay of driver and
-/// transport. So this function doubts a stamp that is the end of the sweep by default and is always about a period old.
-/// A reference that the parameter sets is trusted.
+/// `age_s`: age of the clouds on arrival (ClockCheck); 0: not known, of a recording. If a stamp is the time of the
+/// revolution's first packet, the cloud arrives one period later. If it is the time of the last packet, the age is only
+/// the delay of driver and transport. So this function doubts a stamp that is the end of the sweep by default and is
+/// always about a period old. A reference that the parameter sets is trusted.
 inline std::string stampFault(const SweepTimingParams& params, const TimingResult& timing, double age_s = 0.0) {
   const bool assumed = params.stamp_reference == "auto";
   char text[320];

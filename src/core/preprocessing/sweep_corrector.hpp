@@ -1,6 +1,6 @@
 // From a raw sweep to a corrected one: rings where they have to be found, vertical angle, azimuth, vertical reference,
-// time of each point, constant-twist correction, in this order. Before, the vertical reference looks at what came of the
-// last sweep, at its estimate.
+// time of each point, constant-twist correction, in this order. Before, the vertical reference looks at what came of
+// the last sweep, at its estimate.
 // What the SweepCorrection nodelet holds. Cost: about 1 ms for 120 000 points, 6 ms with a look.
 #pragma once
 
@@ -37,9 +37,10 @@ class SweepCorrector {
                  const SweepTimingParams& timing, const SweepCorrectionParams& correction,
                  const VerticalReferenceParams& vertical_reference);
 
-  /// `sweep` is changed by the corrections of its angles and by the vertical reference, and given rings where it has none and its
-  /// order tells them; points without a usable time are left out (TimingResult::outliers). The motion corrected for is that from the previous estimate to the prediction; in the first
-  /// sweep, where there is none, points stay and times are kept. `corrected`: before, what came of the last sweep.
+  /// `sweep` is changed by the corrections of its angles and by the vertical reference, and given rings where it has
+  /// none and its order tells them; points without a usable time are left out (TimingResult::outliers). The motion
+  /// corrected for is that from the previous estimate to the prediction; in the first sweep, where there is none,
+  /// points stay and times are kept. `corrected`: before, what came of the last sweep.
   SweepCorrectorReport correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
                                CorrectedSweep& corrected);
 

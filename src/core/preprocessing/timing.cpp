@@ -129,8 +129,8 @@ TimingResult SweepTiming::assign(const Sweep& sweep, double measured_period_s,
 
 namespace {
 
-/// Of one cloud, by its own times: of a whole revolution, or of a half, a third or a quarter of one, which begins or ends
-/// at zero. A driver's first cloud may hold any other part: that of a whole revolution.
+/// Of one cloud, by its own times: of a whole revolution, or of a half, a third or a quarter of one, which begins or
+/// ends at zero. A driver's first cloud may hold any other part: that of a whole revolution.
 std::optional<double> cloudPeriod_s(const Sweep& sweep, const TimeRange& range) {
   constexpr double kNear = 0.03;  // of the cloud's span
   std::vector<float> times_s = sweep.times_s;

@@ -12,8 +12,8 @@
 // Units: point_times.hpp. A field that spans more than 2.5 periods is refused.
 // Missing and isolated times are outliers: NaN in the result, and counted; leave these points out. Up to a tenth of a
 // sweep's times may be outliers; with more the field is refused (not_finite, bad_scale).
-// Backward: a head does not turn the other way from one sweep to the next. Times that run against the earlier sweeps and
-// against `clockwise` have the wrong sign, and are refused, for 100 sweeps at most.
+// Backward: a head does not turn the other way from one sweep to the next. Times that run against the earlier sweeps
+// and against `clockwise` have the wrong sign, and are refused, for 100 sweeps at most.
 // Held: a sweep whose field fails (refused, absent, or all equal) takes the timing of the sweeps before it
 // (held_timing.hpp). If there is none, the sweep is timed by azimuth; `guessed()` tells a refused field from a field
 // that the driver leaves empty.
@@ -24,9 +24,9 @@
 //
 // `stamp_reference`, the instant of the sweep that its stamp means, gives the result's interval: start [0, T], mid
 // [-T/2, T/2], end [-T, 0]. "auto": from the sign of the field, else end. KITTI: mid.
-// T: `sweep_period_s`, or the period from the sweep clock (sweep_clock.hpp), or, while that knows none, what the field's
-// times show, or 0.1 s. The clock's period is wrong if every other sweep is lost from the start and points have no times:
-// then set the period.
+// T: `sweep_period_s`, or the period from the sweep clock (sweep_clock.hpp), or, while that knows none, what the
+// field's times show, or 0.1 s. The clock's period is wrong if every other sweep is lost from the start and points have
+// no times: then set the period.
 //
 // Failure: with any status but kOk the times are empty. Cost: about 0.25 ms for 120 000 points.
 #pragma once

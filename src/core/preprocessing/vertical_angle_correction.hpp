@@ -20,8 +20,8 @@ struct VerticalAngleCorrectionParams {
   static constexpr double kMax_deg = 5.0;
 
   double angle_deg = 0.0;  ///< added to each point's elevation; 0: off; KITTI: 0.205
-  /// standard deviation of the error that angle_deg leaves, which the vertical reference finds while driving, and corrects
-  /// up to five times this
+  /// standard deviation of the error that angle_deg leaves, which the vertical reference finds while driving, and
+  /// corrects up to five times this
   double sigma_deg = 0.15;
 
   template <class Self, class Visitor>

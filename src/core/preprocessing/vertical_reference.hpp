@@ -4,32 +4,32 @@
 // it turns into a false pitch of the same sign on every metre: most of what lidar odometry drifts in height. The road
 // cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
 // are the same to a matcher. But house walls, trunks and poles stand upright.
-// Most of this drift comes from the error e that the elevations have in common (e > 0: the beams point higher than the head
-// says). It makes level road a cone, z = -e h, on which pitch drifts by q e a metre; q depends on what is in view. What
-// walls tell of e ends most of the drift.
+// Most of this drift comes from the error e that the elevations have in common (e > 0: the beams point higher than the
+// head says). It makes level road a cone, z = -e h, on which pitch drifts by q e a metre; q depends on what is in view.
+// What walls tell of e ends most of the drift.
 //
 // From a sweep, every `look_every_m`, profiles are taken of what stands upright (upright_profiles.hpp). Their equations
-// (profile_equations.hpp) hold the tilt (d_x, d_y) of odom's axes against gravity, the errors a_b of the beams' ranges, e
-// that their elevations have in common, and j, what a single estimate is off by, another one at each look. Some
-// centimetres of a_b lean a wall by a degree, so they are found along with the tilt: walls are straight, and are met by many
-// beams at many distances. An extended Kalman filter over the way s holds d, e, q, the other drift o and all a_b:
+// (profile_equations.hpp) hold the tilt (d_x, d_y) of odom's axes against gravity, the errors a_b of the beams' ranges,
+// e that their elevations have in common, and j, what a single estimate is off by, another one at each look. Some
+// centimetres of a_b lean a wall by a degree, so they are found along with the tilt: walls are straight, and are met by
+// many beams at many distances. An extended Kalman filter over the way s holds d, e, q, the other drift o and all a_b:
 //   dd/ds = (q e + o - response bend) pitch axis + noise
 // The pitch axis is horizontal, across the motion: how the sensor is turned on the vehicle does not matter.
-// The elevations of the next sweeps are raised by what is found of e, and e in the state becomes what is left. A bend of the
-// sweeps (z += bend h min(h, curvature_range) / 2) ends the rest of the drift, and slowly corrects the tilt:
+// The elevations of the next sweeps are raised by what is found of e, and e in the state becomes what is left. A bend
+// of the sweeps (z += bend h min(h, curvature_range) / 2) ends the rest of the drift, and slowly corrects the tilt:
 //   response bend = q e + o + (d - d_0) . pitch axis / correction distance,  within max_curvature
 // d_0 is the tilt of the first estimate in this odom: the slope and the mount at the start. It is in the state, so that
-// what a later look shows of the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the pose
-// tilts by up to a degree within the first metres (new_map): d - d_0 holds it. The pose is never touched.
+// what a later look shows of the beams corrects it, too. The map of the first sweeps is sparse, and with few beams the
+// pose tilts by up to a degree within the first metres (new_map): d - d_0 holds it. The pose is never touched.
 //
-// Roll is measured likewise but not corrected. The tilt that is left, tiltMoment() = E[(d - d_0)(d - d_0)^T], becomes part
-// of the odometry's covariance (estimation/vertical_drift.hpp).
+// Roll is measured likewise but not corrected. The tilt that is left, tiltMoment() = E[(d - d_0)(d - d_0)^T], becomes
+// part of the odometry's covariance (estimation/vertical_drift.hpp).
 //
-// Failure is data: where nothing stands upright the sigmas grow as the walk says; what was found before is still corrected.
-// Profiles off by more than their sigmas hardly count, and where they lean all ways (hedges, banks), none does
-// (lean_weights.hpp).
-// Frames: points in the sensor's, tilt about odom's axes. Cost: apply 0.25 ms for 120 000 points, a look 5 ms; from 10 m/s on
-// each sweep has one.
+// Failure is data: where nothing stands upright the sigmas grow as the walk says; what was found before is still
+// corrected. Profiles off by more than their sigmas hardly count, and where they lean all ways (hedges, banks), none
+// does (lean_weights.hpp).
+// Frames: points in the sensor's, tilt about odom's axes. Cost: apply 0.25 ms for 120 000 points, a look 5 ms; from 10
+// m/s on each sweep has one.
 #pragma once
 
 #include <Eigen/Core>
@@ -102,8 +102,8 @@ class VerticalReference {
 
   /// Learns from a sweep that was given to apply() and then corrected for motion. Every sweep, in order. rings: one a
   /// point, or empty: told by the elevations.
-  /// `odom_reset_count`: another one than the last sweep's is another odom (SweepPrediction's); what was known of the tilt
-  /// about the last one's axes ends, what the sensor does (drift, errors of the beams) stays.
+  /// `odom_reset_count`: another one than the last sweep's is another odom (SweepPrediction's); what was known of the
+  /// tilt about the last one's axes ends, what the sensor does (drift, errors of the beams) stays.
   void observe(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
                const Pose& T_odom_lidar, int odom_reset_count = 0);
 

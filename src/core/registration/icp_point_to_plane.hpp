@@ -1,21 +1,22 @@
 // Normal-filtered ICP, point to plane (paper, section "Normal Filtering ICP").
 //
 // Minimises sum w ((p - (R q + t)) . n)^2 over the pose of the centre of gravity, by Gauss-Newton with a robust kernel.
-// A correspondence is the plane patch of the voxel that a point falls into (VoxelMap::findPlane: or of a neighbour), so an
-// iteration costs about one hash probe a point. The article's filter keeps patches whose normal, seen from above, lies within a tolerance of the predicted
-// heading + k pi/2; the tolerance is the predicted heading's sigma, but at least `heading_tolerance_deg`. With vertical
-// patches only, z, roll and pitch are unobservable: `keep_ground` also keeps ground-like patches.
+// A correspondence is the plane patch of the voxel that a point falls into (VoxelMap::findPlane: or of a neighbour), so
+// an iteration costs about one hash probe a point. The article's filter keeps patches whose normal, seen from above,
+// lies within a tolerance of the predicted heading + k pi/2; the tolerance is the predicted heading's sigma, but at
+// least `heading_tolerance_deg`. With vertical patches only, z, roll and pitch are unobservable: `keep_ground` also
+// keeps ground-like patches.
 //
 // A head whose beams are off by an elevation error e sees flat ground as a cone of slope e; matched at distance d that
 // turns into a false pitch of about 2 e / d a metre driven, the same way on every metre. So ground counts less than
 // walls (`ground_weight`), and what is far counts more (`range_weight_m`): the lever is longer. What the beams' errors
 // differ by is corrected (beam_bias_estimator.hpp).
 //
-// Where the lidar is sparse, a voxel holds one scan line or two. Range noise makes a patch of a single line, too: that of
-// the rays, which leans against the ground by the beam's elevation and is nearly level on a wall. A vehicle that drives on
-// meets the surfaces beside these lines, and such patches turn its pitch the same way on every metre (16 beams without
-// errors: 5 deg within 60 m). So a residual counts less the farther it is from the points across their line
-// (`scan_line_sigma_m`).
+// Where the lidar is sparse, a voxel holds one scan line or two. Range noise makes a patch of a single line, too: that
+// of the rays, which leans against the ground by the beam's elevation and is nearly level on a wall. A vehicle that
+// drives on meets the surfaces beside these lines, and such patches turn its pitch the same way on every metre (16
+// beams without errors: 5 deg within 60 m). So a residual counts less the farther it is from the points across their
+// line (`scan_line_sigma_m`).
 //
 // Directions that the patches do not observe stay at the prediction and get `weak_sigma` in R (status says how many).
 #pragma once
@@ -61,8 +62,8 @@ class IcpPointToPlane {
     double relaxed_convergence_factor = 10.0;
     int min_inliers = 100;                ///< fewer points with a plane: not usable; a sweep has thousands
     double correlation_inflation = 10.0;  ///< R is that much larger than for independent residuals
-    /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do. Sound sweeps have 0.78 to
-    /// 0.95 in the median of a drive
+    /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do. Sound sweeps have 0.78
+    /// to 0.95 in the median of a drive
     double usual_curvature_ratio = 0.82;
     InformationSupport::Params support;
     ObservabilityParams observability = {10.0, 0.001};

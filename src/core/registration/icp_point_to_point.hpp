@@ -69,8 +69,8 @@ class IcpPointToPoint {
     double correlation_inflation = 7.0;  ///< factor on R, because residuals are not independent
     /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do
     double usual_curvature_ratio = 0.75;
-    /// factor on the sigma of roll and pitch: a point's nearest neighbour follows the guess, and of a change that the guess
-    /// misses a fifth remains, more than the residuals tell
+    /// factor on the sigma of roll and pitch: a point's nearest neighbour follows the guess, and of a change that the
+    /// guess misses a fifth remains, more than the residuals tell
     double tilt_sigma_factor = 4.0;
     InformationSupport::Params support;
     ObservabilityParams observability;

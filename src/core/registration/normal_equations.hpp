@@ -45,7 +45,8 @@ struct NormalEquations {
   double information_weight = 0.0;
   double squared_error = 0.0;    ///< sum of w r^2, m^2
   double weight_unscaled = 0.0;  ///< sum of w
-  /// Sum of w / sigma^2 (of the information, where there is one) times the kernel's curvature along what a pair informs on.
+  /// Sum of w / sigma^2 (of the information, where there is one) times the kernel's curvature along what a pair informs
+  /// on.
   double curvature = 0.0;
   std::size_t inliers = 0;
 };

@@ -124,10 +124,10 @@ class PlanePairs {
   }
 
  private:
-  /// What a tilt of the patch about its longest extent may do to the residual, m^2. The points of one scan line have errors
-  /// in common (scan_line_sigma_m), so the tilt is known to scan_line_sigma_m / sqrt(spread), rad; of a single line it is not
-  /// known at all. Among the points it does no harm: spread evenly, they reach as far as sqrt(3 spread). A point's distance
-  /// from the plane counts by the square of the tilt; the kernel's curvature leaves that out.
+  /// What a tilt of the patch about its longest extent may do to the residual, m^2. The points of one scan line have
+  /// errors in common (scan_line_sigma_m), so the tilt is known to scan_line_sigma_m / sqrt(spread), rad; of a single
+  /// line it is not known at all. Among the points it does no harm: spread evenly, they reach as far as sqrt(3 spread).
+  /// A point's distance from the plane counts by the square of the tilt; the kernel's curvature leaves that out.
   double tiltVariance(const VoxelMap::PlaneMatch& match) const {
     const double spread = match.plane->spread, tangential_m = match.tangential_m, distance_m = match.distance_m;
     const double beyond = std::max(0.0, tangential_m * tangential_m - 3.0 * spread);

@@ -1,7 +1,7 @@
 // A sweep as the two ICPs register it: its thinned clouds, and the motion that they are deskewed for.
 //
-// The builder corrects the points by the estimated errors of the beams (beam_bias_estimator.hpp). The deskew motion of a
-// compensated sweep (sensor.timing.source none) is unknown.
+// The builder corrects the points by the estimated errors of the beams (beam_bias_estimator.hpp). The deskew motion of
+// a compensated sweep (sensor.timing.source none) is unknown.
 // Frames: the centre of gravity's.
 // Failure: `usable` is false. Cost: that of registration_cloud.hpp and beam_bias_estimator.hpp.
 #pragma once

@@ -1,5 +1,5 @@
-// A sweep after the motion correction (preprocessing/correction.hpp): every point is where the sensor would have seen it at the
-// sweep's stamp.
+// A sweep after the motion correction (preprocessing/correction.hpp): every point is where the sensor would have seen
+// it at the sweep's stamp.
 // Points: m, sensor frame.
 #pragma once
 

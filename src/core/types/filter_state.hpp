@@ -1,5 +1,5 @@
-// The filter's estimate for one sweep (estimation/pose_filter.hpp), with the fusion's result and the increment since the
-// last estimate.
+// The filter's estimate for one sweep (estimation/pose_filter.hpp), with the fusion's result and the increment since
+// the last estimate.
 // Poses: of the centre of gravity in odom; m, rad, s.
 #pragma once
 

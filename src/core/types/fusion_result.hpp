@@ -1,5 +1,6 @@
-// The fused measurement of one sweep, with the weight, NIS and agreement of its inputs (estimation/measurement_fusion.hpp).
-// State vector: (x, y, z, roll, pitch, yaw) of the centre of gravity in odom; m, rad.
+// The fused measurement of one sweep, with the weight, NIS and agreement of its inputs
+// (estimation/measurement_fusion.hpp). State vector: (x, y, z, roll, pitch, yaw) of the centre of gravity in odom; m,
+// rad.
 #pragma once
 
 #include <vector>

@@ -1,7 +1,8 @@
-// What the references (local map, corners) do with a sweep. The estimator decides it (estimation/map_update_policy.hpp).
-// Beside it, LocalMapRegistration clears the points of its map where they cannot be registered against: the road shows
-// another speed than the one they were placed with, or no first motion is found in time. Such a sweep has the status
-// kNoReference. When a pose is set (FilterState::odom_reset_count), both references are cleared.
+// What the references (local map, corners) do with a sweep. The estimator decides it
+// (estimation/map_update_policy.hpp). Beside it, LocalMapRegistration clears the points of its map where they cannot be
+// registered against: the road shows another speed than the one they were placed with, or no first motion is found in
+// time. Such a sweep has the status kNoReference. When a pose is set (FilterState::odom_reset_count), both references
+// are cleared.
 #pragma once
 
 #include <cstdint>

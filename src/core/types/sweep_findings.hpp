@@ -1,5 +1,5 @@
-// Results of the checks of a raw sweep (explained in preprocessing/sweep_check.hpp), and what its correction shows about the
-// head.
+// Results of the checks of a raw sweep (explained in preprocessing/sweep_check.hpp), and what its correction shows
+// about the head.
 #pragma once
 
 #include <Eigen/Core>

@@ -7,8 +7,8 @@
 
 namespace fail_aware {
 
-/// Where the points' times come from; kHeld: as in earlier sweeps (preprocessing/held_timing.hpp). kNone: `source` is none,
-/// the sweep is empty, or `source` is field and the field is not usable (TimingResult::field).
+/// Where the points' times come from; kHeld: as in earlier sweeps (preprocessing/held_timing.hpp). kNone: `source` is
+/// none, the sweep is empty, or `source` is field and the field is not usable (TimingResult::field).
 enum class TimingSource { kNone, kField, kAzimuth, kHeld };
 /// The instant of the sweep that its stamp means.
 enum class StampReference { kStart, kMid, kEnd };

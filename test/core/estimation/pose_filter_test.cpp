@@ -388,8 +388,8 @@ Measurement measuredAcrossOnly(const Pose& T_odom_cog) {
   return open;
 }
 
-// A tunnel that is seen from the first sweep on: at first "still here", with R that means nothing; then observed, against
-// the map that was made at this speed.
+// A tunnel that is seen from the first sweep on: at first "still here", with R that means nothing; then observed,
+// against the map that was made at this speed.
 TEST(PoseFilter, GuessedSpeedIsNotConfirmedByItsOwnMap) {
   const auto statusWhenObserved = [](int unobserved_sweeps) {
     const Drive standing{0.0};

@@ -179,7 +179,8 @@ TEST(RegistrationCloud, WithoutTimesRecorrectChangesNothing) {
   EXPECT_EQ(cloud.map_points_cog, before);
 }
 
-// Seen straight ahead in the middle of a sweep that begins at the rear, and at the sides a quarter of it before and after.
+// Seen straight ahead in the middle of a sweep that begins at the rear, and at the sides a quarter of it before and
+// after.
 TEST(RegistrationCloud, CompensatedSweepIsTimedByAzimuth) {
   SweepTimingParams head;
   const Pose T_cog_lidar = poseOf(1.0, 0.0, 0.5, 0.0, 0.0, 30.0);

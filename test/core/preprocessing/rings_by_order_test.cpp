@@ -24,7 +24,8 @@ struct Scan {
   }
 };
 
-/// The order of KITTI's files; at the rear the azimuth steps back by `turn_deg`. Not every beam sees something everywhere.
+/// The order of KITTI's files; at the rear the azimuth steps back by `turn_deg`. Not every beam sees something
+/// everywhere.
 Scan kittiScan(double turn_deg) {
   Scan scan;
   for (int ring = 63; ring >= 0; --ring) {

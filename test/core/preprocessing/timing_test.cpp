@@ -391,8 +391,8 @@ Sweep partOfRevolution(double period_s, double from, double to) {
   return part;
 }
 
-// Otherwise the first clouds of a head at 20 Hz are timed as if it turned at 10 Hz, and the vehicle seems to jump when the
-// clock knows better.
+// Otherwise the first clouds of a head at 20 Hz are timed as if it turned at 10 Hz, and the vehicle seems to jump when
+// the clock knows better.
 TEST(SweepTiming, UntilThePeriodIsKnownTheFieldTellsIt) {
   struct Part {
     double from, to, period;  ///< in revolutions

@@ -112,7 +112,8 @@ TEST(UprightProfiles, APoleGivesItsMiddleAcrossAndItsMeanAway) {
   EXPECT_NEAR(slopeOf(away), 0.01 / 0.14, 0.005);
 }
 
-/// The border of a column cuts a sliver out of a wall that passes its corner. The sliver is narrow, and its edge upright.
+/// The border of a column cuts a sliver out of a wall that passes its corner. The sliver is narrow, and its edge
+/// upright.
 TEST(UprightProfiles, AWallThatPassesACornerGivesNoLine) {
   for (const double corner_m : {0.1, 0.2, 0.3}) {
     Points in;

@@ -49,8 +49,8 @@ class Street {
     return sweep;
   }
 
-  /// Adds what is seen of an upright rectangle from `from` to `to`, that reaches from 1.1 m below to 0.8 m above the sensor
-  /// and leans by slope towards +x.
+  /// Adds what is seen of an upright rectangle from `from` to `to`, that reaches from 1.1 m below to 0.8 m above the
+  /// sensor and leans by slope towards +x.
   void see(Sweep& sweep, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double top_m = 0.8, double slope = 0.0,
            double noise_m = 0.01) {
     std::normal_distribution<double> noise(0.0, noise_m);
