@@ -33,8 +33,8 @@ std::size_t fingerprint(const std::vector<Eigen::Vector3f>& points) {
 
 const char* describeIncomplete() {
   return "the sweep is incomplete: part of the revolution is missing. If the driver publishes half a revolution (or "
-         "less) a cloud, or the lidar does not look all around, set sensor.check.min_azimuth_coverage below the share "
-         "that its clouds cover (/diagnostics: azimuth coverage)";
+         "less) a cloud, or the lidar does not look all around, set sensor.check.min_azimuth_coverage below what "
+         "its clouds cover (/diagnostics: azimuth coverage)";
 }
 
 SweepFindings SweepCheck::check(const Sweep& sweep) {

@@ -60,7 +60,7 @@ std::string describeGuess(const TimingResult& timing) {
                                                 std::string(toString(timing.reference)) + ", which is a guess"
                                           : std::string("points are not timed");
   return "point times are refused (" + timing.refusal + "); " + instead +
-         ". Mend the driver's field, or set sensor.timing.source to azimuth (or none, if the driver compensates the "
+         ". Correct the driver's field, or set sensor.timing.source to azimuth (or none, if the driver compensates the "
          "motion) and sensor.timing.stamp_reference to what the stamps mean";
 }
 
