@@ -1,4 +1,5 @@
-// The odometry's parameters: files of the package or your own, and single keys over them. doc/parameters.md lists the keys.
+// The odometry's parameters: files of the package or your own, and single keys over them. doc/parameters.md lists the
+// keys.
 #pragma once
 
 #include <map>
@@ -13,7 +14,8 @@ struct Parameters {
   std::string vehicle = "passat_b6";
   std::string sensor = "hdl64e";
   std::vector<std::string> files{};  ///< yaml files with some keys each, as the calibrations write them
-  /// Key -> value as text, the last word: {"sensor.timing.source", "none"}, {"sensor.lidar_in_base", "[0, 0, 1.7, 0, 0, 0]"}
+  /// Key -> value as text, the last word: {"sensor.timing.source", "none"},
+  /// {"sensor.lidar_in_base", "[0, 0, 1.7, 0, 0, 0]"}
   std::map<std::string, std::string> overrides{};
   std::string
       cfg{};  ///< the folder with profiles/, vehicles/, sensors/; empty: the one that is installed with the library

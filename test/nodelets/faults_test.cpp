@@ -391,8 +391,7 @@ TEST_F(Faults, AStageThatIsAlwaysTooLateIsWaitedForNoLonger) {
   // From here on no deadline comes: a sweep is closed when nobody is left to wait for.
   ASSERT_TRUE(reconfigureDeadline(600.0));
   for (int i = 0; i < 2; ++i) EXPECT_TRUE(has(drive(), Reason::REASON_NO_ANSWER | Reason::REASON_MISSING_CORNERS));
-  // In the midst of a sweep that waits for nobody else there is no saying when it comes; sooner than 600 s it is in
-  // time.
+  // In a sweep that waits for no other source the answer comes at an unknown time; before 600 s it is in time.
   ros::Subscriber quick = graph_.node().subscribe<messages::SweepPrediction>(
       "sweep/prediction", 10,
       [&](const messages::SweepPredictionConstPtr& prediction) { slow.publish(noCorners(prediction->header.stamp)); });

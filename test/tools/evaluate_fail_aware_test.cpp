@@ -18,6 +18,14 @@ class EvaluateFailAware : public MadeUpRunsTest {
  protected:
   void run(const std::string& arguments) { MadeUpRunsTest::run(EVALUATE_FAIL_AWARE, arguments); }
 
+  /// Makes a run of 12 s up, and judges it into result/.
+  void judgeShortRun(const std::string& name, const std::string& more = "") {
+    MadeUpRun made_up;
+    made_up.sweeps = 120;
+    made_up.write(folder_ / name);
+    run(options(name) + " --resamples 1" + more + " --output '" + (folder_ / "result").string() + "'");
+  }
+
   nlohmann::json report() const { return nlohmann::json::parse(contentOf(folder_ / "result" / "fail_aware.json")); }
 
   void expectRefused(const std::string& arguments, const std::string& reason) {
@@ -255,10 +263,7 @@ TEST_F(EvaluateFailAware, RunsOfOneNameStayApart) {
 }
 
 TEST_F(EvaluateFailAware, ARunsNameMayContainCommasAndQuotes) {
-  MadeUpRun made_up;
-  made_up.sweeps = 120;
-  made_up.write(folder_ / "rain, \"heavy\"");
-  run(options("rain, \"heavy\"") + " --resamples 1 --output '" + (folder_ / "result").string() + "'");
+  judgeShortRun("rain, \"heavy\"");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   for (const char* file : {"predictions.csv", "episodes.csv"}) {
     const std::string csv = contentOf(folder_ / "result" / file);
@@ -401,10 +406,7 @@ TEST_F(EvaluateFailAware, KeptEpisodesGiveTheSameFigures) {
 }
 
 TEST_F(EvaluateFailAware, ADamagedEpisodeFileIsRefused) {
-  MadeUpRun made_up;
-  made_up.sweeps = 120;
-  made_up.write(folder_ / "run");
-  run(options("run") + " --resamples 1 --keep-episodes --output '" + (folder_ / "result").string() + "'");
+  judgeShortRun("run", " --keep-episodes");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   const fs::path file = folder_ / "result/episodes.bin";
   const std::string whole = contentOf(file);

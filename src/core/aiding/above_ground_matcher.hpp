@@ -12,8 +12,8 @@
 // The match allows for the near sides that move around what stands while the vehicle passes (near_side.hpp).
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
-// distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but 0.4
-// m).
+// distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but
+// 0.4 m).
 //
 // Frames: points of the centre of gravity; poses odom. Failure: nothing. Cost: the planes' equations once, of some of
 // the points (0.6 ms); in open country 1 to 2 ms more.

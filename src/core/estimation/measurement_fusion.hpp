@@ -18,7 +18,7 @@
 // speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
 // One inside its gate that is outnumbered in this way, by those of greater weight, counts by its weight.
 // Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are:
-// their sigmas together within agreement_distance_m. What knows next to nothing bears nobody out.
+// their sigmas together within agreement_distance_m. An input with a very large sigma confirms no other.
 // A disagreement with an external one does not count while its covariance explains the distance.
 //
 // Partial measurements (FusionInput::Kind::kPartial) come after the others: inside their gate (the distance to the

@@ -4,7 +4,7 @@
 // every field's name, the field and, if it has one, its check (validate.hpp). Fields are bool, int, double,
 // std::string, std::vector<double> or a nested struct with its own visit; nested names are joined with dots
 // ("fusion.gate_sigma"). A field that visit leaves out is a constant: no file sets it, and the reason for its value is
-// beside it. Failure: ParameterError naming the key; the struct is then unchanged. Nothing here validates.
+// beside it. Failure: ParameterError naming the key; the struct is then unchanged. Values are not validated.
 #pragma once
 
 #include <map>
