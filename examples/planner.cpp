@@ -1,10 +1,12 @@
 // A planner that obeys the time to failure (doc/planner_contract.md). It publishes what the vehicle must do, 20 times a
 // second, on ~action: "drive", "slow down", "stop" (follow the pose), "stop blind" (do not use the pose), or
-// "own localisation" while the GPS is good. Inputs (std_msgs/Bool): ~gps_lost: true from the call of start_redundant
-// until the GPS is back; ~standing: the vehicle stands, as its wheels tell.
+// "own localisation" while the GPS is good. Inputs: ~gps_lost (std_msgs/Bool): true from the call of start_redundant
+// until the GPS is back; ~gps_pose (std_msgs/Header): the header of each good GPS pose; ~standing (std_msgs/Bool): the
+// vehicle stands, as its wheels tell.
 #include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
+#include <std_msgs/Header.h>
 #include <std_msgs/String.h>
 
 #include <algorithm>
@@ -31,6 +33,9 @@ class Planner {
                                            [this](const TimeToFailure::ConstPtr& message) { hear(*message); });
     wheels_ = node_.subscribe<std_msgs::Bool>(
         "standing", 1, [this](const std_msgs::Bool::ConstPtr& message) { standing_ = message->data; });
+    gps_pose_ = node_.subscribe<std_msgs::Header>("gps_pose", 1, [this](const std_msgs::Header::ConstPtr& header) {
+      if (!gps_lost_) gps_pose_at_ = header->stamp;
+    });
     gps_ = node_.subscribe<std_msgs::Bool>("gps_lost", 1, [this](const std_msgs::Bool::ConstPtr& message) {
       if (message->data && !gps_lost_) loseGps();
       gps_lost_ = message->data;
@@ -48,7 +53,7 @@ class Planner {
     lost_since_ = ros::SteadyTime::now();
     lost_at_ = ros::Time::now();
     t1_ = ros::Time();
-    pose_lost_ = false;
+    pose_lost_ = !isCurrent(gps_pose_at_);  // the drift from this pose to t1 is not in the state
   }
 
   void hear(const TimeToFailure& message) {
@@ -75,20 +80,23 @@ class Planner {
   }
 
   Stop wantedStop() const {
-    const double age_s = ros::Time::now().toSec() - last_.header.stamp.toSec();
-    const bool current = age_s >= -kAhead_s && age_s <= kOldest_s;
     const bool silent = since_s(heard_) > kSilence_s;
-    if (pose_lost_ || silent || !current || last_.state == TimeToFailure::FAILED) return kBlind;
+    if (pose_lost_ || silent || !isCurrent(last_.header.stamp) || last_.state == TimeToFailure::FAILED) return kBlind;
     if (last_.state == TimeToFailure::UNKNOWN) return since_s(lost_since_) < kWait_s ? kNone : kBlind;
     return last_.state == TimeToFailure::FAILING ? kByThePose : kNone;
   }
 
+  static bool isCurrent(const ros::Time& stamp) {
+    const double age_s = ros::Time::now().toSec() - stamp.toSec();
+    return age_s >= -kAhead_s && age_s <= kOldest_s;
+  }
+
   ros::NodeHandle node_;
   ros::Publisher publisher_;
-  ros::Subscriber time_, wheels_, gps_;
+  ros::Subscriber time_, wheels_, gps_, gps_pose_;
   TimeToFailure last_;  // UNKNOWN until the first one comes
   ros::SteadyTime heard_, lost_since_;
-  ros::Time lost_at_, t1_;
+  ros::Time lost_at_, t1_, gps_pose_at_;
   bool standing_ = false, gps_lost_ = false, pose_lost_ = false;
   Stop stop_ = kNone;
 };

@@ -2,14 +2,15 @@
 """A planner that obeys the time to failure (doc/planner_contract.md): what planner.cpp does, in Python.
 
 It publishes what the vehicle must do, 20 times a second, on ~action: "drive", "slow down", "stop" (follow the pose),
-"stop blind" (do not use the pose), or "own localisation" while the GPS is good. Inputs (std_msgs/Bool): ~gps_lost: true
-from the call of start_redundant until the GPS is back; ~standing: the vehicle stands, as its wheels tell.
+"stop blind" (do not use the pose), or "own localisation" while the GPS is good. Inputs: ~gps_lost (std_msgs/Bool): true
+from the call of start_redundant until the GPS is back; ~gps_pose (std_msgs/Header): the header of each good GPS pose;
+~standing (std_msgs/Bool): the vehicle stands, as its wheels tell.
 """
 import time
 
 import rospy
 from fail_aware_lidar_odometry.msg import TimeToFailure
-from std_msgs.msg import Bool, String
+from std_msgs.msg import Bool, Header, String
 
 SILENCE_S = 0.5  # without a message: the monitor or its computer has failed
 OLDEST_S = 1.0   # an older stamp is outdated
@@ -19,7 +20,11 @@ NONE, BY_THE_POSE, BLIND = 0, 1, 2
 
 last, heard = TimeToFailure(), -1e9  # UNKNOWN until the first one comes
 standing, stop, lost_since = False, NONE, None
-lost_at_s, t1, pose_lost = 0.0, None, False
+lost_at_s, t1, pose_lost, gps_pose_at = 0.0, None, False, rospy.Time()
+
+
+def is_current(stamp):
+    return -AHEAD_S <= rospy.Time.now().to_sec() - stamp.to_sec() <= OLDEST_S
 
 
 def on_time(message):
@@ -40,18 +45,24 @@ def on_wheels(message):
     standing = message.data
 
 
+def on_gps_pose(header):
+    global gps_pose_at
+    if lost_since is None:
+        gps_pose_at = header.stamp
+
+
 def on_gps(message):
     global lost_since, lost_at_s, t1, pose_lost
     if not message.data:
         lost_since, t1, pose_lost = None, None, False
     elif lost_since is None:
+        pose_lost = not is_current(gps_pose_at)  # the drift from this pose to t1 is not in the state
         lost_at_s, lost_since = rospy.Time.now().to_sec(), time.monotonic()
 
 
 def wanted_stop(since):
     silent = time.monotonic() - heard > SILENCE_S
-    age_s = rospy.Time.now().to_sec() - last.header.stamp.to_sec()
-    if pose_lost or silent or not -AHEAD_S <= age_s <= OLDEST_S or last.state == TimeToFailure.FAILED:
+    if pose_lost or silent or not is_current(last.header.stamp) or last.state == TimeToFailure.FAILED:
         return BLIND
     if last.state == TimeToFailure.UNKNOWN:
         return NONE if time.monotonic() - since < WAIT_S else BLIND
@@ -73,6 +84,7 @@ def action():
 rospy.init_node("planner")
 rospy.Subscriber("/fail_aware_lidar_odometry/time_to_failure", TimeToFailure, on_time, queue_size=1)
 rospy.Subscriber("~standing", Bool, on_wheels, queue_size=1)
+rospy.Subscriber("~gps_pose", Header, on_gps_pose, queue_size=1)
 rospy.Subscriber("~gps_lost", Bool, on_gps, queue_size=1)
 publisher = rospy.Publisher("~action", String, queue_size=1)
 while not rospy.is_shutdown():

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>
+#include <std_msgs/Header.h>
 #include <std_msgs/String.h>
 
 #include <map>
@@ -23,16 +24,28 @@ class PlannerExample : public testing::TestWithParam<const char*> {
     publisher_ = kept<TimeToFailure>("/fail_aware_lidar_odometry/time_to_failure");
     standing_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/standing");
     gps_lost_ = kept<std_msgs::Bool>(std::string("/") + GetParam() + "/gps_lost");
+    gps_pose_ = kept<std_msgs::Header>(std::string("/") + GetParam() + "/gps_pose");
     subscriber_ =
         node_.subscribe<std_msgs::String>(std::string("/") + GetParam() + "/action", 1,
                                           [this](const std_msgs::String::ConstPtr& action) { action_ = action->data; });
     ASSERT_TRUE(waitFor([&] {
       return publisher_.getNumSubscribers() == 2 && standing_.getNumSubscribers() == 1 &&
-             gps_lost_.getNumSubscribers() == 1 && !action_.empty();
+             gps_lost_.getNumSubscribers() == 1 && gps_pose_.getNumSubscribers() == 1 && !action_.empty();
     })) << "not up";
     publish(standing_, true);
     publish(gps_lost_, false);
     ASSERT_EQ(await("own localisation"), "own localisation");
+    loseGps();
+  }
+
+  /// The last good GPS pose is `age_s` old.
+  void loseGps(double age_s = 0.0) {
+    for (int i = 0; i < 20; ++i) {  // the topics have no common order: each pose arrives long before the loss
+      std_msgs::Header header;
+      header.stamp = ros::Time::now() - ros::Duration(age_s);
+      gps_pose_.publish(header);
+      ros::WallDuration(0.02).sleep();
+    }
     t1_ = ros::Time::now();
     publish(gps_lost_, true);
   }
@@ -88,7 +101,7 @@ class PlannerExample : public testing::TestWithParam<const char*> {
   }
 
   ros::NodeHandle node_;
-  ros::Publisher publisher_, standing_, gps_lost_;
+  ros::Publisher publisher_, standing_, gps_lost_, gps_pose_;
   ros::Subscriber subscriber_;
   std::string action_;
   ros::Time t1_;
@@ -129,13 +142,12 @@ TEST_P(PlannerExample, AsksOnlyFromTheLossOfTheGpsOn) {
   EXPECT_EQ(reaction("own localisation", TimeToFailure::UNKNOWN, -1.0), "own localisation");
   EXPECT_EQ(reactionAfterAWhile(TimeToFailure::FAILED, 0.0), "own localisation");
   say(TimeToFailure::UNKNOWN, -1.0);
-  publish(gps_lost_, true);
+  loseGps();
   EXPECT_EQ(reaction("slow down", TimeToFailure::UNKNOWN, -1.0), "slow down") << "it waits for the first state";
   EXPECT_EQ(reaction("stop blind", TimeToFailure::UNKNOWN, -1.0), "stop blind") << "0.5 s later";
   publish(gps_lost_, false);
   EXPECT_EQ(reaction("own localisation", TimeToFailure::OK, 60.0), "own localisation") << "the GPS is back";
-  t1_ = ros::Time::now();
-  publish(gps_lost_, true);
+  loseGps();
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive") << "at the next loss";
 }
 
@@ -146,8 +158,8 @@ TEST_P(PlannerExample, AT1OfAnEarlierCallIsNotTakenForThisLoss) {
   EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive") << "though another one was there before";
   publish(gps_lost_, false);
   ASSERT_EQ(await("own localisation"), "own localisation");
-  t1_ = ros::Time::now() - ros::Duration(30.0);
-  publish(gps_lost_, true);
+  loseGps();
+  t1_ -= ros::Duration(30.0);
   EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0), "stop blind") << "nobody called start_redundant";
 }
 
@@ -159,10 +171,23 @@ TEST_P(PlannerExample, AT1ThatNobodyAskedForEndsTheUseOfThePose) {
   EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop blind") << "though it stands";
   publish(gps_lost_, false);
   ASSERT_EQ(await("own localisation"), "own localisation");
-  publish(gps_lost_, true);
-  t1_ = ros::Time::now() + ros::Duration(2.0);
+  loseGps();
+  t1_ += ros::Duration(2.0);
   EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0), "stop blind") << "t1 came too late";
   EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop blind");
+}
+
+TEST_P(PlannerExample, AnOldGpsPoseIsNoStart) {
+  ASSERT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive");
+  publish(gps_lost_, false);
+  ASSERT_EQ(await("own localisation"), "own localisation");
+  loseGps(3.0);
+  EXPECT_EQ(reaction("stop blind", TimeToFailure::OK, 60.0), "stop blind");
+  EXPECT_EQ(reactionAfterAWhile(TimeToFailure::OK, 60.0), "stop blind");
+  publish(gps_lost_, false);
+  ASSERT_EQ(await("own localisation"), "own localisation");
+  loseGps();
+  EXPECT_EQ(reaction("drive", TimeToFailure::OK, 60.0), "drive") << "at the next loss, with a new pose";
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, PlannerExample, testing::Values("planner_cpp", "planner_python"));
