@@ -52,6 +52,7 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
   }
   const Pose T_odom_cog_previous = filter_.state().T_odom_cog;
   const FilterState& state = filter_.correct(inputs, middle_s);
+  noteRefused(inputs);
   clock_.observeRevolution(revolution_s);
   OdometryIncrement increment = incrementOf(state);
   increment.tilt_moment = tilt_moment;
@@ -59,6 +60,17 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
       !(state.dt_s > 0.0) || odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, increment);
   takeSetPose(prediction_.motionKnown());
   return state;
+}
+
+void Estimator::noteRefused(const std::vector<FusionInput>& inputs) {
+  refused_.clear();
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (inputs[i].kind != FusionInput::Kind::kExternal || !inputs[i].measurement) continue;
+    const Eigen::Vector3d offset =
+        inputs[i].measurement->T_odom_cog.translation() - prediction_.T_odom_cog.translation();
+    const std::string why = refusalOf(filter_.state().fusion, i, offset.head<2>().norm());
+    if (!why.empty()) refused_.push_back({inputs[i].name, why});
+  }
 }
 
 void Estimator::takeSetPose(bool motion_known) {
@@ -103,6 +115,7 @@ void Estimator::beginDrive(const Pose& T_odom_cog) {
   pose_setting_.clear();
   for (auto& [name, source] : sources_) source.clear();
   external_.clear();
+  refused_.clear();
 }
 
 }  // namespace fail_aware

@@ -61,6 +61,8 @@ class Estimator {
   std::string offer(const std::string& source, const ExternalPose& pose);
   /// From the last update(), ordered by source name.
   const std::vector<ExternalMeasurement>& externalMeasurements() const { return external_; }
+  /// From the last update(): of these sources, and of external sources among its measurements.
+  const std::vector<RefusedPose>& refusedPoses() const { return refused_; }
 
   /// set_pose: returns why the pose is refused; empty: the pose waits for the next update().
   std::string setPose(const ExternalPose& pose) { return pose_setting_.offer(pose, newest_stamp_s_); }
@@ -83,6 +85,7 @@ class Estimator {
 
  private:
   void beginDrive(const Pose& T_odom_cog);
+  void noteRefused(const std::vector<FusionInput>& inputs);
   void takeSetPose(bool motion_known);
 
   Pose T_base_cog_;
@@ -97,6 +100,7 @@ class Estimator {
   PoseSet pose_set_;
   std::map<std::string, ExternalPoseSource> sources_;
   std::vector<ExternalMeasurement> external_;
+  std::vector<RefusedPose> refused_;
   bool covariance_is_whole_ = true;
 };
 

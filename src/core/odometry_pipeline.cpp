@@ -203,6 +203,7 @@ void OdometryPipeline::Stages::estimate(const SweepPrediction& prediction, const
   const FilterState& state = estimator.update(inputs, report.middle_s, report.revolution_s, report.tilt_moment);
   describeState(result);
   result.pose_set = estimator.takePoseSet();
+  result.refused_poses = estimator.refusedPoses();
   result.status = !state.started              ? SweepStatus::kNotStarted
                   : !(prediction.dt_s > 0.0)  ? SweepStatus::kFirst
                   : state.measurement_applied ? SweepStatus::kCorrected

@@ -52,6 +52,7 @@ struct SweepResult {
   Pose T_odom_base = Pose::Identity();
   Matrix6d odometry_covariance = Matrix6d::Zero();  ///< accumulated, of T_odom_base, geometry/pose.hpp's convention
   PoseSet pose_set;                                 ///< outcome of a pose that was set
+  std::vector<RefusedPose> refused_poses;           ///< of external sources
   std::vector<SourceResult> sources;                ///< in the order of the fusion's weights
   TimingResult timing;                              ///< of the sweep's points
   SweepCondition condition;                         ///< the monitor's input beside `state`

@@ -35,6 +35,9 @@ class FusionDiagnosis {
     arrived_s_ = arrived_s;
     latency_s_ = ros::SteadyTime::now().toSec() - arrived_s;
     progress_.done(stamp);
+    for (const RefusedPose& pose : estimator_.refusedPoses()) {
+      faults_.say("pose of " + pose.source, "the pose of " + pose.source + " is not used: " + pose.why);
+    }
   }
 
   /// Call when the stamps jumped and a new drive begins.

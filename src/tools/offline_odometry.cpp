@@ -211,6 +211,7 @@ double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, d
     poses.offer(stamp_s);
     const SweepResult result = read.status == ReadStatus::kOtherFrame ? pipeline.refuse() : pipeline.step(sweep);
     if (!result.pose_set.refused.empty()) warn("--set-pose: refused: " + result.pose_set.refused);
+    poses.note(stamp_s, result.refused_poses);
     results.add(read, drive.name(), stamp_s, points_dropped, result);
     progress.update(i + 1);
   }

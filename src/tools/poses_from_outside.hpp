@@ -80,7 +80,16 @@ class PosesFromOutside {
     });
   }
 
-  /// For the user, at the end: files whose stamps are none of the drive's.
+  /// Call with each sweep's result.
+  void note(double stamp_s, const std::vector<RefusedPose>& refused) {
+    for (const RefusedPose& pose : refused) {
+      const auto is_source = [&](const Source& source) { return source.name == pose.source; };
+      const auto source = std::find_if(sources_.begin(), sources_.end(), is_source);
+      if (source->refused++ == 0) source->why = "first at stamp " + std::to_string(stamp_s) + ": " + pose.why;
+    }
+  }
+
+  /// For the user, at the end: files whose stamps are none of the drive's, and poses that the fusion refused.
   std::vector<std::string> warnings() const {
     std::vector<std::string> found;
     const auto add = [&](const std::string& name, const PoseQueue& poses) {
@@ -88,7 +97,11 @@ class PosesFromOutside {
       found.push_back(name + ": no pose has the stamp of a sweep; the sweeps' are from " +
                       std::to_string(first_stamp_s_) + " to " + std::to_string(last_stamp_s_) + " s");
     };
-    for (const Source& source : sources_) add(source.name, source.poses);
+    for (const Source& source : sources_) {
+      add(source.name, source.poses);
+      if (source.refused == 0) continue;
+      found.push_back(source.name + ": " + std::to_string(source.refused) + " poses were not used; " + source.why);
+    }
     if (set_) add("--set-pose", *set_);
     return found;
   }
@@ -97,6 +110,8 @@ class PosesFromOutside {
   struct Source {
     std::string name;
     PoseQueue poses;
+    std::size_t refused = 0;  ///< by the fusion
+    std::string why{};        ///< of the first refused one
   };
 
   static void warn(const std::string& name, const ExternalPose& pose, const std::string& why) {

@@ -4,6 +4,7 @@
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
+#include <rosgraph_msgs/Log.h>
 #include <std_srvs/Trigger.h>
 #include <unistd.h>
 
@@ -393,6 +394,20 @@ TEST_F(Interfaces, AGpsJoinsTheFusionAndCarriesItAlone) {
   drive(25, 27);
   EXPECT_EQ(stateAt(27).measurement_status[static_cast<std::size_t>(sourceOf(stateAt(27), "gps"))],
             messages::FilterState::NOT_ARRIVED);
+  // a pose of another place
+  std::string log;
+  ros::Subscriber listener = graph_->node().subscribe<rosgraph_msgs::Log>(
+      "/rosout", 100, [&](const rosgraph_msgs::LogConstPtr& line) { log += line->msg + '\n'; });
+  ASSERT_TRUE(waitFor([&] { return listener.getNumPublishers() > 0; }));
+  int at = 28;
+  EXPECT_TRUE(waitFor([&] {  // again until the log's link is up: the line comes every 10 s
+    Pose elsewhere = synthetic::Drive().T_odom_base(kSweepPeriod_s * at);
+    elsewhere.translation().x() += 500.0;
+    gps.publish(poseMessage(elsewhere, 0.3, 0.0, "odom", stampOfSweep(at) + ros::Duration(0.03)));
+    EXPECT_TRUE(graph_->drive(streetCloud(at)));
+    ++at;
+    return log.find("the pose of gps is not used: its pose is ") != std::string::npos;
+  })) << log;
 }
 
 TEST_F(Interfaces, OwnPoseMeasurementIsMatchedByStamp) {

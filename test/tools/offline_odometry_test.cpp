@@ -600,6 +600,30 @@ TEST_F(OfflineOdometry, PointsInMillimetresAreTold) {
   EXPECT_NE(result_.err.find("no scan of " + drive.string() + " could be used"), std::string::npos) << result_.err;
 }
 
+TEST_F(OfflineOdometry, ExternalPosesThatTheFusionRefusesAreTold) {
+  const std::string columns = "stamp,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z,sigma_roll,sigma_pitch,sigma_yaw\n";
+  std::ofstream gps(folder_ / "gps.csv"), other_frame(folder_ / "other_frame.csv");
+  gps << columns;
+  other_frame << columns;
+  for (int i = 0; i < kScans; ++i) {
+    const Eigen::Vector3d at = kDrive.T_odom_base(0.1 * i).translation();
+    const auto write = [&](std::ofstream& file, double offset_m) {
+      file << 0.1 * i << ',' << at.x() + offset_m << ',' << at.y() << ',' << at.z() << ",0,0,0,1,0.5,0.5,0.5,0,0,0\n";
+    };
+    write(gps, 0.0);
+    write(other_frame, 5000.0);
+  }
+  gps.close();
+  other_frame.close();
+  run(base() / "drive", "--external-poses '" + (folder_ / "gps.csv").string() + "' --external-poses '" +
+                            (folder_ / "other_frame.csv").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("warning: other_frame: "), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find(" poses were not used; first at stamp "), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("beyond fusion.gate_sigma: check its frame"), std::string::npos) << result_.err;
+  EXPECT_EQ(result_.err.find("warning: gps: "), std::string::npos) << result_.err;
+}
+
 TEST_F(OfflineOdometry, UnwritableOutputIsRefusedFirst) {
   const std::string drive = "--kitti '" + (base() / "drive").string() + "' ";
   const fs::path file = folder_ / "file";

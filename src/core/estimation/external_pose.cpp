@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "core/estimation/largest_values.hpp"
 #include "core/estimation/odometry_covariance.hpp"
@@ -64,6 +65,19 @@ Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const 
   const double sigma_m = kSpeedSigma * motion.head<3>().norm();
   measurement.covariance.diagonal().head<3>().array() += sigma_m * sigma_m;
   return measurement;
+}
+
+std::string refusalOf(const FusionResult& fusion, std::size_t input, double distance_m) {
+  const double sigmas = fusion.weights[input] > 0.0 ? 0.0 : fusion.refused_sigmas[input];
+  if (sigmas == 0.0) return "";
+  char text[200] = "its pose or its covariance cannot be used: check that they are in m and rad";
+  if (std::isfinite(sigmas)) {
+    std::snprintf(text, sizeof text,
+                  "its pose is %.1f m (%.1f sigma) from the prediction, beyond fusion.gate_sigma: check its frame, its "
+                  "stamps and its covariance",
+                  distance_m, sigmas);
+  }
+  return text;
 }
 
 std::string ExternalPoseSource::offer(const ExternalPose& pose) {

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "core/geometry/pose.hpp"
+#include "core/types/fusion_result.hpp"
 #include "core/types/measurement.hpp"
 #include "core/types/sweep_prediction.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
@@ -33,6 +34,16 @@ std::string unusableReason(const Matrix6d& covariance);
 /// the predicted one, with a variance that no fusion listens to.
 Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
                                 const Vector6d& twist_cog, const Pose& T_base_cog);
+
+/// A pose of an external source that the fusion did not use.
+struct RefusedPose {
+  std::string source;
+  std::string why;  ///< one line for the user
+};
+
+/// Why the fusion did not use the measurement of an external source, one line for the user; empty: it was used, or was
+/// absent, or too vague to count. `distance_m`: horizontal, from the prediction.
+std::string refusalOf(const FusionResult& fusion, std::size_t input, double distance_m);
 
 /// One source of such poses: its last few, by stamp; the oldest give way.
 class ExternalPoseSource {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "core/estimation/largest_values.hpp"
@@ -138,6 +139,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   FusionResult result;
   result.weights.assign(inputs.size(), 0.0);
   result.nis.assign(inputs.size(), -1.0);
+  result.refused_sigmas.assign(inputs.size(), 0.0);
   if (!predicted_state.allFinite() || predicted_state.head<3>().cwiseAbs().maxCoeff() > kFarthestPose_m ||
       !inverseOfCovariance(predicted_P)) {
     result.prediction_invalid = true;
@@ -154,6 +156,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
     if (candidate && stateDifference(candidate->z, predicted_state).head<3>().norm() <= kFarthestOff_m) {
       (FusionInput::isPartial(inputs[i].kind) ? partial : candidates).push_back(*candidate);
     } else {
+      result.refused_sigmas[i] = std::numeric_limits<double>::infinity();
       ++result.invalid_inputs;
     }
   }
@@ -187,8 +190,10 @@ void MeasurementFusion::weigh(const std::vector<Candidate>& candidates, const Ve
     const Eigen::Matrix2d P_xy = P.topLeftCorner<2, 2>();
     const Eigen::Matrix2d gate = params_.literal ? Eigen::Matrix2d(P_xy.diagonal().asDiagonal())
                                                  : Eigen::Matrix2d(P_xy + c.R.topLeftCorner<2, 2>());
-    const double w = 1.0 - mahalanobis2d(d.head<2>(), gate) / params_.gate_sigma;
-    if (w > 0.0 && (params_.literal || w >= params_.min_weight)) result->weights[c.input] = w;
+    const double sigmas = mahalanobis2d(d.head<2>(), gate);
+    const double w = 1.0 - sigmas / params_.gate_sigma;
+    const bool inside = w > 0.0 && (params_.literal || w >= params_.min_weight);
+    (inside ? result->weights : result->refused_sigmas)[c.input] = inside ? w : sigmas;
   }
 }
 

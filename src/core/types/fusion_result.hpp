@@ -17,7 +17,10 @@ struct FusionResult {
   Matrix6d R_map = Matrix6d::Identity();
   std::vector<double> weights;  ///< per input, 0..1 before normalisation; 0: gated out or absent
   std::vector<double> nis;      ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
-  bool all_gated_out = false;   ///< there were usable measurements, but none within the gate
+  /// Per input: the horizontal distance in standard deviations at which the gate refused it; infinity: it is ok(), but
+  /// not usable; 0: neither.
+  std::vector<double> refused_sigmas;
+  bool all_gated_out = false;  ///< there were usable measurements, but none within the gate
   /// A group that agrees was used though most of it was outside the gate, or a measurement that contradicts the
   /// prediction.
   bool prediction_overruled = false;

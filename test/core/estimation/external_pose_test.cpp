@@ -120,6 +120,22 @@ TEST(ExternalPose, DisagreesOnlyBeyondBothCovariances) {
   EXPECT_NEAR(fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"second", &near}}).disagreement_m, 0.9, 1e-9);
 }
 
+TEST(ExternalPose, ARefusalIsToldInMetresAndSigmas) {
+  const auto refusal = [](double x_m, double sigma_m, const Matrix6d& P = 1e-4 * Matrix6d::Identity()) {
+    const Measurement m = externalMeasurement(gps(1.0, pose(x_m, 0, 0, 0, 0, 0), sigma_m), 1.0, Pose::Identity(),
+                                              Vector6d::Zero(), Pose::Identity());
+    const FusionResult fused = MeasurementFusion(MeasurementFusion::Params())
+                                   .fuse(Vector6d::Zero(), P, {{"gps", &m, FusionInput::Kind::kExternal}});
+    return refusalOf(fused, 0, x_m);
+  };
+  EXPECT_EQ(refusal(1.0, 0.5), "") << "within 3 sigma";
+  EXPECT_NE(refusal(5.0, 0.5).find("5.0 m (10.0 sigma) from the prediction, beyond fusion.gate_sigma"),
+            std::string::npos)
+      << refusal(5.0, 0.5);
+  EXPECT_NE(refusal(2e5, 0.5).find("cannot be used"), std::string::npos) << "farther than any car drives in an hour";
+  EXPECT_EQ(refusal(5.0, 0.5, Matrix6d::Constant(std::nan(""))), "") << "the prediction is what cannot be used";
+}
+
 TEST(ExternalPose, HasNoVoteAgainstWhatItsCovarianceBearsOut) {
   const auto at = [](double x_m, double sigma_m) {
     return externalMeasurement(gps(1.0, pose(x_m, 0, 0, 0, 0, 0), sigma_m, 0.001), 1.0, Pose::Identity(),
