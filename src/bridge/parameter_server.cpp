@@ -56,6 +56,11 @@ std::string readText(const ros::NodeHandle& node, const std::string& name, const
   return node.getParam(name, text) ? text : otherwise;
 }
 
+std::optional<double> readNumber(const ros::NodeHandle& node, const std::string& name) {
+  double number = 0.0;
+  return node.getParam(name, number) ? std::optional<double>(number) : std::nullopt;
+}
+
 PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
   for (const char* part : {"profile", "vehicle", "sensor"}) {
     if (node.hasParam(part)) continue;

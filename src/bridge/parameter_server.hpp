@@ -10,6 +10,7 @@
 #include <ros/node_handle.h>
 #include <xmlrpcpp/XmlRpcValue.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ void readParameters(const ros::NodeHandle& node, const std::string& name, Struct
 
 /// The current text `name` of `node`; `otherwise` if there is none.
 std::string readText(const ros::NodeHandle& node, const std::string& name, const std::string& otherwise);
+
+/// The current number `name` of `node`, if there is one.
+std::optional<double> readNumber(const ros::NodeHandle& node, const std::string& name);
 
 /// profile/, vehicle/ and sensor/ below `node`, validated.
 PipelineParameters readPipelineParameters(const ros::NodeHandle& node);

@@ -125,6 +125,15 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     return true;
   }
 
+  /// Once, when the period is known.
+  void checkDeadline() {
+    if (deadline_checked_) return;
+    const std::optional<double> deadline_s = readNumber(getNodeHandle(), "fusion_ukf/deadline_s");
+    const std::optional<std::string> fault = silence_.deadlineFault(deadline_s.value_or(0.0));
+    deadline_checked_ = fault.has_value();
+    if (fault && !fault->empty()) ROS_WARN("fail_aware_monitor: %s", fault->c_str());
+  }
+
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) override {
     using Level = diagnostic_msgs::DiagnosticStatus;
     const bool failed = output_.state == FailAwareState::kFailed || output_.state == FailAwareState::kFailing;
@@ -148,6 +157,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
                                                  std::to_string(output_.standby_time_to_failure.seconds) + " s");
     }
     reconfiguration_->diagnose(status);
+    checkDeadline();
     status.add("time to failure (s)", output_.time_to_failure.seconds);
     status.add("eta (rad)", output_.eta);
     status.add("sigma x since start_redundant (m)", output_.sigma_x_m);
@@ -162,6 +172,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   ClockCheck clock_;  ///< of the filter states' stamps
   RateMeter rate_;
   SilenceWatch silence_;
+  bool deadline_checked_ = false;
   MonitorLog log_;
   ros::Publisher publisher_, marker_publisher_;
   // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.

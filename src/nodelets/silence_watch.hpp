@@ -4,6 +4,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <string>
 
 #include "core/integrity/silence.hpp"
 #include "core/stamp_difference.hpp"
@@ -20,10 +23,28 @@ class SilenceWatch {
   /// Call for each filter state; `dt_s`: since the previous one, 0: there is none.
   void heard(double now_s, double dt_s) {
     heard_s_ = now_s;
-    if (dt_s > 0.0) period_s_ = dt_s;
+    if (!(dt_s > 0.0)) return;
+    period_s_ = dt_s;
+    shortest_s_ = std::min(shortest_s_, dt_s);
+    ++periods_;
   }
   /// Call after publishing a message about a filter state or about silence.
   void published(double now_s) { published_s_ = now_s; }
+
+  /// One line for the user, once the period is known: a sweep that waits for its deadline already counts as silence.
+  /// Empty: it does not. `deadline_s`: fusion_ukf/deadline_s.
+  std::optional<std::string> deadlineFault(double deadline_s) const {
+    if (periods_ < kPeriods) return std::nullopt;
+    const double limit_s = staleAfter_s(params_, shortest_s_);
+    if (shortest_s_ + deadline_s < limit_s) return "";
+    char text[300];
+    std::snprintf(text, sizeof text,
+                  "fusion_ukf/deadline_s (%g s) plus the sweeps' period (%.2f s) reaches the silence limit (%.2f s, from "
+                  "fail_aware_monitor/stale_sweeps): a sweep that waits for a source until its deadline makes the state "
+                  "FAILED; lower deadline_s or raise stale_sweeps",
+                  deadline_s, shortest_s_, limit_s);
+    return text;
+  }
 
   double silence_s(double now_s) const { return now_s - heard_s_; }
 
@@ -34,10 +55,14 @@ class SilenceWatch {
   }
 
  private:
+  static constexpr int kPeriods = 10;  ///< the shortest of so many is a period without a dropped sweep
+
   SilenceParams params_;
   double heard_s_;
   double published_s_ = 0.0;
   double period_s_ = kUsualPeriod_s;  ///< of the filter states
+  double shortest_s_ = kLongestPeriod_s;
+  int periods_ = 0;
 };
 
 }  // namespace fail_aware

@@ -26,6 +26,19 @@ TEST(SilenceWatch, ItIsSaidAgainTenTimesASecond) {
   EXPECT_TRUE(watch.isDue(100.51));
 }
 
+TEST(SilenceWatch, ADeadlineThatReachesTheSilenceLimitIsNamedOnceThePeriodIsKnown) {
+  SilenceWatch watch = watchFrom(100.0);
+  for (int i = 0; i < 9; ++i) watch.heard(100.0, i == 4 ? 0.2 : 0.1);  // one sweep was dropped
+  EXPECT_EQ(watch.deadlineFault(0.5), std::nullopt);
+  watch.heard(100.0, 0.0);
+  EXPECT_EQ(watch.deadlineFault(0.5), std::nullopt) << "a first sweep tells no period";
+  watch.heard(100.0, 0.1);
+  EXPECT_EQ(watch.deadlineFault(0.18), "") << "0.28 s is less than 0.3 s";
+  const std::string fault = watch.deadlineFault(0.25).value_or("");
+  EXPECT_NE(fault.find("fusion_ukf/deadline_s (0.25 s)"), std::string::npos) << fault;
+  EXPECT_NE(fault.find("silence limit (0.30 s, from fail_aware_monitor/stale_sweeps)"), std::string::npos) << fault;
+}
+
 TEST(SilenceWatch, AClockThatBeginsAnewCountsFromThere) {
   SilenceWatch watch = watchFrom(100.0);
   watch.published(100.0);
