@@ -51,6 +51,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     const FailAwareMonitorTuning tuning{pipeline.profile.monitor};
     T_base_cog_ = pipeline.vehicle.T_base_cog();
     monitor_ = std::make_unique<DriveMonitor>(tuning.monitor, params.start_redundant);
+    log_.emplace(params.start_redundant);
     warnOfOtherValues(private_node, params, tuning);
     reconfiguration_ = std::make_unique<Reconfiguration<Config, FailAwareMonitorTuning>>(
         private_node, tuning, [this](const FailAwareMonitorTuning& changed) { monitor_->setLimits(changed.monitor); });
@@ -95,7 +96,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
 
   void publish(const std_msgs::Header& header) {
     silence_.published(now_s());
-    log_.tell(output_);
+    log_->tell(output_);
     publisher_.publish(messages::TimeToFailureConstPtr(
         boost::make_shared<messages::TimeToFailure>(toMessage(output_, monitor_->params(), header))));
     if (!header.stamp.isZero() && marker_publisher_.getNumSubscribers() > 0) showMarkers(header);
@@ -173,7 +174,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   RateMeter rate_;
   SilenceWatch silence_;
   bool deadline_checked_ = false;
-  MonitorLog log_;
+  std::optional<MonitorLog> log_;
   ros::Publisher publisher_, marker_publisher_;
   // Members with callbacks come last: they are destroyed first, and their destructors wait for running callbacks.
   std::unique_ptr<Reconfiguration<Config, FailAwareMonitorTuning>> reconfiguration_;

@@ -12,6 +12,9 @@ namespace fail_aware {
 
 class MonitorLog {
  public:
+  /// `start_redundant`: the parameter; true: t1 comes again by itself.
+  explicit MonitorLog(bool start_redundant) : start_redundant_(start_redundant) {}
+
   void tell(const MonitorOutput& output) {
     tellT1(output.t1_stamp_s);
     tellState(output);
@@ -22,7 +25,8 @@ class MonitorLog {
     if (t1_stamp_s == t1_stamp_s_) return;
     t1_stamp_s_ = t1_stamp_s;
     if (t1_stamp_s < 0.0) {
-      ROS_INFO("fail_aware_monitor: t1 has ended: the state is UNKNOWN until start_redundant");
+      ROS_INFO("fail_aware_monitor: t1 has ended: the state is UNKNOWN until %s",
+               start_redundant_ ? "a motion is observed again, which sets t1 anew" : "start_redundant is called");
     } else {
       ROS_INFO("fail_aware_monitor: t1 is %.6f: the state tells of the error since then", t1_stamp_s);
     }
@@ -44,6 +48,7 @@ class MonitorLog {
     return state == FailAwareState::kFailing || state == FailAwareState::kFailed;
   }
 
+  bool start_redundant_;
   double t1_stamp_s_ = -1.0;
   FailAwareState state_ = FailAwareState::kUnknown;
 };

@@ -27,16 +27,23 @@ std::string lineOf(MonitorLog& log, const MonitorOutput& output) {
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(MonitorLog, ALineForEachChangeOfT1) {
-  MonitorLog log;
+  MonitorLog log(false);
   EXPECT_EQ(lineOf(log, outputOf(FailAwareState::kUnknown, -1.0)), "");
   EXPECT_TRUE(has(lineOf(log, outputOf(FailAwareState::kOk, 12.5)), "t1 is 12.500000"));
   EXPECT_EQ(lineOf(log, outputOf(FailAwareState::kOk, 12.5)), "");
   EXPECT_TRUE(has(lineOf(log, outputOf(FailAwareState::kOk, 13.0)), "t1 is 13.000000"));
-  EXPECT_TRUE(has(lineOf(log, outputOf(FailAwareState::kUnknown, -1.0)), "t1 has ended"));
+  EXPECT_TRUE(has(lineOf(log, outputOf(FailAwareState::kUnknown, -1.0)), "until start_redundant is called"));
+}
+
+TEST(MonitorLog, AT1ThatReturnsByItselfWaitsForNoCall) {
+  MonitorLog log(true);
+  EXPECT_TRUE(has(lineOf(log, outputOf(FailAwareState::kOk, 12.5)), "t1 is 12.500000"));
+  const std::string said = lineOf(log, outputOf(FailAwareState::kUnknown, -1.0));
+  EXPECT_TRUE(has(said, "t1 has ended: the state is UNKNOWN until a motion is observed again")) << said;
 }
 
 TEST(MonitorLog, ALineWhenAnAlarmBeginsGetsWorseAndEnds) {
-  MonitorLog log;
+  MonitorLog log(true);
   EXPECT_EQ(lineOf(log, outputOf(FailAwareState::kDegraded, -1.0)), "");
   MonitorOutput failing = outputOf(FailAwareState::kFailing, -1.0);
   failing.reasons = kReasonFrozenCloud;
