@@ -13,6 +13,7 @@
 #include <memory>
 #include <string>
 
+#include "load_failures.hpp"
 #include "open_queue.hpp"
 
 namespace fail_aware {
@@ -52,7 +53,8 @@ class GraphNodelet : public nodelet::Nodelet {
     try {
       load();
     } catch (const std::exception& error) {
-      ROS_FATAL("%s is not loaded: %s", getName().c_str(), error.what());
+      static LoadFailures failures;  // of all nodelets of this manager
+      ROS_FATAL("%s", failures.line(getName(), error.what()).c_str());
       throw;
     }
   }
