@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "bridge/graph_message_conversion.hpp"
@@ -21,6 +22,7 @@
 #include "cloud_intake.hpp"
 #include "core/estimation/sweep_scheduler.hpp"
 #include "core/estimator.hpp"
+#include "core/parameters/mounting.hpp"
 #include "deferred_call.hpp"
 #include "fusion_diagnosis.hpp"
 #include "fusion_output.hpp"
@@ -60,6 +62,8 @@ class FusionUkfNodelet : public GraphNodelet {
     T_base_cog_ = pipeline.vehicle.T_base_cog();
     if (params.lidar_in_base_source == "parameter") {
       clouds_.lidar().use(pipeline.sensor.T_base_lidar());
+      const std::string fault = placeholderFault(pipeline.sensor.lidar_in_base);
+      if (!fault.empty()) ROS_WARN("fusion_ukf: %s", fault.c_str());
     } else {
       clouds_.lidar().useTransforms(params.base_frame);
     }

@@ -38,11 +38,12 @@ class SilenceWatch {
     const double limit_s = staleAfter_s(params_, shortest_s_);
     if (shortest_s_ + deadline_s < limit_s) return "";
     char text[300];
-    std::snprintf(text, sizeof text,
-                  "fusion_ukf/deadline_s (%g s) plus the sweeps' period (%.2f s) reaches the silence limit (%.2f s, from "
-                  "fail_aware_monitor/stale_sweeps): a sweep that waits for a source until its deadline makes the state "
-                  "FAILED; lower deadline_s or raise stale_sweeps",
-                  deadline_s, shortest_s_, limit_s);
+    std::snprintf(
+        text, sizeof text,
+        "fusion_ukf/deadline_s (%g s) plus the sweeps' period (%.2f s) reaches the silence limit (%.2f s, from "
+        "fail_aware_monitor/stale_sweeps): a sweep that waits for a source until its deadline makes the state "
+        "FAILED; lower deadline_s or raise stale_sweeps",
+        deadline_s, shortest_s_, limit_s);
     return text;
   }
 

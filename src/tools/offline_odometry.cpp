@@ -127,7 +127,6 @@ Json clockSummary(const SweepClock& clock) {
           {"stamps_left_out", clock.outliers()}};
 }
 
-#ifdef FAIL_AWARE_WITH_BAGS
 /// Whether the command line gives the lidar's mounting. The sensor file does not count: it always contains one.
 bool saysWhereLidarSits(const Options& options) {
   const std::string key = "sensor.lidar_in_base";
@@ -136,7 +135,6 @@ bool saysWhereLidarSits(const Options& options) {
   return !options.lidar_in_base.empty() || std::any_of(options.set.begin(), options.set.end(), sets) ||
          std::any_of(options.parameters.begin(), options.parameters.end(), holds);
 }
-#endif
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -238,10 +236,13 @@ int run(const Options& options) {
   const long last = options.scans.end(drive->size(), drive_name);
   overrideParameters(params, options.parameters, options.set);
   if (!options.lidar_in_base.empty()) params.sensor.lidar_in_base = options.lidar_in_base;
+  const bool from_sensor_file = options.bags.empty() && !saysWhereLidarSits(options);
+  const std::string placeholder = from_sensor_file ? placeholderFault(params.sensor.lidar_in_base) : "";
   OdometryPipeline pipeline(params, options.threads);
   PosesFromOutside poses(options.poses, pipeline);
   RunFolder folder(options.output, kFiles);  // after all input that may be refused
   DriveResults results(folder.unfinished(), params);
+  if (!placeholder.empty()) warn(placeholder + ", or give --lidar-in-base");
   const std::optional<double> skipped_stamp_s = skipTo(static_cast<std::size_t>(options.scans.first), *drive);
   const double first_stamp_s = runOver(*drive, static_cast<std::size_t>(last - options.scans.first), poses,
                                        options.redundant_at_s, pipeline, results);

@@ -405,6 +405,16 @@ TEST_F(OfflineOdometry, InterruptedRunKeepsOlderResults) {
       << "and it is cleaned up";
 }
 
+TEST_F(OfflineOdometry, APlaceholderForTheLidarsPlaceIsTold) {
+  const std::string placeholder = "lidar_in_base is the placeholder of the shipped sensor files";
+  run(base() / "drive", "--count 2 --sensor velodyne");
+  EXPECT_EQ(countOf(result_.err, placeholder), 1u) << result_.err;
+  run(base() / "drive", "--count 2 --sensor velodyne --lidar-in-base 0.1,0,1.9,0,0,0");
+  EXPECT_EQ(countOf(result_.err, placeholder), 0u) << result_.err;
+  run(base() / "drive", "--count 2");
+  EXPECT_EQ(countOf(result_.err, placeholder), 0u) << result_.err;
+}
+
 TEST_F(OfflineOdometry, TakesTheLidarsPlaceFromTheCommandLine) {
   run(base() / "drive", "--count 2 --lidar-in-base -0.5,0.25,1.5,0.01,-0.02,0.03");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;

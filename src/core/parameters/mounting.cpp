@@ -21,6 +21,13 @@ void requireMounting(const char* name, const std::vector<double>& x_y_z_roll_pit
   }
 }
 
+std::string placeholderFault(const std::vector<double>& lidar_in_base) {
+  static const std::vector<double> kPlaceholder = {0.0, 0.0, 1.8, 0.0, 0.0, 0.0};
+  if (lidar_in_base != kPlaceholder) return "";
+  return "lidar_in_base is the placeholder of the shipped sensor files (0, 0, 1.8 m), not your lidar's place: measure "
+         "the place and set it in a copy of the sensor file";
+}
+
 Pose mountingPose(const std::vector<double>& x_y_z_roll_pitch_yaw) {
   return poseFromVector(Vector6d(x_y_z_roll_pitch_yaw.data()));
 }

@@ -1,6 +1,7 @@
 // A sensor's mounting as written in files: six numbers x y z (m), roll pitch yaw (rad) in the vehicle's frame.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
@@ -10,6 +11,9 @@ namespace fail_aware {
 /// Throws ParameterError unless each number is finite and within 100 m and one turn: most mountings in mm or degrees
 /// fail this check.
 void requireMounting(const char* name, const std::vector<double>& x_y_z_roll_pitch_yaw);
+
+/// One line for the user if `lidar_in_base` is the placeholder of cfg/sensors, which nobody measured; otherwise empty.
+std::string placeholderFault(const std::vector<double>& lidar_in_base);
 
 /// For a list that passes requireMounting().
 Pose mountingPose(const std::vector<double>& x_y_z_roll_pitch_yaw);

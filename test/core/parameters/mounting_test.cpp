@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "core/io/profile_files.hpp"
 #include "error_of.hpp"
 
 namespace fail_aware::mounting_test {
@@ -26,6 +27,16 @@ TEST(Mounting, IsThePoseOfItsNumbers) {
   const Pose T = mountingPose({1, 2, 3, 0, 0, 0.5});
   EXPECT_TRUE(T.translation().isApprox(Eigen::Vector3d(1, 2, 3)));
   EXPECT_TRUE(T.linear().isApprox(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).toRotationMatrix(), 1e-12));
+}
+
+TEST(Mounting, ThePlaceholderOfTheShippedSensorFilesIsTold) {
+  for (const char* sensor : {"velodyne", "ouster", "hesai"}) {
+    ProfileFiles files;
+    files.sensor = sensor;
+    EXPECT_NE(placeholderFault(loadPipelineParameters(files).sensor.lidar_in_base), "") << sensor;
+  }
+  EXPECT_EQ(placeholderFault(loadPipelineParameters({}).sensor.lidar_in_base), "") << "KITTI's is measured";
+  EXPECT_EQ(placeholderFault({0.0, 0.0, 1.81, 0.0, 0.0, 0.0}), "");
 }
 
 }  // namespace
