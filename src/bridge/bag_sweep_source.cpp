@@ -50,6 +50,9 @@ void open(rosbag::Bag& bag, const std::string& path) {
         path + ": is " + other +
         ", not a ROS 1 bag; convert its folder: pip install rosbags; rosbags-convert --src FOLDER --dst FILE.bag");
   }
+  if (std::filesystem::is_directory(path, error)) {
+    throw InputError(path + ": is a folder, not a file; give a folder of KITTI with --kitti");
+  }
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": not a file");
   if (begin.empty()) throw InputError(path + ": cannot be read, or is empty");
   if (begin.rfind("#ROSBAG", 0) != 0) throw InputError(path + ": not a ROS 1 bag: it does not begin with #ROSBAG");

@@ -146,6 +146,11 @@ std::string joined(const std::vector<std::string>& names) {
 std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters& sensor) {
 #ifdef FAIL_AWARE_WITH_BAGS
   if (options.kitti.empty() && options.bags.empty()) throw InputError("--kitti or --bag is needed (see --help)");
+  const std::filesystem::path kitti(options.kitti);
+  std::error_code error;  // what cannot be looked at counts as missing
+  if (kitti.extension() == ".bag" && std::filesystem::is_regular_file(kitti, error)) {
+    throw InputError(options.kitti + ": is a bag, not a folder: give it with --bag");
+  }
   if (!options.bags.empty()) {
     auto bag = std::make_unique<BagSweepSource>(options.bags, options.topic);
     if (bag->topic().rfind("/kitti/", 0) == 0) sensor.timing.useKittiStamps();

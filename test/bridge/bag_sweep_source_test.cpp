@@ -194,7 +194,7 @@ TEST_F(BagSweepSourceTest, RecordingsOfRos2AreNamed) {
   expectRefused("", "is an MCAP file (ROS 2 bag), not a ROS 1 bag");
   fs::remove(path_);
   fs::create_directory(path_);
-  expectRefused("", "not a file");
+  expectRefused("", "is a folder, not a file; give a folder of KITTI with --kitti");
   std::ofstream(fs::path(path_) / "metadata.yaml") << "rosbag2_bagfile_information:\n";
   expectRefused("", "is a ROS 2 bag, not a ROS 1 bag");
   fs::remove_all(path_);

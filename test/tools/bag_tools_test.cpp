@@ -248,6 +248,9 @@ TEST_F(BagTools, OfflineRefusesABagInOneLine) {
   expectRefused(offline(option + "--topic /points", "o"), "offline_odometry", "no topic /points");
   expectRefused(offline(option + "--topic /tf", "o"), "offline_odometry", "/tf is of type tf2_msgs/TFMessage");
   expectRefused(offline("--bag /no/such.bag", "o"), "offline_odometry", "/no/such.bag: no such file");
+  expectRefused(offline("--kitti '" + bag() + "'", "o"), "offline_odometry",
+                "is a bag, not a folder: give it with --bag");
+  expectRefused(offline("--bag '" + drive + "'", "o"), "offline_odometry", "give a folder of KITTI with --kitti");
   fs::resize_file(bag(), fs::file_size(bag()) / 2);
   expectRefused(offline(option, "o"), "offline_odometry", "rosbag reindex");
   EXPECT_FALSE(fs::exists(folder_ / "o"));

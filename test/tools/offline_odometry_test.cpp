@@ -546,7 +546,7 @@ TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
   fs::create_directories(folder_ / "bare" / "velodyne");
   expectRefused("--kitti '" + (folder_ / "bare").string() + "' --output '" + output + "'", "no scans");
   const std::string a_file = scan(base() / "drive", 0).string();
-  expectRefused("--kitti '" + a_file + "' --output '" + output + "'", a_file);
+  expectRefused("--kitti '" + a_file + "' --output '" + output + "'", a_file + ": is a file; a folder");
 
   expectRefused(good + "--set fusion.gate_sigmas=2.5", "fusion.gate_sigmas: unknown parameter");
   expectRefused(good + "--set fusion.gate_sigma=-2.5", "fusion.gate_sigma = -2.5");

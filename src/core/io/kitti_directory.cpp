@@ -197,6 +197,9 @@ KittiDirectory KittiDirectory::open(const std::string& directory, double nominal
   requirePositive("nominal_period_s", nominal_period_s);
   fs::path root(directory);
   std::error_code error;
+  if (fs::is_regular_file(root, error)) {
+    throw InputError(directory + ": is a file; a folder with velodyne/NNNNNN.bin is needed");
+  }
   if (!fs::is_directory(root, error)) throw InputError(directory + ": no such directory");
   if (fs::exists(root / kKittiUnfinished, error)) {
     throw InputError(directory + ": its drive was not written to its end; remove the folder and write it again");

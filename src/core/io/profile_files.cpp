@@ -38,6 +38,36 @@ std::string resolve(const fs::path& folder, const std::string& name, const std::
   throw InputError("no " + what + " " + name + "; there are: " + list + "; or give the path of a yaml file");
 }
 
+template <class Struct>
+bool isFileOf(const ParameterMap& values) {
+  Struct parameters;
+  try {
+    fromMap(parameters, values);
+  } catch (const ParameterError&) {
+    return false;
+  }
+  return true;
+}
+
+/// "sensor" or "vehicle" if the file is a whole one of that kind; otherwise empty.
+std::string kindOf(const std::string& file) {
+  const ParameterMap values = readYaml(file).values;
+  if (isFileOf<SensorParameters>(values)) return "sensor";
+  return isFileOf<VehicleFileParameters>(values) ? "vehicle" : "";
+}
+
+/// loadYaml(); a file of another kind than `kind` is named as that.
+template <class Struct>
+void load(const std::string& file, const std::string& kind, Struct& parameters, MissingKeys missing_keys) {
+  try {
+    loadYaml(file, parameters, missing_keys);
+  } catch (const ParameterError&) {
+    const std::string is = kindOf(file);
+    if (is.empty() || is == kind) throw;
+    throw InputError(file + ": is the file of a " + is + ": give it as " + is + ", not as " + kind);
+  }
+}
+
 bool isCfg(const fs::path& folder) {
   std::error_code error;
   return fs::is_directory(folder / "profiles", error);
@@ -69,17 +99,20 @@ PipelineParameters loadPipelineParameters(const ProfileFiles& files) {
   if (!isCfg(cfg)) throw InputError("no cfg folder: " + cfg.string() + " has no profiles/");
   PipelineParameters params;
   for (const std::string& layer : {std::string(kDefault), std::string(kExpert), files.profile}) {
-    loadYaml(resolve(cfg / "profiles", layer, "profile"), params.profile, MissingKeys::kKeep);
+    load(resolve(cfg / "profiles", layer, "profile"), "profile", params.profile, MissingKeys::kKeep);
   }
-  loadYaml(resolve(cfg / "vehicles", files.vehicle, "vehicle"), params.vehicle);
-  loadYaml(resolve(cfg / "sensors", files.sensor, "sensor"), params.sensor);
+  load(resolve(cfg / "vehicles", files.vehicle, "vehicle"), "vehicle", params.vehicle, MissingKeys::kRefuse);
+  load(resolve(cfg / "sensors", files.sensor, "sensor"), "sensor", params.sensor, MissingKeys::kRefuse);
   validate(params);
   return params;
 }
 
 void overrideParameters(PipelineParameters& params, const std::vector<std::string>& files,
                         const std::vector<std::string>& assignments) {
-  for (const std::string& file : files) loadYaml(file, params, MissingKeys::kKeep);
+  for (const std::string& file : files) {
+    if (readYaml(file).values.empty()) throw ParameterError(file + ": holds no parameters");
+    load(file, "parameters", params, MissingKeys::kKeep);
+  }
   for (const std::string& assignment : assignments) setParameter(params, assignment);
   validate(params);
 }

@@ -10,12 +10,24 @@
 namespace fail_aware {
 namespace {
 
-const char* typeName(const ParameterValue& value) {
+std::string typeName(const ParameterValue& value) {
   static constexpr const char* kNames[] = {"a bool", "an int", "a number", "text", "a list of numbers"};
   return kNames[value.index()];
 }
 
-[[noreturn]] void throwWrongType(const std::string& key, const char* wanted, const std::string& given) {
+std::string described(const ParameterValue& value) {
+  const std::string* text = std::get_if<std::string>(&value);
+  return text == nullptr ? typeName(value) : "the text \"" + *text + '"';
+}
+
+/// How to write a number that yaml reads as text.
+std::string numberHint(const ParameterValue& value) {
+  const std::string* text = std::get_if<std::string>(&value);
+  double number = 0.0;
+  return text != nullptr && parseDouble(*text, number) ? "; write " + formatDouble(number) : "";
+}
+
+[[noreturn]] void throwWrongType(const std::string& key, const std::string& wanted, const std::string& given) {
   throw ParameterKeyError(key, key + ": must be " + wanted + ", not " + given);
 }
 
@@ -77,7 +89,7 @@ struct AssignValue {
     if (const T* same = std::get_if<T>(&value)) {
       *target = *same;
     } else {
-      throwWrongType(key, typeName(T{}), typeName(value));
+      throwWrongType(key, typeName(T{}), described(value));
     }
   }
 
@@ -88,13 +100,13 @@ struct AssignValue {
       if (std::isnan(*number)) throwWrongType(key, "a number", "NaN");
       *target = *number;
     } else {
-      throwWrongType(key, "a number", typeName(value));
+      throwWrongType(key, "a number", described(value) + numberHint(value));
     }
   }
 
   void operator()(std::vector<double>* target) const {
     const auto* list = std::get_if<std::vector<double>>(&value);
-    if (list == nullptr) throwWrongType(key, "a list of numbers", typeName(value));
+    if (list == nullptr) throwWrongType(key, "a list of numbers", described(value));
     if (std::any_of(list->begin(), list->end(), [](double x) { return std::isnan(x); })) {
       throwWrongType(key, "a list of numbers", "one with NaN");
     }

@@ -110,6 +110,17 @@ class IgnoredEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
+/// The first line, counted from 1, whose indentation has a tab, which yaml does not allow; 0: none.
+int lineIndentedByTab(const std::string& text) {
+  std::istringstream stream(text);
+  int number = 1;
+  for (std::string line; std::getline(stream, line); ++number) {
+    const std::size_t content = line.find_first_not_of(" \t\r");
+    if (content != std::string::npos && line[content] != '#' && line.find('\t') < content) return number;
+  }
+  return 0;
+}
+
 /// YAML::LoadAll never ends on a stray comma: it reads one empty document after the other.
 bool isOneDocument(const std::string& text) {
   std::istringstream stream(text);
@@ -154,6 +165,8 @@ YamlParameters parseYaml(const std::string& text, const std::string& source) {
     if (!isOneDocument(text)) throw ParameterError(source + ": must hold one yaml document");
     document = YAML::Load(text);
   } catch (const YAML::Exception& error) {
+    const int tab = lineIndentedByTab(text);
+    if (tab > 0) throw ParameterError(source + ':' + std::to_string(tab) + ": a tab indents this line: use blanks");
     throw ParameterError(place(source, error.mark) + error.msg);
   }
   if (document.IsNull()) return yaml;

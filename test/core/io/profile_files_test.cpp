@@ -169,6 +169,30 @@ TEST_F(ProfileFilesTest, AMissingKeyOfVehicleOrSensorIsNamed) {
   expectHas(refusal({"", "default", "other", "hdl64e"}), "timing.clockwise: missing");
 }
 
+TEST_F(ProfileFilesTest, AFileOfAnotherKindIsNamed) {
+  const std::string sensor = (kCfg / "sensors" / "velodyne.yaml").string();
+  const std::string vehicle = (kCfg / "vehicles" / "passat_b6.yaml").string();
+  const auto error = [this](const std::string& of_profile, const std::string& of_vehicle,
+                            const std::string& of_sensor) {
+    return refusal({"", of_profile, of_vehicle, of_sensor});
+  };
+  EXPECT_EQ(error("default", sensor, "hdl64e"),
+            sensor + ": is the file of a sensor: give it as sensor, not as vehicle");
+  EXPECT_EQ(error("default", "passat_b6", vehicle),
+            vehicle + ": is the file of a vehicle: give it as vehicle, not as sensor");
+  EXPECT_EQ(error(sensor, "passat_b6", "hdl64e"),
+            sensor + ": is the file of a sensor: give it as sensor, not as profile");
+  PipelineParameters params = loadPipelineParameters({});
+  EXPECT_THROW(overrideParameters(params, {vehicle}, {}), InputError) << "not as parameters either";
+}
+
+TEST_F(ProfileFilesTest, AFileWithoutParametersOverridesNothingAndIsRefused) {
+  const std::string empty = (cfg_ / "empty.yaml").string();
+  std::ofstream(empty) << "# fusion: {gate_sigma: 2.5}\n";
+  PipelineParameters params = loadPipelineParameters({});
+  EXPECT_THROW(overrideParameters(params, {empty}, {}), ParameterError);
+}
+
 TEST_F(ProfileFilesTest, AValueThatCannotBeIsNamedInFull) {
   replaceLine("profiles/default.yaml", "  gate_sigma:", "  gate_sigma: -3.0");
   expectHas(refusal(), "fusion.gate_sigma = -3");

@@ -81,7 +81,9 @@ TEST(ParameterMap, RefusesOtherTypes) {
   EXPECT_EQ(error("enabled", 1), "enabled: must be a bool, not an int");
   EXPECT_EQ(error("ukf.order", true), "ukf.order: must be an int, not a bool");
   EXPECT_EQ(error("range_m", true), "range_m: must be a number, not a bool");
-  EXPECT_EQ(error("range_m", std::string("far")), "range_m: must be a number, not text");
+  EXPECT_EQ(error("range_m", std::string("far")), "range_m: must be a number, not the text \"far\"");
+  EXPECT_EQ(error("range_m", std::string("1e-4")), "range_m: must be a number, not the text \"1e-4\"; write 0.0001")
+      << "as rosparam reads it";
   EXPECT_EQ(error("range_m", std::nan("")), "range_m: must be a number, not NaN");
   EXPECT_EQ(error("source", 3), "source: must be text, not an int");
   EXPECT_EQ(error("offsets_m", 3.0), "offsets_m: must be a list of numbers, not a number");

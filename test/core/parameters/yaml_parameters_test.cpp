@@ -142,10 +142,17 @@ TEST_F(YamlFile, UnknownKeysAndWrongTypesNameTheLine) {
             path() + ":4: filter.noise.sigma: unknown parameter, did you mean filter.noise.sigma_m?");
   write("\nfilter:\n  steps: few\n");
   EXPECT_EQ(errorOf([&] { loadYaml(path(), params, MissingKeys::kKeep); }),
-            path() + ":3: filter.steps: must be an int, not text");
+            path() + ":3: filter.steps: must be an int, not the text \"few\"");
   write("\nfilter: 3\n");
   EXPECT_EQ(errorOf([&] { loadYaml(path(), params, MissingKeys::kKeep); }),
             path() + ":2: filter: is a group of parameters, such as filter.noise.sigma_m");
+}
+
+TEST_F(YamlFile, ATabThatIndentsIsNamed) {
+  EXPECT_EQ(errorOf([] { parseYaml("enabled: true\n# a\tcomment\nfilter:\n  \tsteps: 3\n", "p"); }),
+            "p:4: a tab indents this line: use blanks");
+  EXPECT_EQ(errorOf([] { parseYaml("filter:\n\tsteps: 3\n", "p"); }), "p:2: a tab indents this line: use blanks");
+  EXPECT_EQ(std::get<int>(parseYaml("filter:\n  steps: 3\t# three\n", "p").values.at("filter.steps")), 3);
 }
 
 TEST_F(YamlFile, FileThatCannotBeReadOrWritten) {
