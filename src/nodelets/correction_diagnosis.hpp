@@ -4,10 +4,12 @@
 #pragma once
 
 #include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <ros/console.h>
 #include <ros/time.h>
 
 #include <cstddef>
 #include <string>
+#include <utility>
 
 #include "clock_check.hpp"
 #include "core/preprocessing/stamp_fault.hpp"
@@ -38,6 +40,7 @@ class CorrectionDiagnosis {
     if (!read.ok()) refused_.add(read.reason);
     if (report.timing.guessed()) guessed_.add(describeGuess(report.timing));
     if (report.timing.source == TimingSource::kHeld) ++held_;
+    tellIfTimedByAzimuth(report.timing);
     outliers_ += report.timing.outliers;
     progress_.done(stamp);
   }
@@ -76,6 +79,16 @@ class CorrectionDiagnosis {
     }
     bool isNew() const { return count > told; }
   };
+
+  /// Once: the user may expect a time field of this driver.
+  void tellIfTimedByAzimuth(const TimingResult& timing) {
+    const bool is = timing.field == TimeField::kAbsent && timing.source == TimingSource::kAzimuth;
+    if (!is || std::exchange(azimuth_told_, true)) return;
+    ROS_INFO(
+        "sweep_correction: the clouds have no time field: the points' times are taken from their azimuth, by "
+        "sensor.timing.start_azimuth_deg (%g) and clockwise (%s)",
+        params_.start_azimuth_deg, params_.clockwise ? "true" : "false");
+  }
 
   void summarize(diagnostic_updater::DiagnosticStatusWrapper& status, const std::string& seam_contradiction) {
     using Level = diagnostic_msgs::DiagnosticStatus;
@@ -116,6 +129,7 @@ class CorrectionDiagnosis {
   Event refused_;  ///< clouds without usable points
   Event guessed_;  ///< sweeps with assumed point times
   std::size_t held_ = 0, outliers_ = 0;
+  bool azimuth_told_ = false;
 };
 
 }  // namespace fail_aware

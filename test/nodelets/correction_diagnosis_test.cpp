@@ -49,5 +49,23 @@ TEST_F(CorrectionDiagnosisTest, FindingsLastAsLongAsTheSweep) {
   EXPECT_EQ(summary(), "correcting");
 }
 
+TEST_F(CorrectionDiagnosisTest, TimesFromTheAzimuthAreToldOnce) {
+  SweepCorrectorReport report;
+  const auto linesAfterTwo = [&] {
+    testing::internal::CaptureStdout();
+    for (int i = 0; i < 2; ++i) diagnosis_.add(ros::Time::now(), {}, Sweep(), {}, report);
+    return testing::internal::GetCapturedStdout();
+  };
+  report.timing.field = TimeField::kUsed;
+  report.timing.source = TimingSource::kField;
+  EXPECT_EQ(linesAfterTwo(), "");
+  report.timing.field = TimeField::kAbsent;
+  report.timing.source = TimingSource::kAzimuth;
+  const std::string said = linesAfterTwo();
+  const std::string line = "the clouds have no time field: the points' times are taken from their azimuth";
+  EXPECT_NE(said.find(line), std::string::npos) << said;
+  EXPECT_EQ(said.find(line), said.rfind(line)) << said;
+}
+
 }  // namespace
 }  // namespace fail_aware::correction_diagnosis_test

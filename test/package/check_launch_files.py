@@ -14,6 +14,7 @@ import xml.etree.ElementTree as ElementTree
 
 PACKAGE = "fail_aware_lidar_odometry"
 BAG = "drive with blank.bag"  # in a temporary folder
+EMPTY_BAG = "empty.bag"  # likewise
 FITTED = "fitted.yaml"  # likewise
 OWN = {"profile": "profiles/default.yaml", "vehicle": "vehicles/passat_b6.yaml", "sensor": "sensors/hdl64e.yaml"}  # copied there
 FITTED_TEXT = "monitor:\n  drift:\n    scale_bias: 0.5\n"
@@ -60,11 +61,12 @@ TWO_VEHICLES = """<launch>
 """
 
 
-def write_bag(path):
+def write_bag(path, said=("hello",)):
     import rosbag
     import std_msgs.msg
     with rosbag.Bag(path, "w") as bag:
-        bag.write("/said", std_msgs.msg.String("hello"))
+        for text in said:
+            bag.write("/said", std_msgs.msg.String(text))
 
 
 def load(path, arguments):
@@ -186,13 +188,14 @@ def main(arguments):
         before = os.environ.get("ROS_PACKAGE_PATH", "/usr/share")
         os.environ["ROS_PACKAGE_PATH"] = os.pathsep.join(path + [before])
         write_bag(os.path.join(folder, BAG))
+        write_bag(os.path.join(folder, EMPTY_BAG), [])
         with open(os.path.join(folder, FITTED), "w") as file:
             file.write(FITTED_TEXT)
         for path in OWN.values():
             os.makedirs(os.path.dirname(os.path.join(folder, path)))
             with open(os.path.join(root, "cfg", path)) as shipped, open(os.path.join(folder, path), "w") as own:
                 own.write(shipped.read() + "said: own\n")
-        for bag in ("/no/such.bag", BAG, ""):
+        for bag in ("/no/such.bag", BAG, "", os.path.join(folder, EMPTY_BAG)):
             try:
                 check_bag_is_refused(root, bag)
                 print("ok: '%s' is refused" % bag)
