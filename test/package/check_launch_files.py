@@ -147,6 +147,16 @@ def check_bag_is_refused(root, bag):
     raise AssertionError("it would start without a bag to play")
 
 
+def check_sensor_is_refused(root, sensor):
+    try:
+        load(os.path.join(root, "launch", "odometry.launch"), {"sensor": sensor})
+    except Exception as error:  # a parser's any
+        stems = sorted(name[:-len(".yaml")] for name in os.listdir(os.path.join(root, "cfg", "sensors")))
+        expect("sensor:=%s (there are: %s;" % (sensor, ", ".join(stems)) in str(error), str(error))
+        return
+    raise AssertionError("it would start without a sensor file")
+
+
 def check_two_vehicles(root, folder):
     """Under one master nothing of one vehicle is the other's."""
     path = os.path.join(folder, "two_vehicles.launch")
@@ -212,6 +222,12 @@ def main(arguments):
                 except Exception as error:  # a parser's any
                     failures += 1
                     print("FAILED: %s %s: %s" % (name, case, error))
+        try:
+            check_sensor_is_refused(root, "vlp16")
+            print("ok: an unknown sensor is refused")
+        except Exception as error:  # a parser's any
+            failures += 1
+            print("FAILED: unknown sensor: %s" % error)
         try:
             check_two_vehicles(root, folder)
             print("ok: two vehicles")
