@@ -1,5 +1,6 @@
 #include "bridge/parameter_server.hpp"
 
+#include "core/io/profile_files.hpp"
 #include "core/parameters/validate.hpp"
 
 namespace fail_aware {
@@ -31,6 +32,19 @@ void collect(const std::string& key, XmlRpcValue value, ParameterMap& map) {
       for (auto& member : value) collect(key.empty() ? member.first : key + '.' + member.first, member.second, map);
       return;
     default: throw ParameterKeyError(key, key + ": is of a type that no parameter has");
+  }
+}
+
+/// readParameters(); the file of another kind than `part` is named as that.
+template <class Struct>
+void readPart(const ros::NodeHandle& node, const std::string& part, Struct& parameters, MissingKeys missing_keys) {
+  try {
+    readParameters(node, part, parameters, missing_keys);
+  } catch (const ParameterError&) {
+    const std::string kind = kindOf(readParameterMap(node, part));
+    if (kind.empty() || kind == part) throw;
+    throw ParameterError(node.resolveName(part) + ": is the file of a " + kind + ": give it as " + kind +
+                         ":=, not as " + part + ":=");
   }
 }
 
@@ -74,9 +88,9 @@ PipelineParameters readPipelineParameters(const ros::NodeHandle& node) {
                          ":=/path/FILE.yaml");
   }
   PipelineParameters parameters;
-  readParameters(node, "profile", parameters.profile, MissingKeys::kKeep);
-  readParameters(node, "vehicle", parameters.vehicle);
-  readParameters(node, "sensor", parameters.sensor);
+  readPart(node, "profile", parameters.profile, MissingKeys::kKeep);
+  readPart(node, "vehicle", parameters.vehicle, MissingKeys::kRefuse);
+  readPart(node, "sensor", parameters.sensor, MissingKeys::kRefuse);
   validate(parameters);
   return parameters;
 }

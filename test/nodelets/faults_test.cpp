@@ -283,6 +283,11 @@ TEST_F(Faults, WhatKeepsANodeletFromBeingLoadedIsInTheLog) {
   graph_.node().deleteParam("vehicle");
   expectRefused("fusion_ukf", "vehicle: not on the parameter server");
   graph_.node().setParam("vehicle", vehicle);
+  XmlRpc::XmlRpcValue sensor;
+  ASSERT_TRUE(graph_.node().getParam("sensor", sensor));
+  graph_.node().setParam("sensor", vehicle);
+  expectRefused("fusion_ukf", "sensor: is the file of a vehicle: give it as vehicle:=, not as sensor:=");
+  graph_.node().setParam("sensor", sensor);
   setDeadline(600.0);
   load("fusion_ukf");
 }

@@ -49,20 +49,13 @@ bool isFileOf(const ParameterMap& values) {
   return true;
 }
 
-/// "sensor" or "vehicle" if the file is a whole one of that kind; otherwise empty.
-std::string kindOf(const std::string& file) {
-  const ParameterMap values = readYaml(file).values;
-  if (isFileOf<SensorParameters>(values)) return "sensor";
-  return isFileOf<VehicleFileParameters>(values) ? "vehicle" : "";
-}
-
 /// loadYaml(); a file of another kind than `kind` is named as that.
 template <class Struct>
 void load(const std::string& file, const std::string& kind, Struct& parameters, MissingKeys missing_keys) {
   try {
     loadYaml(file, parameters, missing_keys);
   } catch (const ParameterError&) {
-    const std::string is = kindOf(file);
+    const std::string is = kindOf(readYaml(file).values);
     if (is.empty() || is == kind) throw;
     throw InputError(file + ": is the file of a " + is + ": give it as " + is + ", not as " + kind);
   }
@@ -74,6 +67,11 @@ bool isCfg(const fs::path& folder) {
 }
 
 }  // namespace
+
+std::string kindOf(const ParameterMap& values) {
+  if (isFileOf<SensorParameters>(values)) return "sensor";
+  return isFileOf<VehicleFileParameters>(values) ? "vehicle" : "";
+}
 
 std::string findCfg() {
   // Installed: PREFIX/lib/libNAME.so (or what contains the code: a program PREFIX/lib/PACKAGE/NAME, the Python module

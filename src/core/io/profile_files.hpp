@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/parameters/parameter_map.hpp"
 #include "core/pipeline_parameters.hpp"
 
 namespace fail_aware {
@@ -26,6 +27,9 @@ std::string findCfg();
 
 /// Throws InputError (file not found; lists the available ones) or ParameterError (key, value, rule).
 PipelineParameters loadPipelineParameters(const ProfileFiles& files);
+
+/// "sensor" or "vehicle" if these are all keys of such a file; otherwise empty.
+std::string kindOf(const ParameterMap& values);
 
 /// Applies `files` (yaml files that may name only some keys) in order, then `assignments` (key=value); the last value
 /// counts. Validates. Throws ParameterError.
