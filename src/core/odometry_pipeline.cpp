@@ -252,7 +252,6 @@ SweepResult OdometryPipeline::Stages::step(Sweep& sweep) {
 
   estimate(*prediction, report, result);
   result.times.fusion_ms = stage.lapMs();
-
   registration.place(result.state);
   corner_svd.place(result.state);
   result.times.reference_ms = stage.lapMs();
