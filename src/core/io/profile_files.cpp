@@ -51,13 +51,13 @@ bool isFileOf(const ParameterMap& values) {
 
 /// loadYaml(); a file of another kind than `kind` is named as that.
 template <class Struct>
-void load(const std::string& file, const std::string& kind, Struct& parameters, MissingKeys missing_keys) {
+void load(const YamlParameters& file, const std::string& kind, Struct& parameters, MissingKeys missing_keys) {
   try {
-    loadYaml(file, parameters, missing_keys);
-  } catch (const ParameterError&) {
-    const std::string is = kindOf(readYaml(file).values);
-    if (is.empty() || is == kind) throw;
-    throw InputError(file + ": is the file of a " + is + ": give it as " + is + ", not as " + kind);
+    fromMap(parameters, file.values, missing_keys);
+  } catch (const ParameterKeyError& error) {
+    const std::string is = kindOf(file.values);
+    if (is.empty() || is == kind) throw located(file, error);
+    throw InputError(file.source + ": is the file of a " + is + ": give it as " + is + ", not as " + kind);
   }
 }
 
@@ -97,18 +97,19 @@ PipelineParameters loadPipelineParameters(const ProfileFiles& files) {
   if (!isCfg(cfg)) throw InputError("no cfg folder: " + cfg.string() + " has no profiles/");
   PipelineParameters params;
   for (const std::string& layer : {std::string(kDefault), std::string(kExpert), files.profile}) {
-    load(resolve(cfg / "profiles", layer, "profile"), "profile", params.profile, MissingKeys::kKeep);
+    load(readYaml(resolve(cfg / "profiles", layer, "profile")), "profile", params.profile, MissingKeys::kKeep);
   }
-  load(resolve(cfg / "vehicles", files.vehicle, "vehicle"), "vehicle", params.vehicle, MissingKeys::kRefuse);
-  load(resolve(cfg / "sensors", files.sensor, "sensor"), "sensor", params.sensor, MissingKeys::kRefuse);
+  load(readYaml(resolve(cfg / "vehicles", files.vehicle, "vehicle")), "vehicle", params.vehicle, MissingKeys::kRefuse);
+  load(readYaml(resolve(cfg / "sensors", files.sensor, "sensor")), "sensor", params.sensor, MissingKeys::kRefuse);
   validate(params);
   return params;
 }
 
 void overrideParameters(PipelineParameters& params, const std::vector<std::string>& files,
                         const std::vector<std::string>& assignments) {
-  for (const std::string& file : files) {
-    if (readYaml(file).values.empty()) throw ParameterError(file + ": holds no parameters");
+  for (const std::string& path : files) {
+    const YamlParameters file = readYaml(path);  // once: it may be a pipe
+    if (file.values.empty()) throw ParameterError(path + ": has no parameters; write some, or leave the file out");
     load(file, "parameters", params, MissingKeys::kKeep);
   }
   for (const std::string& assignment : assignments) setParameter(params, assignment);
