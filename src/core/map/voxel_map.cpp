@@ -109,16 +109,7 @@ void VoxelMap::refitPlanes() {
 
 void VoxelMap::fitPlane(const Statistics& s, PlanePatch& patch) const {
   const Eigen::Vector3f mean = s.sum / s.n;
-  Eigen::Matrix3f C;
-  C(0, 0) = s.xx / s.n - mean.x() * mean.x();
-  C(1, 0) = s.xy / s.n - mean.x() * mean.y();
-  C(2, 0) = s.xz / s.n - mean.x() * mean.z();
-  C(1, 1) = s.yy / s.n - mean.y() * mean.y();
-  C(2, 1) = s.yz / s.n - mean.y() * mean.z();
-  C(2, 2) = s.zz / s.n - mean.z() * mean.z();
-  C(0, 1) = C(1, 0);
-  C(0, 2) = C(2, 0);
-  C(1, 2) = C(2, 1);
+  const Eigen::Matrix3f C = s.squares / s.n - mean * mean.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(C.cast<double>());
   const Eigen::Vector3d& lambda = solver.eigenvalues();

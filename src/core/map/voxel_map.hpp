@@ -150,17 +150,12 @@ class VoxelMap {
     float n = 0.0f;
     float fitted_n = 0.0f;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
 
     void add(const Eigen::Vector3f& p) {
       n += 1.0f;
       sum += p;
-      xx += p.x() * p.x();
-      xy += p.x() * p.y();
-      xz += p.x() * p.z();
-      yy += p.y() * p.y();
-      yz += p.y() * p.z();
-      zz += p.z() * p.z();
+      squares += p * p.transpose();
     }
   };
   struct Voxel {

@@ -42,23 +42,20 @@ struct Moments {
 
 template <class Point>
 Moments momentsOf(const Point* points, std::size_t count, const std::vector<float>& weights) {
-  float n = 0, x = 0, y = 0, z = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  float n = 0.0f;
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
   const Eigen::Vector3f origin = points[0].p;
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3f q = points[i].p - origin;
-    const Eigen::Vector3f w = weights[i] * q;
+    const Eigen::Vector3f weighted = weights[i] * q;
     n += weights[i];
-    x += w.x(), y += w.y(), z += w.z();
-    xx += w.x() * q.x(), xy += w.x() * q.y(), xz += w.x() * q.z();
-    yy += w.y() * q.y(), yz += w.y() * q.z(), zz += w.z() * q.z();
+    sum += weighted;
+    squares += q * weighted.transpose();
   }
-  Moments m;
-  if (!(n > 0.0f)) return m;
-  const Eigen::Vector3f mean = Eigen::Vector3f(x, y, z) / n;
-  m.covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-  m.covariance = (m.covariance / n - mean * mean.transpose()).eval();
-  m.mean = mean + origin;
-  return m;
+  if (!(n > 0.0f)) return {};
+  const Eigen::Vector3f mean = sum / n;
+  return {mean + origin, squares / n - mean * mean.transpose()};
 }
 
 /// `l`: eigenvalues of the points' covariance, ascending.
