@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/geometry/rotation.hpp"
 #include "core/stamp_difference.hpp"
@@ -18,31 +19,20 @@ Eigen::Vector3d limited(const Eigen::Vector3d& v, double max_norm) {
 
 }  // namespace
 
-MotionHistory::MotionHistory(const Params& params) : params_(params) {
-  ring_.resize(static_cast<std::size_t>(std::max(params_.window_sweeps, params_.acceleration_window_sweeps)) + 1);
-}
-
-const MotionHistory::Sample& MotionHistory::fromNewest(std::size_t age) const {
-  return ring_[(next_ + ring_.size() - 1 - age) % ring_.size()];
-}
-
 void MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
   if (!std::isfinite(stamp_s) || !isFinite(T_odom_cog)) return;
-  if (size_ > 0) {
-    const double since_newest = secondsBetween(fromNewest(0).stamp_s, stamp_s);
+  if (!samples_.empty()) {
+    const double since_newest = secondsBetween(samples_.front().stamp_s, stamp_s);
     if (since_newest <= 0.0) return;
-    if (since_newest < params_.min_interval_s) {
-      next_ = (next_ + ring_.size() - 1) % ring_.size();
-      --size_;
-    }
+    if (since_newest < params_.min_interval_s) samples_.pop_front();
   }
 
   Sample sample;
   sample.stamp_s = stamp_s;
   sample.T_odom_cog = T_odom_cog;
   sample.rpy_rad = rpyFromRotation(T_odom_cog.linear());
-  if (size_ > 0) {
-    const Sample& previous = fromNewest(0);
+  if (!samples_.empty()) {
+    const Sample& previous = samples_.front();
     sample.interval_s = secondsBetween(previous.stamp_s, stamp_s);
     Vector6d increment;
     if (params_.second_differences) {
@@ -54,25 +44,25 @@ void MotionHistory::push(double stamp_s, const Pose& T_odom_cog) {
     for (int i = 0; i < 3; ++i) increment[3 + i] = wrapAngle(sample.rpy_rad[i] - previous.rpy_rad[i]);
     sample.mean_rates = increment / sample.interval_s;
   }
-  ring_[next_] = sample;
-  next_ = (next_ + 1) % ring_.size();
-  size_ = std::min(size_ + 1, ring_.size());
+  samples_.push_front(sample);
+  const int intervals = std::max(params_.window_sweeps, params_.acceleration_window_sweeps);
+  if (samples_.size() > static_cast<std::size_t>(intervals) + 1) samples_.pop_back();
 }
 
 void MotionHistory::move(const Pose& T_new_old) {
-  std::vector<Sample> samples;  // oldest first
-  for (std::size_t age = size_; age-- > 0;) samples.push_back(fromNewest(age));
-  clear();
-  for (const Sample& sample : samples) push(sample.stamp_s, orthonormalized(T_new_old * sample.T_odom_cog));
+  const std::deque<Sample> before = std::exchange(samples_, {});
+  for (auto it = before.rbegin(); it != before.rend(); ++it) {
+    push(it->stamp_s, orthonormalized(T_new_old * it->T_odom_cog));
+  }
 }
 
 // Slope of the weighted least-squares line through the newest `samples` mean rates at their intervals' middles.
 Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
-  const double newest_s = fromNewest(0).stamp_s;
+  const double newest_s = samples_.front().stamp_s;
   double weight_sum = 0.0, time_mean = 0.0, time_spread = 0.0;
   Vector6d rates_mean = Vector6d::Zero(), slope_numerator = Vector6d::Zero();
   for (std::size_t age = 0; age < samples; ++age) {
-    const Sample& sample = fromNewest(age);
+    const Sample& sample = samples_[age];
     const double middle_s = secondsBetween(newest_s, sample.stamp_s) - 0.5 * sample.interval_s;
     if (age > 0 && -middle_s > params_.max_age_s) break;
     const double weight = sample.interval_s * sample.interval_s;
@@ -92,11 +82,11 @@ Vector6d MotionHistory::meanAccelerations(std::size_t samples) const {
 Vector6d MotionHistory::ratesAtNewest(std::size_t samples, const Vector6d& accelerations) const {
   Vector6d slopes = accelerations;
   slopes.segment<3>(2).setZero();
-  const double newest_s = fromNewest(0).stamp_s;
+  const double newest_s = samples_.front().stamp_s;
   double weight_sum = 0.0;
   Vector6d rates = Vector6d::Zero();
   for (std::size_t age = 0; age < samples; ++age) {
-    const Sample& sample = fromNewest(age);
+    const Sample& sample = samples_[age];
     const double since_middle_s = secondsBetween(sample.stamp_s, newest_s) + 0.5 * sample.interval_s;
     if (age > 0 && since_middle_s > params_.max_age_s) break;
     const double weight = sample.interval_s * sample.interval_s;
@@ -104,19 +94,19 @@ Vector6d MotionHistory::ratesAtNewest(std::size_t samples, const Vector6d& accel
     rates += weight * (sample.mean_rates + since_middle_s * slopes);
   }
   rates /= weight_sum;
-  rates.segment<2>(3) = fromNewest(0).mean_rates.segment<2>(3);
+  rates.segment<2>(3) = samples_.front().mean_rates.segment<2>(3);
   return rates;
 }
 
 MotionDerivatives MotionHistory::derivatives() const {
   MotionDerivatives out;
-  if (size_ < 2) return out;
-  const std::size_t available = size_ - 1;
+  if (samples_.size() < 2) return out;
+  const std::size_t available = samples_.size() - 1;
 
   Vector6d accelerations = Vector6d::Zero();
   if (params_.second_differences) {
     if (available >= 2) {
-      accelerations = (fromNewest(0).mean_rates - fromNewest(1).mean_rates) / fromNewest(0).interval_s;
+      accelerations = (samples_.front().mean_rates - samples_[1].mean_rates) / samples_.front().interval_s;
     }
   } else {
     accelerations =
@@ -128,7 +118,7 @@ MotionDerivatives MotionHistory::derivatives() const {
 
   const Vector6d rates =
       params_.second_differences
-          ? fromNewest(0).mean_rates
+          ? samples_.front().mean_rates
           : ratesAtNewest(std::min(available, static_cast<std::size_t>(params_.window_sweeps)), accelerations);
   out.valid = rates.allFinite() && accelerations.allFinite();
   if (!out.valid) return out;

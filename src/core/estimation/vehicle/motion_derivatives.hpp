@@ -12,12 +12,12 @@
 // `second_differences` follows the paper literally: first and second differences of the newest two and three poses, as
 // if they were valid at the newest stamp.
 // Failure: fewer than two poses -> `valid` false, all zero. Exactly two -> accelerations zero.
-// Cost: one logarithm per push, O(window) per derivatives(); no allocation after construction.
+// Cost: one logarithm per push, O(window) per derivatives().
 #pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <vector>
+#include <deque>
 
 #include "core/geometry/pose.hpp"
 #include "core/parameters/check.hpp"
@@ -62,7 +62,7 @@ class MotionHistory {
     }
   };
 
-  explicit MotionHistory(const Params& params);
+  explicit MotionHistory(const Params& params) : params_(params) {}
 
   /// Changes nothing if the stamp is not after the newest one or a value is not finite.
   void push(double stamp_s, const Pose& T_odom_cog);
@@ -72,7 +72,7 @@ class MotionHistory {
   /// Moves the history to another odom: every pose becomes T_new_old * pose.
   void move(const Pose& T_new_old);
 
-  void clear() { size_ = 0; }
+  void clear() { samples_.clear(); }
 
  private:
   struct Sample {
@@ -84,14 +84,11 @@ class MotionHistory {
     Vector6d mean_rates = Vector6d::Zero();  // body velocity, rpy rates
   };
 
-  const Sample& fromNewest(std::size_t age) const;
   Vector6d meanAccelerations(std::size_t samples) const;
   Vector6d ratesAtNewest(std::size_t samples, const Vector6d& accelerations) const;
 
   Params params_;
-  std::vector<Sample> ring_;
-  std::size_t next_ = 0;
-  std::size_t size_ = 0;
+  std::deque<Sample> samples_;  ///< the newest first
 };
 
 }  // namespace fail_aware
