@@ -11,23 +11,6 @@ namespace fail_aware {
 
 namespace {
 
-// H in units of one length: rotation columns divided by the lever.
-struct Spectrum {
-  Vector6d eigenvalues;
-  Matrix6d eigenvectors;
-  Vector6d scale;  // dx = scale .* y
-};
-
-Spectrum spectrumOf(const Matrix6d& H, const ObservabilityParams& params) {
-  Spectrum s;
-  s.scale << 1.0, 1.0, 1.0, 1.0 / params.lever_m, 1.0 / params.lever_m, 1.0 / params.lever_m;
-  const Matrix6d scaled = s.scale.asDiagonal() * H * s.scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver = symmetricEigen(scaled);
-  s.eigenvalues = solver.eigenvalues();
-  s.eigenvectors = solver.eigenvectors();
-  return s;
-}
-
 const Matrix6d& informationOf(const NormalEquations& equations) {
   return equations.has_information ? equations.information : equations.H;
 }
@@ -36,9 +19,30 @@ double weightOf(const NormalEquations& equations) {
   return equations.has_information ? equations.information_weight : equations.weight;
 }
 
-bool isWeak(double eigenvalue, double weight, const ObservabilityParams& params) {
-  return !(eigenvalue > params.min_information_ratio * weight);
-}
+using Directions = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+// The spectrum of the information in units of one length (rotation columns divided by the lever), what of it is
+// observed, and which equations tell of it.
+struct Observed {
+  Vector6d eigenvalues;
+  Matrix6d eigenvectors;
+  Vector6d scale;                  // dx = scale .* y
+  int weak = 0;                    // the first of the spectrum
+  bool information_alone = false;  // sliding residuals would outweigh what is observed least
+
+  Observed(const NormalEquations& equations, const ObservabilityParams& params) {
+    scale << 1.0, 1.0, 1.0, 1.0 / params.lever_m, 1.0 / params.lever_m, 1.0 / params.lever_m;
+    const Matrix6d scaled = scale.asDiagonal() * informationOf(equations) * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver = symmetricEigen(scaled);
+    eigenvalues = solver.eigenvalues();
+    eigenvectors = solver.eigenvectors();
+    const double weight = weightOf(equations);
+    while (weak < 6 && !(eigenvalues[weak] > params.min_information_ratio * weight)) ++weak;
+    information_alone = equations.has_information &&
+                        (!equations.slides || (weak < 6 && eigenvalues[weak] <= params.min_sliding_ratio * weight));
+  }
+};
 
 }  // namespace
 
@@ -55,32 +59,6 @@ void discount(NormalEquations& equations, const Eigen::Vector2d& direction, doub
   equations.information_b = (D * equations.information_b).eval();
 }
 
-namespace {
-
-using Directions = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
-using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
-
-// What is observed, and which equations tell of it.
-struct Observed {
-  Spectrum spectrum;
-  int weak = 0;                    // the first of the spectrum
-  bool information_alone = false;  // sliding residuals would outweigh what is observed least
-};
-
-Observed observedOf(const NormalEquations& equations, const ObservabilityParams& params) {
-  Observed observed;
-  observed.spectrum = spectrumOf(informationOf(equations), params);
-  const double weight = weightOf(equations);
-  while (observed.weak < 6 && isWeak(observed.spectrum.eigenvalues[observed.weak], weight, params)) ++observed.weak;
-  observed.information_alone =
-      equations.has_information &&
-      (!equations.slides ||
-       (observed.weak < 6 && observed.spectrum.eigenvalues[observed.weak] <= params.min_sliding_ratio * weight));
-  return observed;
-}
-
-}  // namespace
-
 HorizontalRatios horizontalRatios(const NormalEquations& equations) {
   const double weight = weightOf(equations);
   if (!(weight > 0.0)) return {};
@@ -91,13 +69,12 @@ HorizontalRatios horizontalRatios(const NormalEquations& equations) {
 
 Solution solveObserved(const NormalEquations& equations, const ObservabilityParams& params) {
   Solution solution;
-  const Observed observed = observedOf(equations, params);
+  const Observed observed(equations, params);
   solution.degenerate_directions = observed.weak;
   if (observed.weak < 6) {
     const Matrix6d& H = observed.information_alone ? equations.information : equations.H;
     const Vector6d& b = observed.information_alone ? equations.information_b : equations.b;
-    const Directions V =
-        observed.spectrum.scale.asDiagonal() * observed.spectrum.eigenvectors.rightCols(6 - observed.weak);
+    const Directions V = observed.scale.asDiagonal() * observed.eigenvectors.rightCols(6 - observed.weak);
     const Square A = V.transpose() * H * V;
     solution.dx = V * A.ldlt().solve(V.transpose() * b);
   }
@@ -106,23 +83,18 @@ Solution solveObserved(const NormalEquations& equations, const ObservabilityPara
 }
 
 Matrix6d covarianceObserved(const NormalEquations& equations, double scale, const ObservabilityParams& params) {
-  const Observed observed = observedOf(equations, params);
-  const Spectrum& s = observed.spectrum;
+  const Observed observed(equations, params);
   const double weak_rotation_m = params.weak_sigma_deg * kDegree * params.lever_m;
   Matrix6d covariance = Matrix6d::Zero();
-  const auto weakVariance = [&](int i) {
+  for (int i = 0; i < 6; ++i) {
     // the direction's own share of rotation decides which weak sigma it gets; both are in metres here
-    const double rotation_ratio = s.eigenvectors.col(i).tail<3>().squaredNorm();
-    return (1.0 - rotation_ratio) * params.weak_sigma_m * params.weak_sigma_m +
-           rotation_ratio * weak_rotation_m * weak_rotation_m;
-  };
-  for (int i = 0; i < observed.weak; ++i) {
-    const Vector6d v = s.scale.cwiseProduct(s.eigenvectors.col(i));
-    covariance += weakVariance(i) * v * v.transpose();
-  }
-  for (int i = observed.weak; i < 6; ++i) {
-    const Vector6d v = s.scale.cwiseProduct(s.eigenvectors.col(i));
-    covariance += std::min(weakVariance(i), scale / s.eigenvalues[i]) * v * v.transpose();
+    const double rotation_ratio = observed.eigenvectors.col(i).tail<3>().squaredNorm();
+    const double weak_variance = (1.0 - rotation_ratio) * params.weak_sigma_m * params.weak_sigma_m +
+                                 rotation_ratio * weak_rotation_m * weak_rotation_m;
+    const bool is_weak = i < observed.weak;
+    const double variance = is_weak ? weak_variance : std::min(weak_variance, scale / observed.eigenvalues[i]);
+    const Vector6d v = observed.scale.cwiseProduct(observed.eigenvectors.col(i));
+    covariance += variance * v * v.transpose();
   }
   return covariance;
 }
