@@ -25,45 +25,38 @@ constexpr double kPriorRatio = 0.02;  // cost per unit of the squared Mahalanobi
 
 // Cells of the horizontal plane around the predicted position: whether the map saw the cell, whether it holds
 // above-ground points.
-class PlanGrid {
- public:
-  PlanGrid(double half_m, double cell_m)
-      : cell_m_(cell_m),
-        size_(2 * static_cast<int>(std::ceil(half_m / cell_m))),
-        cells_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_), 0) {}
+struct PlanGrid {
+  double cell_m;
+  int size;  // cells along a side
+  std::vector<std::uint8_t> cells;
+
+  PlanGrid(double half_m, double side_m) : cell_m(side_m), size(2 * static_cast<int>(std::ceil(half_m / side_m))) {
+    cells.resize(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 0);
+  }
 
   int index(double x_m, double y_m) const {
-    const int ix = static_cast<int>(std::floor(x_m / cell_m_)) + size_ / 2;
-    const int iy = static_cast<int>(std::floor(y_m / cell_m_)) + size_ / 2;
-    return ix < 0 || iy < 0 || ix >= size_ || iy >= size_ ? -1 : iy * size_ + ix;
+    const int ix = static_cast<int>(std::floor(x_m / cell_m)) + size / 2;
+    const int iy = static_cast<int>(std::floor(y_m / cell_m)) + size / 2;
+    return ix < 0 || iy < 0 || ix >= size || iy >= size ? -1 : iy * size + ix;
   }
   std::uint8_t at(double x_m, double y_m) const {
     const int i = index(x_m, y_m);
-    return i < 0 ? 0 : cells_[static_cast<std::size_t>(i)];
+    return i < 0 ? 0 : cells[static_cast<std::size_t>(i)];
   }
-  std::vector<std::uint8_t>& cells() { return cells_; }
-  const std::vector<std::uint8_t>& cells() const { return cells_; }
-  int size() const { return size_; }
-  double cell_m() const { return cell_m_; }
-
- private:
-  double cell_m_;
-  int size_;
-  std::vector<std::uint8_t> cells_;
 };
 
 constexpr std::uint8_t kSeen = 1, kNear = 3, kStands = 5;  // bit 0: seen; value / 2: quality of the fit, 0..2
 
 void raise(PlanGrid& grid, int x, int y, std::uint8_t value) {
-  if (x < 0 || y < 0 || x >= grid.size() || y >= grid.size()) return;
-  std::uint8_t& cell = grid.cells()[static_cast<std::size_t>(y * grid.size() + x)];
+  if (x < 0 || y < 0 || x >= grid.size || y >= grid.size) return;
+  std::uint8_t& cell = grid.cells[static_cast<std::size_t>(y * grid.size + x)];
   cell = std::max(cell, value);
 }
 
 PlanGrid gridOf(const VoxelMap& map, const Eigen::Vector3d& centre_odom, double half_m) {
   AboveGroundPointsParams above_ground;
   PlanGrid grid(half_m, kCell_m);
-  std::vector<float> lowest(grid.cells().size(), 1e9f), highest(grid.cells().size(), -1e9f);
+  std::vector<float> lowest(grid.cells.size(), 1e9f), highest(grid.cells.size(), -1e9f);
   for (const Eigen::Vector3d& p : map.points()) {
     const Eigen::Vector3d d = p - centre_odom;
     const int i = grid.index(d.x(), d.y());
@@ -72,9 +65,9 @@ PlanGrid gridOf(const VoxelMap& map, const Eigen::Vector3d& centre_odom, double 
     lowest[cell] = std::min(lowest[cell], static_cast<float>(d.z()));
     highest[cell] = std::max(highest[cell], static_cast<float>(d.z()));
   }
-  for (int y = 0; y < grid.size(); ++y) {
-    for (int x = 0; x < grid.size(); ++x) {
-      const auto cell = static_cast<std::size_t>(y * grid.size() + x);
+  for (int y = 0; y < grid.size; ++y) {
+    for (int x = 0; x < grid.size; ++x) {
+      const auto cell = static_cast<std::size_t>(y * grid.size + x);
       if (lowest[cell] > highest[cell]) continue;
       const bool stands = static_cast<double>(highest[cell] - lowest[cell]) >= above_ground.min_height_m;
       for (int dy = -1; dy <= 1; ++dy) {
@@ -87,10 +80,10 @@ PlanGrid gridOf(const VoxelMap& map, const Eigen::Vector3d& centre_odom, double 
 }
 
 PlanGrid coarser(const PlanGrid& fine) {
-  PlanGrid coarse(0.5 * fine.size() * fine.cell_m(), fine.cell_m() * kCoarse);
-  for (int y = 0; y < fine.size(); ++y) {
-    for (int x = 0; x < fine.size(); ++x) {
-      raise(coarse, x / kCoarse, y / kCoarse, fine.cells()[static_cast<std::size_t>(y * fine.size() + x)]);
+  PlanGrid coarse(0.5 * fine.size * fine.cell_m, fine.cell_m * kCoarse);
+  for (int y = 0; y < fine.size; ++y) {
+    for (int x = 0; x < fine.size; ++x) {
+      raise(coarse, x / kCoarse, y / kCoarse, fine.cells[static_cast<std::size_t>(y * fine.size + x)]);
     }
   }
   return coarse;
@@ -189,7 +182,7 @@ bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, con
   const PlanGrid fine = gridOf(map, T_odom_cog_predicted.translation(), params_.range_m + params_.max_shift_m);
   const PlanGrid coarse = coarser(fine);
   const Judge judge(covariance);
-  const double step_m = coarse.cell_m(), step_rad = step_m / (0.5 * params_.range_m);
+  const double step_m = coarse.cell_m, step_rad = step_m / (0.5 * params_.range_m);
   const int turns = static_cast<int>(std::ceil(judge.reachRad(params_.max_turn_deg * kDegree) / step_rad));
   const int shifts = static_cast<int>(std::ceil(judge.reachM(params_.max_shift_m) / step_m));
   std::vector<Candidate> candidates;
