@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <string>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 
 namespace fail_aware {

@@ -8,7 +8,7 @@
 
 #include "../support/graph_driver.hpp"
 #include "bridge/parameter_server.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/odometry_pipeline.hpp"
 #include "core/types/corrected_sweep.hpp"
 #include "fail_aware_lidar_odometry/bridge/point_cloud_conversion.hpp"

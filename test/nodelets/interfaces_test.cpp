@@ -20,7 +20,7 @@
 #include "../support/driver_clouds.hpp"
 #include "../support/graph_driver.hpp"
 #include "../support/tum_trajectory.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/io/trajectory_io.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 

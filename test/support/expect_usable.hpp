@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/types/measurement.hpp"
 
 namespace fail_aware {

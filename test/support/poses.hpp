@@ -5,8 +5,8 @@
 
 #include <string>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/pose.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

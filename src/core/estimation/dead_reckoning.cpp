@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

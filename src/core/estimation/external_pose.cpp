@@ -6,7 +6,7 @@
 
 #include "core/estimation/largest_values.hpp"
 #include "core/estimation/odometry_covariance.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/decompositions.hpp"
 
 namespace fail_aware {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/matrix6.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {

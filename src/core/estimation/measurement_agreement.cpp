@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/estimation/largest_values.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/decompositions.hpp"
 
 namespace fail_aware {
 

@@ -6,9 +6,8 @@
 #include <optional>
 
 #include "core/estimation/largest_values.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/matrix6.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

@@ -7,9 +7,8 @@
 #include "core/estimation/doubtful_standstill.hpp"
 #include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/prediction_noise.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/matrix6.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/decompositions.hpp"
 
 namespace fail_aware {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 #include "core/preprocessing/lean_weights.hpp"
 #include "point_block.hpp"
 

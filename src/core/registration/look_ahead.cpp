@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 #include "plane_pairs.hpp"
 
 namespace fail_aware {

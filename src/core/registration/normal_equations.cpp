@@ -3,9 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "core/geometry/matrix6.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

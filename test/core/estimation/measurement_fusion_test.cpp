@@ -8,9 +8,8 @@
 
 #include "../../support/poses.hpp"
 #include "../../support/random_orthogonal.hpp"
-#include "core/geometry/matrix6.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 #include "core/parameters/validate.hpp"
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "../../support/independent_drift.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware::odometry_covariance_test {
 namespace {

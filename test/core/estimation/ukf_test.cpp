@@ -7,9 +7,8 @@
 #include <random>
 
 #include "../../support/random_orthogonal.hpp"
-#include "core/geometry/matrix6.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware::ukf_test {
 namespace {

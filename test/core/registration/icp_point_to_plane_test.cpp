@@ -9,8 +9,8 @@
 
 #include "../../support/expect_usable.hpp"
 #include "../../support/synthetic_scene.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
 #include "core/parameters/check.hpp"
 #include "core/parameters/validate.hpp"

@@ -5,10 +5,9 @@
 #include <cmath>
 
 #include "../../support/poses.hpp"
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/matrix6.hpp"
 #include "core/geometry/rotation.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 #include "core/parameters/check.hpp"
 #include "core/parameters/validate.hpp"
 

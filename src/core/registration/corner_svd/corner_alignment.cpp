@@ -7,9 +7,9 @@
 #include <limits>
 #include <optional>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rigid_alignment.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

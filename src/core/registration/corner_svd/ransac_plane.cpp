@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
+#include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
-#include "core/geometry/symmetric_eigen.hpp"
 
 namespace fail_aware {
 

@@ -1,5 +1,6 @@
-#include "core/geometry/symmetric_eigen.hpp"
+#include "core/geometry/decompositions.hpp"
 
+#include <Eigen/Dense>
 #include <cmath>
 
 namespace fail_aware {
@@ -24,5 +25,11 @@ Eigen::Vector2d symmetricEigenvalues(const Eigen::Matrix2d& C) {
   const double mean = 0.5 * C.trace(), spread = std::hypot(0.5 * (C(0, 0) - C(1, 1)), C(0, 1));
   return {mean - spread, mean + spread};
 }
+
+Matrix6d inverseOf(const Matrix6d& A) { return A.inverse(); }
+
+Vector6d solutionOf(const Matrix6d& H, const Vector6d& b) { return H.ldlt().solve(b); }
+
+Matrix6d solutionOf(const Matrix6d& H, const Matrix6d& B) { return H.ldlt().solve(B); }
 
 }  // namespace fail_aware
