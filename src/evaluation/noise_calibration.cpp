@@ -107,16 +107,15 @@ Params scaled(Params params, const Fields<Params>& fields, const std::vector<dou
 }
 
 // registration_ratio is that of a variance, the others are standard deviations.
-DriftModel::Params scaledDrift(DriftModel::Params params, const Fields<DriftModel::Params>& fields,
-                               std::vector<double> factors) {
+DriftModel scaledDrift(DriftModel params, const Fields<DriftModel>& fields, std::vector<double> factors) {
   factors.front() *= factors.front();
   params = scaled(params, fields, factors);
   params.registration_ratio = std::min(params.registration_ratio, 1.0);
   return params;
 }
 
-Fields<DriftModel::Params> driftFields() {
-  using P = DriftModel::Params;
+Fields<DriftModel> driftFields() {
+  using P = DriftModel;
   return {&P::registration_ratio, &P::position_per_root_metre_m, &P::heading_per_root_metre_deg,
           &P::heading_bias_deg_per_m, &P::scale_bias};
 }
@@ -156,7 +155,7 @@ std::vector<DriftSample> driftSamples(const std::vector<DriftRun>& runs, const D
 
 // The (x, y) covariance since the episode's begin at every sample.
 std::vector<Eigen::Matrix2d> covariancesAt(const std::vector<DriftRun>& runs, const std::vector<DriftSample>& samples,
-                                           const DriftModel::Params& params) {
+                                           const DriftModel& params) {
   std::vector<Eigen::Matrix2d> covariances;
   for (std::size_t k = 0; k < samples.size();) {
     const std::size_t run = samples[k].run;
@@ -182,14 +181,13 @@ std::vector<Eigen::Matrix2d> covariancesAt(const std::vector<DriftRun>& runs, co
   return covariances;
 }
 
-void addCovariances(const std::vector<DriftRun>& runs, const DriftModel::Params& start,
-                    std::vector<DriftSample>& samples) {
-  const Fields<DriftModel::Params> fields = driftFields();
-  const DriftModel::Params none = scaledDrift(start, fields, std::vector<double>(fields.size(), 0.0));
+void addCovariances(const std::vector<DriftRun>& runs, const DriftModel& start, std::vector<DriftSample>& samples) {
+  const Fields<DriftModel> fields = driftFields();
+  const DriftModel none = scaledDrift(start, fields, std::vector<double>(fields.size(), 0.0));
   const std::vector<Eigen::Matrix2d> fixed = covariancesAt(runs, samples, none);
   for (std::size_t k = 0; k < samples.size(); ++k) samples[k].fixed = fixed[k];
   for (const auto field : fields) {
-    DriftModel::Params one = none;
+    DriftModel one = none;
     one.*field = start.*field;
     const std::vector<Eigen::Matrix2d> with_one = covariancesAt(runs, samples, one);
     for (std::size_t k = 0; k < samples.size(); ++k) samples[k].per_start.push_back(with_one[k] - fixed[k]);
@@ -241,15 +239,14 @@ PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples
   return scaled(begin, fields, fitFactors(fields.size(), cost));
 }
 
-DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
-                            const DriftFitOptions& options) {
+DriftModel fitDrift(const std::vector<DriftRun>& runs, const DriftModel& others, const DriftFitOptions& options) {
   std::vector<DriftSample> samples = driftSamples(runs, options);
   if (samples.size() < kFewest) {
     throw InputError("too few errors to calibrate the drift with: " + std::to_string(samples.size()) +
                      " (5 s and more after starts 5 s apart), at least " + std::to_string(kFewest) +
                      " are needed: give a run of 25 s, or several of 15 s");
   }
-  DriftModel::Params begin = others;
+  DriftModel begin = others;
   begin.position_per_root_metre_m = begin.heading_per_root_metre_deg = 0.005;
   begin.heading_bias_deg_per_m = 0.0002;
   begin.scale_bias = 0.0005;
@@ -264,7 +261,7 @@ DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel:
     }
     return sum / static_cast<double>(samples.size());
   };
-  const Fields<DriftModel::Params> fields = driftFields();
+  const Fields<DriftModel> fields = driftFields();
   return scaledDrift(begin, fields, fitFactors(fields.size(), cost));
 }
 

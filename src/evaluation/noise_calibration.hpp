@@ -47,7 +47,6 @@ struct DriftFitOptions {
 
 /// `others` with registration_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias fitted. Throws
 /// InputError without data.
-DriftModel::Params fitDrift(const std::vector<DriftRun>& runs, const DriftModel::Params& others,
-                            const DriftFitOptions& options = {});
+DriftModel fitDrift(const std::vector<DriftRun>& runs, const DriftModel& others, const DriftFitOptions& options = {});
 
 }  // namespace fail_aware

@@ -97,7 +97,7 @@ TEST(NoiseCalibration, TheDoubtOfASweepIsNotScaled) {
 }
 
 /// Straight drives whose odometry drifts as the model says.
-std::vector<DriftRun> driftingRuns(const DriftModel::Params& drift, int runs) {
+std::vector<DriftRun> driftingRuns(const DriftModel& drift, int runs) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
   std::vector<DriftRun> all;
@@ -133,7 +133,7 @@ std::vector<DriftRun> driftingRuns(const DriftModel::Params& drift, int runs) {
 }
 
 TEST(NoiseCalibration, FindsTheDriftThatWasPutIn) {
-  DriftModel::Params truth;
+  DriftModel truth;
   truth.position_per_root_metre_m = 0.02;
   truth.heading_per_root_metre_deg = 0.01;
   truth.heading_bias_deg_per_m = 0.003;
@@ -141,7 +141,7 @@ TEST(NoiseCalibration, FindsTheDriftThatWasPutIn) {
   DriftFitOptions options;
   options.episode_every_s = 15.0;
   options.every_s = 3.0;
-  const DriftModel::Params fitted = fitDrift(driftingRuns(truth, 60), DriftModel::Params(), options);
+  const DriftModel fitted = fitDrift(driftingRuns(truth, 60), DriftModel(), options);
   EXPECT_NEAR(fitted.position_per_root_metre_m / truth.position_per_root_metre_m, 1.0, 0.2);
   EXPECT_NEAR(fitted.heading_per_root_metre_deg / truth.heading_per_root_metre_deg, 1.0, 0.3);
   EXPECT_NEAR(fitted.heading_bias_deg_per_m / truth.heading_bias_deg_per_m, 1.0, 0.3);
@@ -149,7 +149,7 @@ TEST(NoiseCalibration, FindsTheDriftThatWasPutIn) {
 }
 
 TEST(NoiseCalibration, WithoutABiasItFindsNone) {
-  DriftModel::Params truth;
+  DriftModel truth;
   truth.position_per_root_metre_m = 0.02;
   truth.heading_per_root_metre_deg = 0.01;
   truth.heading_bias_deg_per_m = 0.0;
@@ -157,11 +157,11 @@ TEST(NoiseCalibration, WithoutABiasItFindsNone) {
   DriftFitOptions options;
   options.episode_every_s = 15.0;
   options.every_s = 3.0;
-  const DriftModel::Params fitted = fitDrift(driftingRuns(truth, 20), DriftModel::Params(), options);
+  const DriftModel fitted = fitDrift(driftingRuns(truth, 20), DriftModel(), options);
   // 0.01 deg per root metre make 0.0005 deg/m over 400 m
   EXPECT_LT(fitted.heading_bias_deg_per_m, 3e-4);
   EXPECT_LT(fitted.scale_bias, 8e-4);
-  EXPECT_THROW(fitDrift({}, DriftModel::Params()), InputError);
+  EXPECT_THROW(fitDrift({}, DriftModel()), InputError);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 
 namespace fail_aware {
 
-inline DriftModel::Params independentDrift() {
-  DriftModel::Params params;
+inline DriftModel independentDrift() {
+  DriftModel params;
   params.map_length_m = 0.0;
   params.registration_ratio = 1.0;
   params.position_per_root_metre_m = 0.0;

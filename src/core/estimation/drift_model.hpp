@@ -28,42 +28,36 @@
 
 namespace fail_aware {
 
-class DriftModel {
- public:
-  struct Params {
-    double map_length_m = 65.0;       ///< way on which the map around the vehicle is replaced; 0: with each sweep
-    double registration_ratio = 0.3;  ///< of a registration's variance: what a map's worth of sweeps has in common
-    double position_per_root_metre_m = 0.0;
-    double tilt_per_root_metre_deg = 0.0065;
-    double heading_per_root_metre_deg = 0.0003;
-    double heading_bias_deg_per_m = 0.00002;  ///< standard deviation of the constant
-    double scale_bias = 0.0001;               ///< likewise: metres per metre
-    double transient_ratio = 0.25;  ///< of a registration's variance: what the pose jitters by about the map: position
-    double transient_rotation_ratio = 0.5;  ///< likewise rotation
-    double new_map_m = 0.02;                ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
+struct DriftModel {
+  double map_length_m = 65.0;       ///< way on which the map around the vehicle is replaced; 0: with each sweep
+  double registration_ratio = 0.3;  ///< of a registration's variance: what a map's worth of sweeps has in common
+  double position_per_root_metre_m = 0.0;
+  double tilt_per_root_metre_deg = 0.0065;
+  double heading_per_root_metre_deg = 0.0003;
+  double heading_bias_deg_per_m = 0.00002;  ///< standard deviation of the constant
+  double scale_bias = 0.0001;               ///< likewise: metres per metre
+  double transient_ratio = 0.25;  ///< of a registration's variance: what the pose jitters by about the map: position
+  double transient_rotation_ratio = 0.5;  ///< likewise rotation
+  double new_map_m = 0.02;                ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
 
-    template <class Self, class Visitor>
-    static void visit(Self& self, Visitor&& v) {
-      v("map_length_m", self.map_length_m, within(0.0, kLargestParameter));
-      v("registration_ratio", self.registration_ratio, within(0.0, kLargestParameter));
-      v("position_per_root_metre_m", self.position_per_root_metre_m, requireNotNegative);
-      v("tilt_per_root_metre_deg", self.tilt_per_root_metre_deg, requireNotNegative);
-      v("heading_per_root_metre_deg", self.heading_per_root_metre_deg, requireNotNegative);
-      v("heading_bias_deg_per_m", self.heading_bias_deg_per_m, requireNotNegative);
-      v("scale_bias", self.scale_bias, requireNotNegative);
-      v("transient_ratio", self.transient_ratio, within(0.0, 1e6));
-      v("transient_rotation_ratio", self.transient_rotation_ratio, within(0.0, 1e6));
-      v("new_map_m", self.new_map_m, requireNotNegative);
-    }
-  };
-
-  explicit DriftModel(const Params& params) : params_(params) {}
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("map_length_m", self.map_length_m, within(0.0, kLargestParameter));
+    v("registration_ratio", self.registration_ratio, within(0.0, kLargestParameter));
+    v("position_per_root_metre_m", self.position_per_root_metre_m, requireNotNegative);
+    v("tilt_per_root_metre_deg", self.tilt_per_root_metre_deg, requireNotNegative);
+    v("heading_per_root_metre_deg", self.heading_per_root_metre_deg, requireNotNegative);
+    v("heading_bias_deg_per_m", self.heading_bias_deg_per_m, requireNotNegative);
+    v("scale_bias", self.scale_bias, requireNotNegative);
+    v("transient_ratio", self.transient_ratio, within(0.0, 1e6));
+    v("transient_rotation_ratio", self.transient_rotation_ratio, within(0.0, 1e6));
+    v("new_map_m", self.new_map_m, requireNotNegative);
+  }
 
   /// Variances that the way of one sweep adds to the pose and to the map alike.
   Vector6d walkVariances(double distance_m) const;
   /// Ratio of the map around the vehicle that one sweep replaces, 0..1.
   double mapReplaced(double distance_m) const;
-  double registrationRatio() const { return params_.registration_ratio; }
   /// The pose's jitter about the map. `registration`: what a sweep's registration adds to the pose's covariance.
   Matrix6d transient(const Matrix6d& registration) const;
 
@@ -72,9 +66,6 @@ class DriftModel {
 
   /// Variances of the two constants: heading (rad^2/m^2) and scale.
   Eigen::Vector2d biasVariances() const;
-
- private:
-  Params params_;
 };
 
 }  // namespace fail_aware

@@ -65,7 +65,7 @@ Matrix6d observed(const Matrix6d& registration) {
 
 }  // namespace
 
-OdometryCovariance::OdometryCovariance(const DriftModel::Params& drift) : drift_(drift) { reset(); }
+OdometryCovariance::OdometryCovariance(const DriftModel& drift) : drift_(drift) { reset(); }
 
 bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
                                    const OdometryIncrement& increment) {
@@ -141,7 +141,7 @@ OdometryCovariance::MapDistance OdometryCovariance::extendMap(const OdometryIncr
   MapDistance way = is_new ? MapDistance{T_odom_base_previous.translation(), 0.0} : *map_distance_;
   const double farthest_before_m = way.farthest_m;
   way.farthest_m = std::max(way.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
-  step.lasting = drift_.registrationRatio() * step.replaced * step.registration + covarianceOf(increment.doubt);
+  step.lasting = drift_.registration_ratio * step.replaced * step.registration + covarianceOf(increment.doubt);
   step.lasting.diagonal() += drift_.walkVariances(step.step_m.norm());
   step.to_map = step.lasting;
   step.to_map.diagonal() += drift_.newMapVariances(farthest_before_m, way.farthest_m);
@@ -167,7 +167,7 @@ DriftRate::Along OdometryCovariance::rateOnWeakStretch() const {
   const double replaced = std::max(last_step_.replaced, kLeastReplaced), motion = last_step_.motion(0, 0);
   const double D = 0.5 * (motion + std::sqrt(motion * motion + 4.0 * motion * R)), K = D / (D + R);
   const double stays = replaced * (1.0 - K) / (1.0 - (1.0 - replaced) * (1.0 - K));
-  return {stays * stays * motion + drift_.registrationRatio() * replaced * K * K * R, stays};
+  return {stays * stays * motion + drift_.registration_ratio * replaced * K * K * R, stays};
 }
 
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {

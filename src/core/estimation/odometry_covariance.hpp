@@ -46,7 +46,7 @@ struct DriftRate {
 class OdometryCovariance {
  public:
   /// Throws ParameterError.
-  explicit OdometryCovariance(const DriftModel::Params& drift);
+  explicit OdometryCovariance(const DriftModel& drift);
 
   /// Negative eigenvalues of the increment's covariances count as zero.
   bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);

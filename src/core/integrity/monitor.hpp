@@ -31,7 +31,7 @@ namespace fail_aware {
 struct MonitorParameters {
   FailAwareIndicator::Params indicator;
   CovariancePredictor::Params predictor;
-  DriftModel::Params drift;  ///< also of the published odometry's covariance
+  DriftModel drift;  ///< also of the published odometry's covariance
   FailureThresholds thresholds;
   double rate_window_s = 3.0;  ///< over which the increments' covariance rate is averaged
   int sweeps_to_recover = 10;

@@ -23,14 +23,14 @@ Matrix6d diagonal(double position, double rotation) {
 TEST(DriftModel, IndependentErrorsReplaceTheMapEachSweep) {
   const DriftModel model(independentDrift());
   EXPECT_EQ(model.mapReplaced(0.0), 1.0);
-  EXPECT_EQ(model.registrationRatio(), 1.0);
+  EXPECT_EQ(model.registration_ratio, 1.0);
   EXPECT_TRUE(model.walkVariances(12.0).isZero());
   EXPECT_TRUE(model.transient(diagonal(1e-4, 1e-7)).isZero());
   EXPECT_TRUE(model.biasVariances().isZero());
 }
 
 TEST(DriftModel, TheWayReplacesTheMap) {
-  DriftModel::Params params;
+  DriftModel params;
   params.map_length_m = 50.0;
   const DriftModel model(params);
   EXPECT_EQ(model.mapReplaced(0.0), 0.0) << "standing still";
@@ -39,7 +39,7 @@ TEST(DriftModel, TheWayReplacesTheMap) {
 }
 
 TEST(DriftModel, WalksGrowWithTheRootOfTheWay) {
-  DriftModel::Params params;
+  DriftModel params;
   params.position_per_root_metre_m = 0.01;
   params.tilt_per_root_metre_deg = 0.03;
   params.heading_per_root_metre_deg = 0.02;
@@ -56,7 +56,7 @@ TEST(DriftModel, WalksGrowWithTheRootOfTheWay) {
 }
 
 TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {
-  DriftModel::Params params;
+  DriftModel params;
   params.heading_bias_deg_per_m = 0.001;
   params.scale_bias = 0.002;
   const DriftModel model(params);
@@ -65,19 +65,19 @@ TEST(DriftModel, BiasesAreGivenAsStandardDeviations) {
 }
 
 TEST(DriftModel, ParametersAreChecked) {
-  const auto refused = [](const std::function<void(DriftModel::Params&)>& change) {
-    DriftModel::Params params;
+  const auto refused = [](const std::function<void(DriftModel&)>& change) {
+    DriftModel params;
     change(params);
     EXPECT_THROW(validate(params), ParameterError);
   };
-  EXPECT_NO_THROW(validate(DriftModel::Params()));
-  refused([](DriftModel::Params& p) { p.map_length_m = -1.0; });
-  refused([](DriftModel::Params& p) { p.registration_ratio = -0.1; });
-  refused([](DriftModel::Params& p) { p.position_per_root_metre_m = -1.0; });
-  refused([](DriftModel::Params& p) { p.tilt_per_root_metre_deg = -1.0; });
-  refused([](DriftModel::Params& p) { p.heading_per_root_metre_deg = std::numeric_limits<double>::quiet_NaN(); });
-  refused([](DriftModel::Params& p) { p.heading_bias_deg_per_m = -1.0; });
-  refused([](DriftModel::Params& p) { p.scale_bias = -1.0; });
+  EXPECT_NO_THROW(validate(DriftModel()));
+  refused([](DriftModel& p) { p.map_length_m = -1.0; });
+  refused([](DriftModel& p) { p.registration_ratio = -0.1; });
+  refused([](DriftModel& p) { p.position_per_root_metre_m = -1.0; });
+  refused([](DriftModel& p) { p.tilt_per_root_metre_deg = -1.0; });
+  refused([](DriftModel& p) { p.heading_per_root_metre_deg = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](DriftModel& p) { p.heading_bias_deg_per_m = -1.0; });
+  refused([](DriftModel& p) { p.scale_bias = -1.0; });
 }
 
 }  // namespace

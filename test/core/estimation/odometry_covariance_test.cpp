@@ -216,7 +216,7 @@ DriftState driveStraight(OdometryCovariance& odometry, int steps, const Matrix6d
 }
 
 TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
-  DriftModel::Params drift = independentDrift();
+  DriftModel drift = independentDrift();
   drift.heading_bias_deg_per_m = 0.01;
   drift.scale_bias = 0.02;
   OdometryCovariance odometry(drift);
@@ -231,7 +231,7 @@ TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
 }
 
 TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
-  DriftModel::Params drift = independentDrift();
+  DriftModel drift = independentDrift();
   drift.map_length_m = 1e9;
   drift.transient_ratio = drift.transient_rotation_ratio = 0.5;
   OdometryCovariance odometry(drift);
@@ -250,7 +250,7 @@ TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
 }
 
 TEST(OdometryCovariance, SubsidingJitterDoesNotShrinkIt) {
-  DriftModel::Params drift = independentDrift();
+  DriftModel drift = independentDrift();
   drift.map_length_m = 1e9;
   drift.transient_ratio = drift.transient_rotation_ratio = 0.5;
   OdometryCovariance covariance(drift);
@@ -331,7 +331,7 @@ class Gap : public ::testing::Test {
   double x() const { return odometry.sinceMark()(0, 0); }
   double y() const { return odometry.sinceMark()(1, 1); }
 
-  OdometryCovariance odometry{DriftModel::Params()};
+  OdometryCovariance odometry{DriftModel()};
   Pose T = Pose::Identity();
   double before = 0.0;
 };
@@ -450,8 +450,8 @@ double sigmaAlong(OdometryCovariance& odometry, int sweeps, double sigma_m) {
   return std::sqrt(driveStraight(odometry, sweeps, motion, R).pose()(0, 0));
 }
 
-DriftModel::Params maps(double length_m, double registration_ratio) {
-  DriftModel::Params params = independentDrift();
+DriftModel maps(double length_m, double registration_ratio) {
+  DriftModel params = independentDrift();
   params.map_length_m = length_m;
   params.registration_ratio = registration_ratio;
   return params;
@@ -554,7 +554,7 @@ TEST(Twist, CovarianceAgainstFiniteDifferences) {
 }
 
 TEST(OdometryCovariance, NewMapCostsWithinItsFirstDecimetre) {
-  DriftModel::Params params = independentDrift();
+  DriftModel params = independentDrift();
   params.new_map_m = 0.02;
   OdometryCovariance odometry(params);
   const auto drive = [&](double from_m, double to_m, MapUpdate map_update = MapUpdate::kInsert) {

@@ -36,7 +36,7 @@ TEST(VerticalDrift, KeepsWhatItKnowsWhereNothingIsGiven) {
 }
 
 TEST(VerticalDrift, NothingHorizontalChanges) {
-  OdometryCovariance with{DriftModel::Params()}, without{DriftModel::Params()};
+  OdometryCovariance with{DriftModel()}, without{DriftModel()};
   Pose T = Pose::Identity();
   OdometryIncrement increment;
   increment.motion = 1e-6 * Matrix6d::Identity();
@@ -54,7 +54,7 @@ TEST(VerticalDrift, NothingHorizontalChanges) {
   for (const int i : {0, 1, 5}) EXPECT_TRUE(added.row(i).isZero(0.0)) << i;
   EXPECT_NEAR(std::sqrt(added(2, 2)), 200.0 * std::hypot(0.8, 0.3) * kTilt, 1e-6);
   with.reset();
-  EXPECT_TRUE(with.covariance().isApprox(OdometryCovariance{DriftModel::Params()}.covariance()));
+  EXPECT_TRUE(with.covariance().isApprox(OdometryCovariance{DriftModel()}.covariance()));
 }
 
 }  // namespace
