@@ -114,7 +114,7 @@ CorrectedSweep correctedSweep(const SyntheticDrive& drive, double stamp_s, unsig
   seen.stamp_s = sweep.stamp_s;
   seen.points_lidar = sweep.points_lidar;
   const std::vector<float> times_s = sweep.times_s;
-  SweepCorrection().correct(seen, times_s, Pose::Identity(), expSe3(0.1 * twist_cog), 0.1, drive.T_cog_lidar, sweep);
+  correctSweep({}, seen, times_s, Pose::Identity(), expSe3(0.1 * twist_cog), 0.1, drive.T_cog_lidar, sweep);
   return sweep;
 }
 

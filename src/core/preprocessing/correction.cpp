@@ -82,15 +82,15 @@ Vector6d lidarTwist(const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, co
   return logSe3((T_odom_cog_begin * T_cog_lidar).inverse() * T_odom_cog_end * T_cog_lidar) / dt_s;
 }
 
-CorrectionStatus SweepCorrection::correct(const Sweep& sweep, const std::vector<float>& times_relative_to_stamp_s,
-                                          const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, double dt_s,
-                                          const Pose& T_cog_lidar, CorrectedSweep& out) const {
+CorrectionStatus correctSweep(const SweepCorrectionParams& params, const Sweep& sweep,
+                              const std::vector<float>& times_relative_to_stamp_s, const Pose& T_odom_cog_begin,
+                              const Pose& T_odom_cog_end, double dt_s, const Pose& T_cog_lidar, CorrectedSweep& out) {
   const std::vector<float>& times_s = times_relative_to_stamp_s;
   out.stamp_s = sweep.stamp_s;
   out.rings = sweep.rings;
   out.points_lidar = sweep.points_lidar;
   out.times_s.clear();
-  if (!params_.enabled || times_s.empty()) return CorrectionStatus::kOff;
+  if (!params.enabled || times_s.empty()) return CorrectionStatus::kOff;
   if (times_s.size() != sweep.size() || !asArray(times_s).allFinite()) return CorrectionStatus::kBadTimes;
   out.times_s = times_s;
   if (!(dt_s > 0.0) || !std::isfinite(dt_s)) return CorrectionStatus::kNoMotion;
@@ -100,8 +100,8 @@ CorrectionStatus SweepCorrection::correct(const Sweep& sweep, const std::vector<
   return CorrectionStatus::kCorrected;
 }
 
-bool SweepCorrection::redeskew(std::vector<Eigen::Vector3f>& points_lidar,
-                               const std::vector<float>& times_relative_to_stamp_s, const Vector6d& delta_twist_lidar) {
+bool redeskew(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
+              const Vector6d& delta_twist_lidar) {
   const std::vector<float>& times_s = times_relative_to_stamp_s;
   if (times_s.empty() || times_s.size() != points_lidar.size() || !asArray(times_s).allFinite()) return false;
   if (!isUsable(delta_twist_lidar)) return false;

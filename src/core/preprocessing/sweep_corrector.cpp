@@ -71,8 +71,8 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
     report.revolution_s = revolutionFromTimes(sweep.points_lidar, times_s_);
   }
   if (seam && report.timing.source == TimingSource::kAzimuth) seam_.observe(*seam);
-  report.correction = correction_.correct(sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
-                                          prediction.dt_s, T_cog_lidar, corrected);
+  report.correction = correctSweep(correction_, sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
+                                   prediction.dt_s, T_cog_lidar, corrected);
   if (report.correction == CorrectionStatus::kCorrected && !times_s_.empty()) {
     const auto [first, last] = std::minmax_element(times_s_.begin(), times_s_.end());
     // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was

@@ -64,7 +64,7 @@ class SweepCorrector {
   AzimuthCorrectionParams azimuth_;
   SweepTiming timing_;
   SweepSeamCheck seam_;
-  SweepCorrection correction_;
+  SweepCorrectionParams correction_;
   VerticalReference vertical_reference_;
   std::optional<double> last_s_;  ///< time of the last sweep
   std::vector<float> times_s_;

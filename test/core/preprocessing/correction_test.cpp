@@ -80,8 +80,8 @@ const Convention kReferences[] = {{"start", 0.0}, {"mid", 0.5}, {"end", 1.0}};
 CorrectionStatus correctWithDrive(const Drive& drive, const Sweep& sweep, const std::vector<float>& times_s,
                                   CorrectedSweep& out) {
   const double dt_s = 0.1036;  // the stamps' distance need not be the sweep's period
-  return SweepCorrection().correct(sweep, times_s, drive.cogAt(sweep.stamp_s - dt_s), drive.cogAt(sweep.stamp_s), dt_s,
-                                   drive.T_cog_lidar, out);
+  return correctSweep({}, sweep, times_s, drive.cogAt(sweep.stamp_s - dt_s), drive.cogAt(sweep.stamp_s), dt_s,
+                      drive.T_cog_lidar, out);
 }
 
 TEST(SweepCorrection, RestoresTheSceneFromAField) {
@@ -141,7 +141,7 @@ TEST(SweepCorrection, TheLeverArmMatters) {
   std::vector<float> times_s;
   for (const double t : moving.times_from_start_s) times_s.push_back(static_cast<float>(t - kPeriod_s));
   CorrectedSweep out;
-  SweepCorrection().correct(moving.sweep, times_s, drive.cogAt(0.3), drive.cogAt(0.4), 0.1, Pose::Identity(), out);
+  correctSweep({}, moving.sweep, times_s, drive.cogAt(0.3), drive.cogAt(0.4), 0.1, Pose::Identity(), out);
   EXPECT_GT(worstError(out.points_lidar, moving.truth_lidar), 0.02);
 }
 
@@ -154,8 +154,7 @@ TEST(SweepCorrection, IsAccurateFromStandstillToViolentMotion) {
     for (const double t : moving.times_from_start_s) times_s.push_back(static_cast<float>(t - kPeriod_s));
     CorrectedSweep out;
     const double dt_s = 0.02;
-    SweepCorrection().correct(moving.sweep, times_s, drive.cogAt(0.01 - dt_s), drive.cogAt(0.01), dt_s,
-                              drive.T_cog_lidar, out);
+    correctSweep({}, moving.sweep, times_s, drive.cogAt(0.01 - dt_s), drive.cogAt(0.01), dt_s, drive.T_cog_lidar, out);
     EXPECT_LT(worstError(out.points_lidar, moving.truth_lidar), 2e-4) << factor;
   }
 }
@@ -204,15 +203,14 @@ TEST(SweepCorrection, NoTimesOrMotionChangesNothing) {
     CorrectedSweep out;
     out.points_lidar.resize(9);
     out.times_s.resize(9);
-    const CorrectionStatus status =
-        SweepCorrection(c.params).correct(sweep, c.times_s, a, c.end, c.dt_s, drive.T_cog_lidar, out);
+    const CorrectionStatus status = correctSweep(c.params, sweep, c.times_s, a, c.end, c.dt_s, drive.T_cog_lidar, out);
     EXPECT_EQ(status, c.expected) << toString(status);
     EXPECT_EQ(out.stamp_s, 7.0);
     EXPECT_EQ(out.points_lidar, sweep.points_lidar);
     EXPECT_EQ(out.times_s, c.expected == CorrectionStatus::kNoMotion ? times_s : std::vector<float>());
   }
   CorrectedSweep out;
-  EXPECT_EQ(SweepCorrection().correct(Sweep(), {}, a, b, 0.1, drive.T_cog_lidar, out), CorrectionStatus::kOff);
+  EXPECT_EQ(correctSweep({}, Sweep(), {}, a, b, 0.1, drive.T_cog_lidar, out), CorrectionStatus::kOff);
   EXPECT_TRUE(out.points_lidar.empty());
 }
 
@@ -226,21 +224,20 @@ TEST(SweepCorrection, RecorrectTakesOutTheResidualMotion) {
   const Pose begin = drive.cogAt(0.3);
   const Pose end = begin * drive.T_cog_lidar * expSe3(0.1 * (true_twist - error)) * drive.T_cog_lidar.inverse();
 
-  const SweepCorrection correction;
   CorrectedSweep out;
-  ASSERT_EQ(correction.correct(moving.sweep, times_s, begin, end, 0.1, drive.T_cog_lidar, out),
+  ASSERT_EQ(correctSweep({}, moving.sweep, times_s, begin, end, 0.1, drive.T_cog_lidar, out),
             CorrectionStatus::kCorrected);
   const Vector6d twist_used = lidarTwist(begin, end, drive.T_cog_lidar, 0.1);
   EXPECT_GT(worstError(out.points_lidar, moving.truth_lidar), 0.04);
 
   std::vector<Eigen::Vector3f> first_order = out.points_lidar;
-  ASSERT_TRUE(correction.redeskew(first_order, times_s, true_twist - twist_used));
+  ASSERT_TRUE(redeskew(first_order, times_s, true_twist - twist_used));
   EXPECT_LT(worstError(first_order, moving.truth_lidar), 1.5e-3);
 
   std::vector<Eigen::Vector3f> exact = out.points_lidar;
-  ASSERT_TRUE(correction.redeskew(exact, times_s, -twist_used));
+  ASSERT_TRUE(redeskew(exact, times_s, -twist_used));
   EXPECT_LT((exact[100] - moving.sweep.points_lidar[100]).norm(), 1e-4f);
-  ASSERT_TRUE(correction.redeskew(exact, times_s, true_twist));
+  ASSERT_TRUE(redeskew(exact, times_s, true_twist));
   EXPECT_LT(worstError(exact, moving.truth_lidar), 2e-4);
 }
 
@@ -250,24 +247,22 @@ TEST(SweepCorrection, RecorrectMakesUpForACorrectionWithoutMotion) {
   std::vector<float> times_s;
   for (const double t : moving.times_from_start_s) times_s.push_back(static_cast<float>(t - kPeriod_s));
   CorrectedSweep out;
-  const SweepCorrection correction;
-  correction.correct(moving.sweep, times_s, Pose::Identity(), Pose::Identity(), 0.0, drive.T_cog_lidar, out);
-  ASSERT_TRUE(correction.redeskew(out.points_lidar, out.times_s,
-                                  lidarTwist(drive.cogAt(0.3), drive.cogAt(0.4), drive.T_cog_lidar, 0.1)));
+  correctSweep({}, moving.sweep, times_s, Pose::Identity(), Pose::Identity(), 0.0, drive.T_cog_lidar, out);
+  ASSERT_TRUE(
+      redeskew(out.points_lidar, out.times_s, lidarTwist(drive.cogAt(0.3), drive.cogAt(0.4), drive.T_cog_lidar, 0.1)));
   EXPECT_LT(worstError(out.points_lidar, moving.truth_lidar), 1e-3);
 }
 
 TEST(SweepCorrection, RecorrectRefusesWhatItCannotUse) {
-  const SweepCorrection correction;
   std::vector<Eigen::Vector3f> points = {{1, 2, 3}, {4, 5, 6}};
   const std::vector<Eigen::Vector3f> before = points;
   const Vector6d twist = vector6(1, 0, 0, 0, 0, 0.1);
   Vector6d broken = twist;
   broken[4] = std::nan("");
-  EXPECT_FALSE(correction.redeskew(points, {}, twist));
-  EXPECT_FALSE(correction.redeskew(points, {0.1f}, twist));
-  EXPECT_FALSE(correction.redeskew(points, {0.1f, std::numeric_limits<float>::infinity()}, twist));
-  EXPECT_FALSE(correction.redeskew(points, {0.1f, 0.2f}, broken));
+  EXPECT_FALSE(redeskew(points, {}, twist));
+  EXPECT_FALSE(redeskew(points, {0.1f}, twist));
+  EXPECT_FALSE(redeskew(points, {0.1f, std::numeric_limits<float>::infinity()}, twist));
+  EXPECT_FALSE(redeskew(points, {0.1f, 0.2f}, broken));
   EXPECT_EQ(points, before);
 }
 
