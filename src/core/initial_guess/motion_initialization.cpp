@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/moving_median.hpp"
 #include "core/preprocessing/voxel_filter.hpp"
 
 namespace fail_aware {
@@ -111,10 +112,9 @@ struct Search {
       const bool fits = tried[i - 1] < tried[i] && tried[i + 1] < tried[i];
       if (fits && std::abs(tried[i].twist[0]) >= slowest_mps && (peak == nullptr || *peak < tried[i])) peak = &tried[i];
     }
-    std::vector<Tried> sorted = tried;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    return peak != nullptr && peak->likelihood > middle->likelihood + kStandsOut ? peak : nullptr;
+    MovingMedian likelihoods(tried.size());
+    for (const Tried& one : tried) likelihoods.add(one.likelihood);
+    return peak != nullptr && peak->likelihood > likelihoods.median() + kStandsOut ? peak : nullptr;
   }
 };
 

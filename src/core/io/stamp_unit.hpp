@@ -2,7 +2,6 @@
 // unit.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "core/io/input_error.hpp"
+#include "core/moving_median.hpp"
 
 namespace fail_aware {
 
@@ -17,15 +17,13 @@ namespace fail_aware {
 inline void requireSeconds(const std::string& path, const std::vector<double>& stamps) {
   constexpr double kShortest_s = 0.02, kLongest_s = 1.0;
   if (stamps.size() < 3) return;
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < stamps.size(); ++i) steps.push_back(std::abs(stamps[i] - stamps[i - 1]));
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
+  MovingMedian steps(stamps.size());
+  for (std::size_t i = 1; i < stamps.size(); ++i) steps.add(std::abs(stamps[i] - stamps[i - 1]));
   for (const auto& [unit, per_s] :
        {std::pair("milliseconds", 1000L), {"microseconds", 1000000L}, {"nanoseconds", 1000000000L}}) {
-    const double step_s = *middle / static_cast<double>(per_s);
+    const double step_s = steps.median() / static_cast<double>(per_s);
     if (step_s < kShortest_s || step_s > kLongest_s) continue;
-    throw InputError(path + ": the stamps are " + std::to_string(std::lround(*middle)) +
+    throw InputError(path + ": the stamps are " + std::to_string(std::lround(steps.median())) +
                      " apart (median), so they are probably in " + unit + "; seconds are needed: divide them by " +
                      std::to_string(per_s));
   }
