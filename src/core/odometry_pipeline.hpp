@@ -9,21 +9,19 @@
 // first sweep with usable points on, every sweep whose stamp advances has a pose.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "core/estimation/pose_setting.hpp"
-#include "core/estimation/sweep_clock.hpp"
-#include "core/geometry/pose.hpp"
+#include "core/estimator.hpp"
+#include "core/local_map_registration.hpp"
 #include "core/pipeline_parameters.hpp"
-#include "core/preprocessing/vertical_reference.hpp"
-#include "core/types/filter_state.hpp"
-#include "core/types/fusion_input.hpp"
-#include "core/types/measurement.hpp"
-#include "core/types/sweep_condition.hpp"
-#include "core/types/timing_result.hpp"
+#include "core/preprocessing/sweep_check.hpp"
+#include "core/preprocessing/sweep_corrector.hpp"
+#include "core/registration/corner_svd/corner_svd.hpp"
 #include "fail_aware_lidar_odometry/monitor.hpp"
 #include "fail_aware_lidar_odometry/result.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
@@ -79,7 +77,9 @@ class OdometryPipeline {
 
   /// Starts the time t1 at the next accepted sweep that is not before `from_stamp_s`; from t1 on the odometry serves as
   /// the localisation. MonitorOutput says which sweep it was.
-  void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
+  void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest()) {
+    start_from_stamp_s_ = from_stamp_s;
+  }
   void stopRedundant();
 
   /// Resets everything; the next sweep is the first.
@@ -87,25 +87,57 @@ class OdometryPipeline {
 
   /// Sets the pose of base_link in odom; the next sweep applies it (estimation/pose_setting.hpp). Returns why the pose
   /// is refused; empty: it is accepted. SweepResult::pose_set gives the outcome.
-  std::string setPose(const ExternalPose& pose);
+  std::string setPose(const ExternalPose& pose) { return estimator_.setPose(pose); }
 
   /// A source of external poses (estimation/external_pose.hpp). Offer each pose no later than the sweep it belongs to.
-  void addSource(const std::string& name, double tolerance_s);
+  void addSource(const std::string& name, double tolerance_s) { estimator_.addSource(name, tolerance_s); }
   /// Returns why the pose cannot be used; empty: the pose waits for its sweep.
-  std::string offer(const std::string& source, const ExternalPose& pose);
+  std::string offer(const std::string& source, const ExternalPose& pose) { return estimator_.offer(source, pose); }
 
   /// The tilt and drift estimated so far.
-  const VerticalReference& verticalReference() const;
+  const VerticalReference& verticalReference() const { return corrector_.verticalReference(); }
 
   /// One line: how the clouds contradict the sensor's timing parameters (sweep_seam.hpp). Empty: no contradiction.
-  std::string seamContradiction() const;
+  std::string seamContradiction() const { return corrector_.seamContradiction(); }
 
   /// The head's period and the jitter of the stamps, as estimated so far.
-  const SweepClock& sweepClock() const;
+  const SweepClock& sweepClock() const { return estimator_.sweepClock(); }
 
  private:
-  struct Stages;
-  std::unique_ptr<Stages> stages_;
+  struct Source {
+    const char* name;
+    bool used;
+    FusionInput::Kind kind;
+    bool needs_scan;  ///< measures after LocalMapRegistration::prepare()
+    std::function<Measurement(const SweepPrediction&)> measure;
+  };
+
+  std::vector<Source> makeSources();
+  Pose T_cog_base() const { return params_.vehicle.T_base_cog().inverse(); }
+  std::optional<SweepPrediction> predict(double stamp_s);
+  SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
+  void measure(const SweepPrediction& prediction, SweepResult& result);
+  void estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report, SweepResult& result);
+  void describeState(SweepResult& result) const;
+  SweepCondition condition(const SweepFindings& findings, const SweepResult& result);
+  const MonitorOutput& judge(const SweepResult& result);
+  void beginDrive();
+
+  PipelineParameters params_;
+  Pose T_cog_lidar_;
+  SweepCheck check_;
+  SweepCorrector corrector_;
+  Estimator estimator_;
+  LocalMapRegistration registration_;
+  CornerSvd corner_svd_;
+  FailAwareMonitor monitor_;
+  struct Arena;                   ///< TBB's: who includes this header does not need TBB
+  std::unique_ptr<Arena> arena_;  ///< the threads of the measurements
+  std::vector<Source> sources_;   ///< in the order of the fusion's inputs
+  CorrectedSweep corrected_;
+  MonitorOutput last_output_;
+  int refused_sweeps_ = 0;                    ///< since the last accepted sweep
+  std::optional<double> start_from_stamp_s_;  ///< t1 is requested and not reached yet
 };
 
 }  // namespace fail_aware
