@@ -34,6 +34,9 @@ struct Corner {
     Rectangle rectangle;                               ///< display only
   };
   std::array<Plane, 2> planes;  ///< the first one is N's
+
+  int sightings = 1;      ///< in the reference (corner_reference.hpp)
+  int sweeps_unseen = 0;  ///< likewise
   int points() const { return planes[0].points + planes[1].points; }
 
   Eigen::Vector3d lineDirection() const { return (J - M).normalized(); }

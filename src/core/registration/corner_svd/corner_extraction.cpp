@@ -90,10 +90,9 @@ CornerExtractor::CornerExtractor(const Params& params) : params_(params) {
 std::vector<Corner> CornerExtractor::extract(const Points& points, const Eigen::Matrix3d& R_odom_frame) {
   std::vector<Corner> corners;
   if (!R_odom_frame.allFinite()) return corners;
-  keepVerticalPoints(points);
   const Eigen::Vector3d up = R_odom_frame.transpose().col(2);
   std::uint32_t seed = static_cast<std::uint32_t>(params_.seed);
-  for (Points& cluster : clusterKeptPoints()) {
+  for (Points& cluster : clustersOf(cellsWithWalls(points))) {
     const std::vector<Plane> planes = findPlanes(std::move(cluster), up, seed++);
     for (std::size_t a = 0; a < planes.size(); ++a) {
       for (std::size_t b = a + 1; b < planes.size(); ++b) {
@@ -105,8 +104,8 @@ std::vector<Corner> CornerExtractor::extract(const Points& points, const Eigen::
   return withoutNeighbours(std::move(corners), params_.min_corner_distance_m);
 }
 
-// Fills kept_ and kept_begin_.
-void CornerExtractor::keepVerticalPoints(const Points& points) {
+// The points of the cells with enough beams.
+std::vector<CornerExtractor::Points> CornerExtractor::cellsWithWalls(const Points& points) {
   const float inverse_cell = static_cast<float>(1.0 / params_.cell_m);
   const float inverse_step = static_cast<float>(1.0 / params_.height_step_m);
   const float middle = 0.5F * static_cast<float>(grid_width_);
@@ -130,64 +129,48 @@ void CornerExtractor::keepVerticalPoints(const Points& points) {
   }
 
   // From here a grid cell holds 0 or the index of the kept cell + 1.
-  std::uint32_t kept_cells = 0;
+  std::uint64_t kept = 0;
   for (const std::uint32_t cell : touched_) {
-    grid_[cell] =
-        static_cast<int>(std::bitset<64>(grid_[cell]).count()) >= params_.min_beams_per_cell ? ++kept_cells : 0;
+    grid_[cell] = static_cast<int>(std::bitset<64>(grid_[cell]).count()) >= params_.min_beams_per_cell ? ++kept : 0;
   }
-  kept_begin_.assign(kept_cells + 2, 0);  // for now, the point count of kept cell k is at k + 2
-  for (std::uint32_t& cell : cell_of_point_) {
-    if (cell == kNoCell) continue;
-    cell = grid_[cell] == 0 ? kNoCell : static_cast<std::uint32_t>(grid_[cell] - 1);
-    if (cell != kNoCell) ++kept_begin_[cell + 2];
-  }
-  for (std::size_t k = 2; k < kept_begin_.size(); ++k) kept_begin_[k] += kept_begin_[k - 1];
-  kept_.resize(kept_begin_.back());
+  std::vector<Points> cells(kept);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (cell_of_point_[i] != kNoCell) kept_[kept_begin_[cell_of_point_[i] + 1]++] = points[i];
+    if (cell_of_point_[i] == kNoCell || grid_[cell_of_point_[i]] == 0) continue;
+    cells[grid_[cell_of_point_[i]] - 1].push_back(points[i]);
   }
-  kept_begin_.pop_back();
   for (const std::uint32_t cell : touched_) grid_[cell] = 0;
+  return cells;
 }
 
-std::vector<CornerExtractor::Points> CornerExtractor::clusterKeptPoints() const {
+std::vector<CornerExtractor::Points> CornerExtractor::clustersOf(std::vector<Points> cells) const {
+  if (!params_.cluster_cells) {
+    std::vector<Points> single;  // a cell for each point
+    for (const Points& cell : cells) {
+      for (const Eigen::Vector3f& p : cell) single.push_back({p});
+    }
+    cells.swap(single);
+  }
   std::vector<Eigen::Vector2f> places;
   std::vector<int> weights;
-  std::vector<int> label_of_point(kept_.size());
-  if (params_.cluster_cells) {
-    for (std::size_t k = 0; k + 1 < kept_begin_.size(); ++k) {
-      Eigen::Vector2f sum = Eigen::Vector2f::Zero();
-      for (std::uint32_t i = kept_begin_[k]; i < kept_begin_[k + 1]; ++i) sum += kept_[i].head<2>();
-      weights.push_back(static_cast<int>(kept_begin_[k + 1] - kept_begin_[k]));
-      places.push_back(sum / static_cast<float>(weights.back()));
-    }
-  } else {
-    places.reserve(kept_.size());
-    for (const Eigen::Vector3f& p : kept_) places.push_back(p.head<2>());
+  for (const Points& cell : cells) {
+    Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+    for (const Eigen::Vector3f& p : cell) sum += p.head<2>();
+    weights.push_back(static_cast<int>(cell.size()));
+    places.push_back(sum / static_cast<float>(cell.size()));
   }
   const std::vector<int> labels = dbscan2d(places, params_.dbscan_eps_m, params_.dbscan_min_points, weights);
 
-  std::vector<std::size_t> sizes;
+  std::vector<Points> clusters;
   for (std::size_t k = 0; k < labels.size(); ++k) {
     if (labels[k] < 0) continue;
-    sizes.resize(std::max(sizes.size(), static_cast<std::size_t>(labels[k]) + 1));
-    sizes[static_cast<std::size_t>(labels[k])] += weights.empty() ? 1 : static_cast<std::size_t>(weights[k]);
+    const auto label = static_cast<std::size_t>(labels[k]);
+    clusters.resize(std::max(clusters.size(), label + 1));
+    clusters[label].insert(clusters[label].end(), cells[k].begin(), cells[k].end());
   }
-  std::vector<Points> clusters;
-  std::vector<std::size_t> cluster_of_label(sizes.size());
-  for (std::size_t label = 0; label < sizes.size(); ++label) {
-    const bool large = sizes[label] >= static_cast<std::size_t>(params_.min_cluster_points);
-    cluster_of_label[label] = large ? clusters.size() : kNoCell;
-    if (!large) continue;
-    clusters.emplace_back();
-    clusters.back().reserve(sizes[label]);
-  }
-  for (std::size_t k = 0; k < labels.size(); ++k) {
-    if (labels[k] < 0 || cluster_of_label[static_cast<std::size_t>(labels[k])] == kNoCell) continue;
-    Points& cluster = clusters[cluster_of_label[static_cast<std::size_t>(labels[k])]];
-    const std::size_t begin = weights.empty() ? k : kept_begin_[k], end = weights.empty() ? k + 1 : kept_begin_[k + 1];
-    for (std::size_t i = begin; i < end; ++i) cluster.push_back(kept_[i]);
-  }
+  const auto is_small = [&](const Points& cluster) {
+    return cluster.size() < static_cast<std::size_t>(params_.min_cluster_points);
+  };
+  clusters.erase(std::remove_if(clusters.begin(), clusters.end(), is_small), clusters.end());
   return clusters;
 }
 

@@ -82,8 +82,8 @@ class CornerExtractor {
     Points inliers;
   };
 
-  void keepVerticalPoints(const Points& points);
-  std::vector<Points> clusterKeptPoints() const;
+  std::vector<Points> cellsWithWalls(const Points& points);
+  std::vector<Points> clustersOf(std::vector<Points> cells) const;
   std::vector<Plane> findPlanes(Points cluster, const Eigen::Vector3d& up, std::uint32_t seed) const;
   bool makeCorner(const Plane& a, const Plane& b, const Eigen::Matrix3d& R_odom_frame, Corner& corner) const;
 
@@ -92,8 +92,6 @@ class CornerExtractor {
   std::vector<std::uint64_t> grid_;     ///< beams that hit each cell, as bits; all zero between calls
   std::vector<std::uint32_t> touched_;  ///< cells with a point
   std::vector<std::uint32_t> cell_of_point_;
-  Points kept_;                            ///< points of cells with enough beams, cell by cell
-  std::vector<std::uint32_t> kept_begin_;  ///< start of each kept cell's points in kept_, and the end
 };
 
 }  // namespace fail_aware

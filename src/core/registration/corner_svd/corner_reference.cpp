@@ -1,15 +1,20 @@
 #include "core/registration/corner_svd/corner_reference.hpp"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace fail_aware {
 
 namespace {
 
-// The mean of `corner` (weight 1 - share) and `seen` (weight share); both at one height, planes in one order.
-Corner blended(const Corner& corner, const Corner& seen, double share) {
+// The mean of all sightings, `seen` being the newest; both corners at one height, planes in one order.
+Corner blended(const Corner& corner, const Corner& seen) {
+  const int sightings = corner.sightings + 1;
+  const double share = 1.0 / sightings;
   const auto mix = [&](const auto& a, const auto& b) { return ((1.0 - share) * a + share * b).eval(); };
   Corner mean = corner;
+  mean.sightings = sightings;
+  mean.sweeps_unseen = 0;
   mean.M = mix(corner.M, seen.M);
   mean.J = mean.M + Corner::kLineLength * mix(corner.lineDirection(), seen.lineDirection()).normalized();
   mean.N = mean.M + Corner::kPlaneLength * mix((corner.N - corner.M).eval(), (seen.N - seen.M).eval()).normalized();
@@ -24,49 +29,31 @@ Corner blended(const Corner& corner, const Corner& seen, double share) {
 
 }  // namespace
 
-void CornerReference::clear() {
-  corners_odom_.clear();
-  histories_.clear();
-}
-
 void CornerReference::update(const std::vector<Corner>& corners_cog, const Pose& T_odom_cog) {
   if (!isFinite(T_odom_cog)) return;
   if (params_.sweeps == 1) clear();
-  for (History& history : histories_) ++history.sweeps_unseen;
-
+  for (Corner& corner : corners_odom_) ++corner.sweeps_unseen;
   std::vector<Corner> seen;
   seen.reserve(corners_cog.size());
   for (const Corner& corner : corners_cog) seen.push_back(movedCorner(T_odom_cog, corner));
+
   std::vector<bool> known(seen.size(), false);
   for (const CornerPair& match :
        matchCorners(seen, corners_odom_, params_.merge_distance_m, params_.max_normal_difference_deg)) {
     Corner& corner = corners_odom_[static_cast<std::size_t>(match.second)];
-    History& history = histories_[static_cast<std::size_t>(match.second)];
     Corner sighting = atHeight(seen[static_cast<std::size_t>(match.first)], corner.M.z());
     if (match.planes_swapped) sighting = withOtherPlane(sighting);
-    history = {history.sightings + 1, 0};
-    corner = blended(corner, sighting, 1.0 / history.sightings);
+    corner = blended(corner, sighting);
     known[static_cast<std::size_t>(match.first)] = true;
   }
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (known[i]) continue;
-    corners_odom_.push_back(seen[i]);
-    histories_.push_back({1, 0});
+    if (!known[i]) corners_odom_.push_back(seen[i]);
   }
-  forget(T_odom_cog);
-}
-
-void CornerReference::forget(const Pose& T_odom_cog) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < corners_odom_.size(); ++i) {
-    const bool near = (corners_odom_[i].M - T_odom_cog.translation()).norm() <= params_.max_range_m;
-    if (!near || histories_[i].sweeps_unseen >= params_.sweeps) continue;
-    corners_odom_[kept] = corners_odom_[i];
-    histories_[kept] = histories_[i];
-    ++kept;
-  }
-  corners_odom_.resize(kept);
-  histories_.resize(kept);
+  const auto is_gone = [&](const Corner& corner) {
+    const bool near = (corner.M - T_odom_cog.translation()).norm() <= params_.max_range_m;
+    return !near || corner.sweeps_unseen >= params_.sweeps;
+  };
+  corners_odom_.erase(std::remove_if(corners_odom_.begin(), corners_odom_.end(), is_gone), corners_odom_.end());
 }
 
 }  // namespace fail_aware

@@ -35,19 +35,12 @@ class CornerReference {
 
   /// Adds a sweep's corners at the estimated pose. Ignores an estimate that is not finite.
   void update(const std::vector<Corner>& corners_cog, const Pose& T_odom_cog);
-  void clear();
+  void clear() { corners_odom_.clear(); }
   const std::vector<Corner>& corners() const { return corners_odom_; }
 
  private:
-  void forget(const Pose& T_odom_cog);
-
   Params params_;
   std::vector<Corner> corners_odom_;
-  struct History {
-    int sightings;
-    int sweeps_unseen;
-  };
-  std::vector<History> histories_;  ///< one per corner
 };
 
 }  // namespace fail_aware
