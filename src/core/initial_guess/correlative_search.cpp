@@ -172,19 +172,19 @@ std::vector<Eigen::Vector2d> aboveGroundPoints(const std::vector<Eigen::Vector3f
 
 }  // namespace
 
-bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
-                             const Pose& T_odom_cog_predicted, const Matrix6d& covariance,
-                             std::optional<Pose>& T_odom_cog) const {
+bool findByCorrelation(const CorrelativeSearchParams& params, const std::vector<Eigen::Vector3f>& points_cog,
+                       const VoxelMap& map, const Pose& T_odom_cog_predicted, const Matrix6d& covariance,
+                       std::optional<Pose>& T_odom_cog) {
   T_odom_cog.reset();
   const std::vector<Eigen::Vector2d> points =
-      aboveGroundPoints(points_cog, T_odom_cog_predicted.linear(), params_.range_m);
+      aboveGroundPoints(points_cog, T_odom_cog_predicted.linear(), params.range_m);
   if (points.empty()) return false;
-  const PlanGrid fine = gridOf(map, T_odom_cog_predicted.translation(), params_.range_m + params_.max_shift_m);
+  const PlanGrid fine = gridOf(map, T_odom_cog_predicted.translation(), params.range_m + params.max_shift_m);
   const PlanGrid coarse = coarser(fine);
   const Judge judge(covariance);
-  const double step_m = coarse.cell_m, step_rad = step_m / (0.5 * params_.range_m);
-  const int turns = static_cast<int>(std::ceil(judge.reachRad(params_.max_turn_deg * kDegree) / step_rad));
-  const int shifts = static_cast<int>(std::ceil(judge.reachM(params_.max_shift_m) / step_m));
+  const double step_m = coarse.cell_m, step_rad = step_m / (0.5 * params.range_m);
+  const int turns = static_cast<int>(std::ceil(judge.reachRad(params.max_turn_deg * kDegree) / step_rad));
+  const int shifts = static_cast<int>(std::ceil(judge.reachM(params.max_shift_m) / step_m));
   std::vector<Candidate> candidates;
   tryAround({}, step_m, step_rad, shifts, turns, points, coarse, judge, candidates);
   const auto better = [](const Candidate& a, const Candidate& b) { return a.value > b.value; };
@@ -198,7 +198,7 @@ bool CorrelativeSearch::find(const std::vector<Eigen::Vector3f>& points_cog, con
   }
   // the first of the best, so that the choice among equal ones does not depend on the library
   const Candidate& best = *std::min_element(refined.begin(), refined.end(), better);
-  if (best.ratio < params_.min_ratio) return true;
+  if (best.ratio < params.min_ratio) return true;
   T_odom_cog = T_odom_cog_predicted;
   T_odom_cog->translation().head<2>() += best.shift_m;
   T_odom_cog->linear() =

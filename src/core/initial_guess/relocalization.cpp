@@ -67,7 +67,6 @@ std::optional<Pose> confirmedBy(const IcpPointToPoint& icp, const RegistrationCl
 
 Relocalization::Relocalization(const Params& params, const IcpPointToPoint::Params& usual)
     : params_(params),
-      search_(params.search),
       wide_(widened(params, usual)),
       narrowing_(narrowing(params, usual)),
       usual_(fromOneSeed(usual)),
@@ -81,8 +80,8 @@ std::optional<Pose> Relocalization::find(const RegistrationCloud& cloud, const V
                                          const Pose& T_odom_cog_predicted, const Matrix6d& covariance,
                                          const Gap& gap) const {
   std::optional<Pose> place;
-  if (params_.search.enabled && search_.find(cloud.map_points_cog, map, T_odom_cog_predicted,
-                                             covariance + steered(gap, T_odom_cog_predicted.linear()), place)) {
+  if (params_.search.enabled && findByCorrelation(params_.search, cloud.map_points_cog, map, T_odom_cog_predicted,
+                                                  covariance + steered(gap, T_odom_cog_predicted.linear()), place)) {
     if (place) {
       const Measurement narrowed = narrowing_.align(cloud.point_points_cog, map, *place, covariance);
       return narrowed.ok() ? confirmedBy(usual_, cloud, map, narrowed, covariance) : std::nullopt;

@@ -29,7 +29,7 @@ class Relocalization {
     /// least inlier ratio where no search confirmed the pose: higher than elsewhere (0.3)
     double min_inlier_ratio = 0.5;
     double narrow_m = 0.3;  ///< kernel at the end of the search: points that fit better than this count
-    CorrelativeSearch::Params search;
+    CorrelativeSearchParams search;
 
     template <class Self, class Visitor>
     static void visit(Self& self, Visitor&& v) {
@@ -60,7 +60,6 @@ class Relocalization {
 
  private:
   Params params_;
-  CorrelativeSearch search_;
   IcpPointToPoint wide_, narrowing_, usual_, strict_;
 };
 

@@ -32,11 +32,10 @@ Matrix6d uncertain(double sigma_m, double sigma_deg) {
 TEST(CorrelativeSearch, FindsAPlaceMetresAndTensOfDegreesAway) {
   const VoxelMap map = mapOf(room());
   const std::vector<Eigen::Vector3d> scene = sampleScene(room(), 8.0, 0.01, 4);
-  const CorrelativeSearch search({});
   for (const Pose& T_true : {poseOf(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), poseOf(2.0, -1.5, 0.0, 0.0, 0.0, 40.0)}) {
     for (const Pose& off : {poseOf(4.0, -3.0, 0.0, 0.0, 0.0, 25.0), poseOf(-2.5, 5.0, 0.6, 0.0, 0.0, -33.0)}) {
       Found found;
-      ASSERT_TRUE(search.find(seenFrom(scene, T_true), map, T_true * off, uncertain(4.0, 20.0), found));
+      ASSERT_TRUE(findByCorrelation({}, seenFrom(scene, T_true), map, T_true * off, uncertain(4.0, 20.0), found));
       ASSERT_TRUE(found);
       const Eigen::Vector3d error = found->translation() - T_true.translation();
       EXPECT_LT(error.head<2>().norm(), 0.6) << "a cell's size";
@@ -50,8 +49,7 @@ TEST(CorrelativeSearch, LooksNoFartherThanThePredictionMayBeOff) {
   const VoxelMap map = mapOf(room());
   const std::vector<Eigen::Vector3f> points = seenFrom(sampleScene(room(), 8.0, 0.01, 4), Pose::Identity());
   Found found;
-  ASSERT_TRUE(
-      CorrelativeSearch({}).find(points, map, poseOf(4.0, -3.0, 0.0, 0.0, 0.0, 25.0), uncertain(0.2, 1.0), found));
+  ASSERT_TRUE(findByCorrelation({}, points, map, poseOf(4.0, -3.0, 0.0, 0.0, 0.0, 25.0), uncertain(0.2, 1.0), found));
   EXPECT_FALSE(found);
 }
 
@@ -59,8 +57,7 @@ TEST(CorrelativeSearch, OneWallOfACorridorBehindTheOtherIsNoPlace) {
   const VoxelMap map = mapOf(corridor());
   const std::vector<Eigen::Vector3f> points = seenFrom(sampleScene(corridor(), 8.0, 0.01, 4), Pose::Identity());
   Found found;
-  ASSERT_TRUE(
-      CorrelativeSearch({}).find(points, map, poseOf(0.5, 5.0, 0.0, 0.0, 0.0, 6.0), uncertain(4.0, 10.0), found));
+  ASSERT_TRUE(findByCorrelation({}, points, map, poseOf(0.5, 5.0, 0.0, 0.0, 0.0, 6.0), uncertain(4.0, 10.0), found));
   ASSERT_TRUE(found);
   EXPECT_LT(std::abs(found->translation().y()), 0.6);
   EXPECT_NEAR(found->translation().x(), 0.5, 1.5) << "along it the prediction has to do";
@@ -68,17 +65,16 @@ TEST(CorrelativeSearch, OneWallOfACorridorBehindTheOtherIsNoPlace) {
 
 TEST(CorrelativeSearch, NothingElsewhereAndNotWhereTooLittleStands) {
   Found found;
-  const CorrelativeSearch search({});
   const std::vector<Eigen::Vector3f> in_street = seenFrom(sampleScene(street(), 8.0, 0.01, 4), Pose::Identity());
-  ASSERT_TRUE(search.find(in_street, mapOf(room()), Pose::Identity(), uncertain(3.0, 10.0), found));
+  ASSERT_TRUE(findByCorrelation({}, in_street, mapOf(room()), Pose::Identity(), uncertain(3.0, 10.0), found));
   EXPECT_FALSE(found);
   const std::vector<Eigen::Vector3f> flat =
       seenFrom(sampleScene({ground(-30.0, -30.0, 30.0, 30.0)}, 8.0, 0.01, 4), Pose::Identity());
-  EXPECT_FALSE(search.find(flat, mapOf(street()), Pose::Identity(), uncertain(3.0, 10.0), found));
+  EXPECT_FALSE(findByCorrelation({}, flat, mapOf(street()), Pose::Identity(), uncertain(3.0, 10.0), found));
 }
 
 TEST(CorrelativeSearch, RefusesParametersThatMakeNoSense) {
-  CorrelativeSearch::Params params;
+  CorrelativeSearchParams params;
   params.max_shift_m = 0.0;
   EXPECT_THROW(validate(params), ParameterError);
 }
