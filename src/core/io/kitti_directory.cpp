@@ -14,7 +14,7 @@
 #include "core/io/input_error.hpp"
 #include "core/io/stamp_unit.hpp"
 #include "core/io/text_lines.hpp"
-#include "core/parameters/check.hpp"
+#include "core/parameters/parameter_map.hpp"
 #include "core/types/sweep_points.hpp"
 
 namespace fail_aware {
@@ -79,8 +79,7 @@ std::vector<std::string> readLines(const fs::path& path) {
   skipByteOrderMark(file, path.string());
   std::vector<std::string> lines;
   for (std::string line; nextLine(file, line);) {
-    while (!line.empty() && (line.back() == ' ' || line.back() == '\t')) line.pop_back();
-    lines.push_back(line);
+    lines.push_back(trimmed(line));
   }
   while (!lines.empty() && lines.back().empty()) lines.pop_back();
   return lines;
@@ -99,14 +98,11 @@ std::vector<double> readScanTimes(const fs::path& path, std::size_t scan_count) 
 
   std::vector<double> times_s;
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    std::istringstream text(lines[i]);
-    text.imbue(std::locale::classic());
     double time_s = 0.0;
-    if (!(text >> time_s) || text.peek() != std::istringstream::traits_type::eof() || !std::isfinite(time_s)) {
+    if (!parseDouble(lines[i], time_s) || !std::isfinite(time_s)) {
       throw badLine(path, i, lines[i], "is not a number of seconds");
     }
-    time_s = wholeMicroseconds(time_s);
-    times_s.push_back(time_s);
+    times_s.push_back(wholeMicroseconds(time_s));
   }
   requireSeconds(path.string(), times_s);
   return times_s;

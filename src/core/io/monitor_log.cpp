@@ -51,8 +51,21 @@ struct MonitorLogTable {
     v("confirmed", f.confirmed);
     v("valid_inputs", f.valid_inputs);
     v("invalid_inputs", f.invalid_inputs);
-    SweepCondition::visit(input.condition,
-                          [&](const char* name, auto& field) { v(std::string("sweep_") + name, field); });
+    auto& c = input.condition;
+    v("sweep_empty", c.empty);
+    v("sweep_incomplete", c.incomplete);
+    v("sweep_low_visibility", c.low_visibility);
+    v("sweep_frozen", c.frozen);
+    v("sweep_time_jump", c.time_jump);
+    v("sweep_time_field_refused", c.time_field_refused);
+    v("sweep_no_answer", c.no_answer);
+    v("sweep_dropped_before", c.dropped_before);
+    v("sweep_point_missing", c.point_missing);
+    v("sweep_plane_missing", c.plane_missing);
+    v("sweep_corners_missing", c.corners_missing);
+    v("sweep_min_information_ratio", c.min_information_ratio);
+    v("sweep_min_information_ahead", c.ahead.ratio);
+    v("sweep_information_ahead_distance_m", c.ahead.distance_m);
   }
 };
 

@@ -51,13 +51,6 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-std::string trimmed(const std::string& text) {
-  static constexpr const char* kBlank = " \t\r\n";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
 using Fields = std::vector<detail::ParameterField>;
 
 std::vector<std::string> keysOf(const Fields& fields) {
@@ -169,6 +162,13 @@ void assignText(const std::vector<ParameterField>& fields, const std::string& as
 }
 
 }  // namespace detail
+
+std::string trimmed(const std::string& text) {
+  static constexpr const char* kBlank = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kBlank);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
 
 bool parseInt(const std::string& text, int& value) {
   const std::size_t digits = !text.empty() && (text[0] == '-' || text[0] == '+') ? 1 : 0;

@@ -107,6 +107,9 @@ void setParameter(Struct& parameters, const std::string& assignment) {
   parameters = std::move(updated);
 }
 
+/// Without the blanks at both ends.
+std::string trimmed(const std::string& text);
+
 /// Whole text -> number, independent of the locale; false if it is not a number or out of range. Never NaN.
 bool parseInt(const std::string& text, int& value);
 bool parseDouble(const std::string& text, double& value);

@@ -19,25 +19,6 @@ struct SweepCondition {
   bool corners_missing = false;
   double min_information_ratio = 1.0;  ///< weakest horizontal direction, point-to-plane ICP; 1: not known
   InformationAhead ahead;
-
-  /// Visits every field: the columns of the monitor's log.
-  template <class Self, class Visitor>
-  static void visit(Self& self, Visitor&& v) {
-    v("empty", self.empty);
-    v("incomplete", self.incomplete);
-    v("low_visibility", self.low_visibility);
-    v("frozen", self.frozen);
-    v("time_jump", self.time_jump);
-    v("time_field_refused", self.time_field_refused);
-    v("no_answer", self.no_answer);
-    v("dropped_before", self.dropped_before);
-    v("point_missing", self.point_missing);
-    v("plane_missing", self.plane_missing);
-    v("corners_missing", self.corners_missing);
-    v("min_information_ratio", self.min_information_ratio);
-    v("min_information_ahead", self.ahead.ratio);
-    v("information_ahead_distance_m", self.ahead.distance_m);
-  }
 };
 
 }  // namespace fail_aware
