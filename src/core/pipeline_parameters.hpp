@@ -13,11 +13,10 @@
 #include "core/estimation/vehicle/vehicle_parameters.hpp"
 #include "core/integrity/monitor.hpp"
 #include "core/parameters/mounting.hpp"
-#include "core/preprocessing/azimuth_correction.hpp"
+#include "core/preprocessing/angle_corrections.hpp"
 #include "core/preprocessing/correction.hpp"
 #include "core/preprocessing/sweep_check.hpp"
 #include "core/preprocessing/timing.hpp"
-#include "core/preprocessing/vertical_angle_correction.hpp"
 #include "core/preprocessing/vertical_reference.hpp"
 #include "core/registration_parameters.hpp"
 

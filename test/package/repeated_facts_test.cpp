@@ -99,15 +99,15 @@ TEST(RepeatedFacts, VerticalAngleOfKitti) {
       {"doc/kitti.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"doc/results.md", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"cfg/sensors/hdl64e.yaml", "KITTI's scans need " + number},
-      {"src/core/preprocessing/vertical_angle_correction.hpp", number + " deg too low"},
-      {"src/core/preprocessing/vertical_angle_correction.hpp", "KITTI: " + number},
+      {"src/core/preprocessing/angle_corrections.hpp", number + " deg too low"},
+      {"src/core/preprocessing/angle_corrections.hpp", "KITTI: " + number},
       {"scripts/benchmark", "sensor\\.vertical_angle\\.angle_deg=" + number},
       {"scripts/benchmark", "beams " + number + " deg too low"},
       {"scripts/replay_benchmark", "\"--vertical-angle\", type=float, default=" + number},
       {"scripts/replay_benchmark", "made-up drives \\(default " + number},
       {"scripts/soak", "\"--vertical-angle\", type=float, default=" + number},
       {"scripts/soak", "made-up drives \\(default " + number},
-      {"test/core/preprocessing/vertical_angle_correction_test.cpp", "kKittiAngle_deg = " + number},
+      {"test/core/preprocessing/angle_corrections_test.cpp", "kKittiAngle_deg = " + number},
       {"test/package/check_launch_files.py", "vertical_angle/angle_deg\"\\] == " + number},
   };
   for (const auto& [file, pattern] : places) {

@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/preprocessing/azimuth_correction.hpp"
+#include "core/preprocessing/angle_corrections.hpp"
 #include "core/preprocessing/correction.hpp"
 #include "core/preprocessing/sweep_seam.hpp"
 #include "core/preprocessing/timing.hpp"
-#include "core/preprocessing/vertical_angle_correction.hpp"
 #include "core/preprocessing/vertical_reference.hpp"
 #include "core/types/corrected_sweep.hpp"
 #include "core/types/sweep_prediction.hpp"

@@ -39,8 +39,8 @@
 #include <vector>
 
 #include "core/geometry/pose.hpp"
+#include "core/preprocessing/angle_corrections.hpp"
 #include "core/preprocessing/profile_equations.hpp"
-#include "core/preprocessing/vertical_angle_correction.hpp"
 
 namespace fail_aware {
 

@@ -1,7 +1,8 @@
-#include "core/preprocessing/vertical_angle_correction.hpp"
+#include "core/preprocessing/angle_corrections.hpp"
 
 #include <cmath>
 
+#include "core/geometry/degree.hpp"
 #include "point_block.hpp"
 
 namespace fail_aware {
@@ -18,6 +19,18 @@ void correctVerticalAngle(double angle_rad, std::vector<Eigen::Vector3f>& points
     p.z = c * p.z + s * h;
     p.x *= scale;
     p.y *= scale;
+  });
+}
+
+void correctAzimuth(const AzimuthCorrectionParams& params, std::vector<Eigen::Vector3f>& points_lidar) {
+  if (params.angle_deg == 0.0) return;
+  const double angle_rad = params.angle_deg * kDegree;
+  const float c = static_cast<float>(std::cos(angle_rad));
+  const float s = static_cast<float>(std::sin(angle_rad));
+  changeBlocks(points_lidar, [&](PointBlock& p) {
+    const PointBlock::Array x = c * p.x - s * p.y;
+    p.y = s * p.x + c * p.y;
+    p.x = x;
   });
 }
 
