@@ -7,7 +7,6 @@
 #include "core/integrity/silence.hpp"
 #include "core/parallel.hpp"
 #include "core/parameters/validate.hpp"
-#include "core/types/exchanged.hpp"
 
 namespace fail_aware {
 
@@ -28,6 +27,26 @@ const PipelineParameters& validated(const PipelineParameters& params, int thread
   requireWithin("threads", threads, 1, 256);
   validate(params);
   return params;
+}
+
+// What a message keeps of the numbers that stages exchange: it holds a rotation as a quaternion. Offline the stages
+// exchange rounded data, as if by message. A different number of roundings would change some of the registration's
+// decisions and finally give another trajectory than the live graph.
+SweepPrediction exchanged(SweepPrediction prediction) {
+  prediction.T_odom_cog_previous = quaternionRoundTrip(prediction.T_odom_cog_previous);
+  prediction.T_odom_cog = quaternionRoundTrip(prediction.T_odom_cog);
+  return prediction;
+}
+
+Measurement exchanged(Measurement measurement) {
+  measurement.T_odom_cog = quaternionRoundTrip(measurement.T_odom_cog);
+  return measurement;
+}
+
+FilterState exchanged(FilterState state) {
+  state.T_odom_cog = quaternionRoundTrip(state.T_odom_cog);
+  state.T_previous_now = quaternionRoundTrip(state.T_previous_now);
+  return state;
 }
 
 }  // namespace

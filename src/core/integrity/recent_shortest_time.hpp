@@ -6,6 +6,7 @@
 // Unknown: passed on, and the times before it do not count. Cost: none to speak of.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 
 #include "fail_aware_lidar_odometry/monitor.hpp"
@@ -15,10 +16,22 @@ namespace fail_aware {
 class RecentShortestTime {
  public:
   /// The calm time `dt_s` after the last one.
-  TimeToFailure add(const TimeToFailure& time, double dt_s);
+  TimeToFailure add(const TimeToFailure& time, double dt_s) {
+    if (!time.isKnown()) {
+      reset();
+      return time;
+    }
+    for (Entry& entry : recent_) entry.age_s += std::max(dt_s, 0.0);
+    while (!recent_.empty() && recent_.front().age_s > kWindow_s) recent_.pop_front();
+    recent_.push_back({time});
+    TimeToFailure shortest = time;
+    for (const Entry& entry : recent_) shortest = combine(shortest, entry.time);
+    return shortest;
+  }
   void reset() { recent_.clear(); }
 
  private:
+  static constexpr double kWindow_s = 5.0;
   struct Entry {
     TimeToFailure time;
     double age_s = 0.0;

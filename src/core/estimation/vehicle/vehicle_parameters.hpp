@@ -53,7 +53,7 @@ struct VehicleParameters {
     v("cornering_stiffness_front_n_per_rad", self.cornering_stiffness_front_n_per_rad, requirePositive);
     v("cornering_stiffness_rear_n_per_rad", self.cornering_stiffness_rear_n_per_rad, requirePositive);
   }
-  void checkRules() const;
+  void checkRules() const { requireParameter(mass_kg >= 50.0, "mass_kg", mass_kg, "at least 50: kg, not t"); }
 };
 
 }  // namespace fail_aware
