@@ -21,8 +21,8 @@
 
 #include <vector>
 
+#include "core/types/estimator_decisions.hpp"
 #include "core/types/fusion_input.hpp"
-#include "core/types/map_update.hpp"
 
 namespace fail_aware {
 

@@ -4,10 +4,9 @@
 #pragma once
 
 #include "core/geometry/pose.hpp"
+#include "core/types/estimator_decisions.hpp"
 #include "core/types/fusion_result.hpp"
-#include "core/types/map_update.hpp"
 #include "core/types/motion_doubt.hpp"
-#include "core/types/motion_status.hpp"
 #include "core/types/speed_error.hpp"
 
 namespace fail_aware {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/geometry/pose.hpp"
-#include "core/types/map_update.hpp"
+#include "core/types/estimator_decisions.hpp"
 #include "core/types/motion_doubt.hpp"
 #include "core/types/speed_error.hpp"
 

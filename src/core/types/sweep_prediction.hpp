@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/geometry/pose.hpp"
-#include "core/types/motion_status.hpp"
+#include "core/types/estimator_decisions.hpp"
 
 namespace fail_aware {
 
