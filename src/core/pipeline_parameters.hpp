@@ -4,6 +4,7 @@
 // are constants, with the reason for their value beside them.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "core/estimation/measurement_fusion.hpp"
@@ -38,9 +39,15 @@ struct SensorParameters {
     v("check", self.check);
     v("lidar_in_base", self.lidar_in_base, requireMounting);
   }
-  Pose T_base_lidar() const;
+  Pose T_base_lidar() const { return mountingPose(lidar_in_base); }
   /// `timing` for points with corrected azimuth: in corrected azimuths the sweep begins at a different angle.
-  SweepTimingParams correctedTiming() const;
+  SweepTimingParams correctedTiming() const {
+    SweepTimingParams corrected = timing;
+    if (azimuth.angle_deg != 0.0) {
+      corrected.start_azimuth_deg = std::remainder(timing.start_azimuth_deg + azimuth.angle_deg, 360.0);
+    }
+    return corrected;
+  }
 };
 
 /// cfg/vehicles/*.yaml
@@ -54,7 +61,7 @@ struct VehicleFileParameters {
     v("cog_in_base", self.cog_in_base);
   }
   void checkRules() const { requireFiniteNumbers("cog_in_base", cog_in_base, 3); }
-  Pose T_base_cog() const;
+  Pose T_base_cog() const { return Pose(Eigen::Translation3d(Eigen::Vector3d(cog_in_base.data()))); }
 };
 
 /// cfg/profiles/*.yaml. The values in code are those of default.yaml and expert.yaml.

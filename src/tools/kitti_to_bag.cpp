@@ -10,8 +10,8 @@
 
 #include "bridge/kitti_bag_writer.hpp"
 #include "core/io/kitti_directory.hpp"
-#include "core/io/kitti_ground_truth.hpp"
 #include "core/io/profile_files.hpp"
+#include "core/io/trajectory_io.hpp"
 #include "tool_support.hpp"
 
 namespace {

@@ -9,6 +9,7 @@
 // cannot be opened, and std::runtime_error if it cannot be completed (disk full).
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,16 @@ Pose readLidarToCamera(const std::string& path);
 
 /// KITTI's ground truth is the camera's: T_lidar0_lidar = Tr^-1 T_camera0_camera Tr.
 std::vector<Pose> lidarFromCameraTrajectory(const std::vector<Pose>& camera_poses, const Pose& T_camera_lidar);
+
+/// The ground truth of a recorded drive in KITTI's folder layout.
+struct KittiGroundTruth {
+  std::string source;       ///< the file; empty: no ground truth
+  std::vector<Pose> poses;  ///< T_first_lidar of each scan, relative to the file's own origin
+};
+
+/// DIR/poses_velodyne.txt (lidar poses), or DIR/poses.txt: of the camera, as KITTI gives them, if there is a calib.txt
+/// to convert them, else of the lidar. Throws InputError, also if the number of rows is not that of the scans.
+KittiGroundTruth readKittiGroundTruth(const std::string& directory, std::size_t scan_count);
 
 /// Whether the motion between the poses is mostly along z: then the frame is a camera's (z ahead), not a lidar's.
 bool movesLikeACamera(const std::vector<Pose>& poses);

@@ -181,13 +181,8 @@ void VerticalReference::resizeBeams() {
 }
 
 void VerticalReference::update() {
-  report_.surfaces = report_.lines = 0;
   std::vector<ProfileEquations> all;
-  for (const UprightProfile& profile : finder_.profiles()) {
-    all.emplace_back(profile, finder_.beams(), ranges_, P_);
-    if (profile.kind == UprightProfile::Kind::kSurface) ++report_.surfaces;
-    if (profile.kind == UprightProfile::Kind::kLineAcross) ++report_.lines;
-  }
+  for (const UprightProfile& profile : finder_.profiles()) all.emplace_back(profile, finder_.beams(), ranges_, P_);
   if (all.size() < kMinProfiles) return;
   const Eigen::VectorXd prior = x_;
   const Eigen::Index size = x_.size();

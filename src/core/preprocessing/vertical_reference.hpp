@@ -81,8 +81,6 @@ class VerticalReference {
 
   struct Report {
     std::size_t looks = 0;
-    std::size_t surfaces = 0;  ///< in the last look
-    std::size_t lines = 0;
     double tilt_deg = 0.0;  ///< of pitch, since the start of this odom
     double tilt_sigma_deg = 0.0;
     double drift_deg_per_m = 0.0;  ///< of pitch, for sweeps that are raised but not bent

@@ -141,8 +141,6 @@ VerticalReferenceParams withoutBend() {
 TEST(VerticalReference, MeasuresDriftAndTilt) {
   VerticalReference level(withoutBend());
   const Drive result = drive(level, 200, 0.004, 0.0);
-  EXPECT_GT(level.report().surfaces, 5u);
-  EXPECT_GT(level.report().lines, 2u);
   EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001);
   EXPECT_NEAR(level.report().tilt_deg, result.sinceStart_deg(), 0.05);
   EXPECT_LT(level.report().drift_sigma_deg_per_m, 0.001);
