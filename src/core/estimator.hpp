@@ -73,7 +73,7 @@ class Estimator {
   void reset();
 
   /// The fusion's parameters, used from the next sweep on.
-  void setFusion(const MeasurementFusion::Params& params) { filter_.setFusion(params); }
+  void setFusion(const MeasurementFusion& params) { filter_.setFusion(params); }
 
   const FilterState& state() const { return filter_.state(); }
   FilterState stateAsDriven() const { return filter_.stateAsDriven(); }

@@ -72,7 +72,7 @@ struct ProfileParameters {
   MotionHistory::Params history;
   PoseFilter::Params filter;
   RegistrationParameters registration;
-  MeasurementFusion::Params fusion;
+  MeasurementFusion fusion;
   MonitorParameters monitor;
 
   template <class Self, class Visitor>

@@ -38,7 +38,7 @@ struct RegistrationParameters {
   IcpPointToPlane::Params icp_point_to_plane;
   CornerExtractor::Params corner_extraction;
   CornerReference::Params corner_reference;
-  CornerAlignment::Params corner_alignment;
+  CornerAlignment corner_alignment;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

@@ -11,7 +11,7 @@ namespace fail_aware {
 struct FusionUkfTuning {
   FusionUkfNodeletParams node;
   RegistrationParameters registration;  ///< only which measurements are in use
-  MeasurementFusion::Params fusion;
+  MeasurementFusion fusion;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
@@ -90,7 +90,7 @@ struct IcpPointToPlaneTuning {
 };
 
 struct CornerSvdTuning {
-  CornerAlignment::Params alignment;
+  CornerAlignment alignment;
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {

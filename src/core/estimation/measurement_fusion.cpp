@@ -126,9 +126,57 @@ bool addsNothing(const Candidate& c, const std::vector<Candidate>& candidates, c
   });
 }
 
+void weigh(const MeasurementFusion& params, const std::vector<Candidate>& candidates, const Vector6d& predicted_state,
+           const Matrix6d& P, FusionResult* result) {
+  for (const Candidate& c : candidates) {
+    const Vector6d d = stateDifference(c.z, predicted_state);
+    result->nis[c.input] = nisOf(c, predicted_state, P);
+    const Eigen::Matrix2d P_xy = P.topLeftCorner<2, 2>();
+    const Eigen::Matrix2d gate = params.literal ? Eigen::Matrix2d(P_xy.diagonal().asDiagonal())
+                                                : Eigen::Matrix2d(P_xy + c.R.topLeftCorner<2, 2>());
+    const double sigmas = mahalanobis2d(d.head<2>(), gate);
+    const double w = 1.0 - sigmas / params.gate_sigma;
+    const bool inside = w > 0.0 && (params.literal || w >= params.min_weight);
+    (inside ? result->weights : result->refused_sigmas)[c.input] = inside ? w : sigmas;
+  }
+}
+
+// Where most of the largest group that agrees are outside the gate, and all that are inside belong to it.
+void overrule(const MeasurementFusion& params, const std::vector<Candidate>& candidates, FusionResult* result) {
+  const auto isInside = [&](const Candidate& c) { return result->weights[c.input] > 0.0; };
+  const auto inside = std::count_if(candidates.begin(), candidates.end(), isInside);
+  if (inside == static_cast<std::ptrdiff_t>(candidates.size())) return;
+  const std::vector<std::size_t> group =
+      largestAgreement(candidates, params.agreement_distance_m, params.agreement_yaw_deg * kDegree);
+  const auto members_inside =
+      std::count_if(group.begin(), group.end(), [&](std::size_t member) { return isInside(candidates[member]); });
+  const auto members_outside = static_cast<std::ptrdiff_t>(group.size()) - members_inside;
+  if (members_inside < inside || members_outside < 2 || members_outside <= members_inside) return;
+  result->prediction_overruled = true;
+  for (const std::size_t member : group) result->weights[candidates[member].input] = 1.0;
+}
+
+void addPartial(const MeasurementFusion& params, const std::vector<Candidate>& partial, const Vector6d& predicted_state,
+                const Matrix6d& P, FusionResult* result) {
+  for (const Candidate& c : partial) {
+    result->nis[c.input] = nisOf(c, predicted_state, P);
+    const double w = 1.0 - std::sqrt(std::max(0.0, result->nis[c.input])) / params.gate_sigma;
+    const std::optional<Matrix6d> fused = inverseOfCovariance(result->R);
+    if (!fused || result->nis[c.input] < 0.0 || w < params.min_weight) continue;
+    const std::optional<Matrix6d> R = inverseOfCovariance(*fused + c.information);
+    if (!R) continue;
+    result->weights[c.input] = w;
+    result->z += *R * c.information * stateDifference(c.z, result->z);
+    result->R = *R;
+    if (c.measures_motion) continue;
+    const std::optional<Matrix6d> in_map = inverseOfCovariance(result->R_map);
+    result->R_map = in_map ? inverseOfCovariance(*in_map + c.information).value_or(*R) : *R;
+  }
+}
+
 }  // namespace
 
-void MeasurementFusion::Params::checkRules() const {
+void MeasurementFusion::checkRules() const {
   requireParameter(std::isfinite(min_weight) && min_weight >= 0.0 && min_weight < 1.0, "min_weight", min_weight,
                    "in [0, 1)");
 }
@@ -161,72 +209,24 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   }
   result.valid_inputs = static_cast<int>(candidates.size() + partial.size());
 
-  weigh(candidates, predicted_state, P, &result);
+  weigh(*this, candidates, predicted_state, P, &result);
   const bool any_inside = std::any_of(candidates.begin(), candidates.end(),
                                       [&](const Candidate& c) { return result.weights[c.input] > 0.0; });
   result.all_gated_out = !candidates.empty() && !any_inside;
 
-  if (!params_.literal) {
-    overrule(candidates, &result);
+  if (!literal) {
+    overrule(*this, candidates, &result);
     for (const Candidate& c : candidates) {
       if (addsNothing(c, candidates, result.weights)) result.weights[c.input] = 0.0;
     }
   }
-  if (any_inside && params_.literal) fuseLiteral(candidates, predicted_state, &result);
-  if ((any_inside || result.prediction_overruled) && !params_.literal) fuseByInformation(candidates, &result);
+  if (any_inside && literal) fuseLiteral(candidates, predicted_state, &result);
+  if ((any_inside || result.prediction_overruled) && !literal) fuseByInformation(candidates, &result);
   result.R_map = result.R;
-  if (result.has_measurement) addPartial(partial, predicted_state, P, &result);
+  if (result.has_measurement) addPartial(*this, partial, predicted_state, P, &result);
   result.z = wrapAngles(result.z);
-  judgeDisagreement(candidates, params_.agreement_distance_m, &result);
+  judgeDisagreement(candidates, agreement_distance_m, &result);
   return result;
-}
-
-void MeasurementFusion::weigh(const std::vector<Candidate>& candidates, const Vector6d& predicted_state,
-                              const Matrix6d& P, FusionResult* result) const {
-  for (const Candidate& c : candidates) {
-    const Vector6d d = stateDifference(c.z, predicted_state);
-    result->nis[c.input] = nisOf(c, predicted_state, P);
-    const Eigen::Matrix2d P_xy = P.topLeftCorner<2, 2>();
-    const Eigen::Matrix2d gate = params_.literal ? Eigen::Matrix2d(P_xy.diagonal().asDiagonal())
-                                                 : Eigen::Matrix2d(P_xy + c.R.topLeftCorner<2, 2>());
-    const double sigmas = mahalanobis2d(d.head<2>(), gate);
-    const double w = 1.0 - sigmas / params_.gate_sigma;
-    const bool inside = w > 0.0 && (params_.literal || w >= params_.min_weight);
-    (inside ? result->weights : result->refused_sigmas)[c.input] = inside ? w : sigmas;
-  }
-}
-
-// Where most of the largest group that agrees are outside the gate, and all that are inside belong to it.
-void MeasurementFusion::overrule(const std::vector<Candidate>& candidates, FusionResult* result) const {
-  const auto isInside = [&](const Candidate& c) { return result->weights[c.input] > 0.0; };
-  const auto inside = std::count_if(candidates.begin(), candidates.end(), isInside);
-  if (inside == static_cast<std::ptrdiff_t>(candidates.size())) return;
-  const std::vector<std::size_t> group =
-      largestAgreement(candidates, params_.agreement_distance_m, params_.agreement_yaw_deg * kDegree);
-  const auto members_inside =
-      std::count_if(group.begin(), group.end(), [&](std::size_t member) { return isInside(candidates[member]); });
-  const auto members_outside = static_cast<std::ptrdiff_t>(group.size()) - members_inside;
-  if (members_inside < inside || members_outside < 2 || members_outside <= members_inside) return;
-  result->prediction_overruled = true;
-  for (const std::size_t member : group) result->weights[candidates[member].input] = 1.0;
-}
-
-void MeasurementFusion::addPartial(const std::vector<Candidate>& partial, const Vector6d& predicted_state,
-                                   const Matrix6d& P, FusionResult* result) const {
-  for (const Candidate& c : partial) {
-    result->nis[c.input] = nisOf(c, predicted_state, P);
-    const double w = 1.0 - std::sqrt(std::max(0.0, result->nis[c.input])) / params_.gate_sigma;
-    const std::optional<Matrix6d> fused = inverseOfCovariance(result->R);
-    if (!fused || result->nis[c.input] < 0.0 || w < params_.min_weight) continue;
-    const std::optional<Matrix6d> R = inverseOfCovariance(*fused + c.information);
-    if (!R) continue;
-    result->weights[c.input] = w;
-    result->z += *R * c.information * stateDifference(c.z, result->z);
-    result->R = *R;
-    if (c.measures_motion) continue;
-    const std::optional<Matrix6d> in_map = inverseOfCovariance(result->R_map);
-    result->R_map = in_map ? inverseOfCovariance(*in_map + c.information).value_or(*R) : *R;
-  }
 }
 
 }  // namespace fail_aware

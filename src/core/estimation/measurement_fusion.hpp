@@ -43,39 +43,25 @@ namespace fail_aware {
 
 inline constexpr double kFarthestOff_m = 1e5;  ///< from the prediction: a car is no farther off after an hour
 
-class MeasurementFusion {
- public:
-  struct Params {
-    bool literal = false;               ///< the article's formula
-    double gate_sigma = 3.0;            ///< semi-axes of the gate's ellipse in standard deviations (article: 1)
-    double min_weight = 0.01;           ///< default formula: less than this counts as outside the gate
-    double agreement_distance_m = 0.2;  ///< default formula: two measurements agree within this, widened by their R
-    double agreement_yaw_deg = 1.0;
+struct MeasurementFusion {
+  bool literal = false;               ///< the article's formula
+  double gate_sigma = 3.0;            ///< semi-axes of the gate's ellipse in standard deviations (article: 1)
+  double min_weight = 0.01;           ///< default formula: less than this counts as outside the gate
+  double agreement_distance_m = 0.2;  ///< default formula: two measurements agree within this, widened by their R
+  double agreement_yaw_deg = 1.0;
 
-    template <class Self, class Visitor>
-    static void visit(Self& self, Visitor&& v) {
-      v("literal", self.literal);
-      v("gate_sigma", self.gate_sigma, requirePositive);
-      v("min_weight", self.min_weight);
-      v("agreement_distance_m", self.agreement_distance_m, requireNotNegative);
-      v("agreement_yaw_deg", self.agreement_yaw_deg, within(0.0, 180.0));
-    }
-    void checkRules() const;
-  };
-
-  explicit MeasurementFusion(const Params& params) : params_(params) {}
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("literal", self.literal);
+    v("gate_sigma", self.gate_sigma, requirePositive);
+    v("min_weight", self.min_weight);
+    v("agreement_distance_m", self.agreement_distance_m, requireNotNegative);
+    v("agreement_yaw_deg", self.agreement_yaw_deg, within(0.0, 180.0));
+  }
+  void checkRules() const;
 
   FusionResult fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
                     const std::vector<FusionInput>& inputs) const;
-
- private:
-  void weigh(const std::vector<FusionCandidate>& candidates, const Vector6d& predicted_state, const Matrix6d& P,
-             FusionResult* result) const;
-  void overrule(const std::vector<FusionCandidate>& candidates, FusionResult* result) const;
-  void addPartial(const std::vector<FusionCandidate>& partial, const Vector6d& predicted_state, const Matrix6d& P,
-                  FusionResult* result) const;
-
-  Params params_;
 };
 
 }  // namespace fail_aware

@@ -59,7 +59,7 @@ Matrix6d turned(const Matrix6d& P, const Vector6d& from, const Vector6d& to, con
 }  // namespace
 
 PoseFilter::PoseFilter(const Params& params, const VehicleModel& model, const MotionHistory::Params& history,
-                       const MeasurementFusion::Params& fusion)
+                       const MeasurementFusion& fusion)
     : params_(params),
       model_(model),
       fusion_(fusion),

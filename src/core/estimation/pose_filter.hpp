@@ -59,7 +59,7 @@ class PoseFilter {
   };
 
   PoseFilter(const Params& params, const VehicleModel& model, const MotionHistory::Params& history,
-             const MeasurementFusion::Params& fusion);
+             const MeasurementFusion& fusion);
 
   /// Restarts the filter; the next sweep's pose is T_odom_cog.
   void reset(const Pose& T_odom_cog);
@@ -75,7 +75,7 @@ class PoseFilter {
   bool setPose(const Pose& T_odom_cog);
 
   /// The fusion's parameters, used from the next sweep on.
-  void setFusion(const MeasurementFusion::Params& params) { fusion_ = MeasurementFusion(params); }
+  void setFusion(const MeasurementFusion& params) { fusion_ = params; }
 
   const FilterState& state() const { return state_; }
 

@@ -94,8 +94,7 @@ TEST(ExternalPose, ARotationThatWasNotMeasuredIsThePredictedOne) {
   Vector6d predicted = vectorFromPose(T_odom_cog);
   predicted[0] += 0.3;
   predicted[5] += 0.01;
-  const FusionResult fused =
-      MeasurementFusion(MeasurementFusion::Params()).fuse(predicted, P, {{"gps", &m, FusionInput::Kind::kExternal}});
+  const FusionResult fused = MeasurementFusion().fuse(predicted, P, {{"gps", &m, FusionInput::Kind::kExternal}});
   EXPECT_EQ(fused.valid_inputs, 1);
   EXPECT_GT(fused.weights[0], 0.5);
   EXPECT_NEAR(fused.z[0], 3.0, 1e-6);
@@ -109,7 +108,7 @@ TEST(ExternalPose, DisagreesOnlyBeyondBothCovariances) {
                                               Vector6d::Zero(), Pose::Identity());
   Measurement icp = externalMeasurement(gps(1.0, Pose::Identity(), 0.02, 0.001), 1.0, Pose::Identity(),
                                         Vector6d::Zero(), Pose::Identity());
-  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const MeasurementFusion fusion;
   const Matrix6d P = 1e-4 * Matrix6d::Identity();
   EXPECT_EQ(
       fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &near, FusionInput::Kind::kExternal}}).disagreement_m,
@@ -124,8 +123,8 @@ TEST(ExternalPose, ARefusalIsToldInMetresAndSigmas) {
   const auto refusal = [](double x_m, double sigma_m, const Matrix6d& P = 1e-4 * Matrix6d::Identity()) {
     const Measurement m = externalMeasurement(gps(1.0, pose(x_m, 0, 0, 0, 0, 0), sigma_m), 1.0, Pose::Identity(),
                                               Vector6d::Zero(), Pose::Identity());
-    const FusionResult fused = MeasurementFusion(MeasurementFusion::Params())
-                                   .fuse(Vector6d::Zero(), P, {{"gps", &m, FusionInput::Kind::kExternal}});
+    const FusionResult fused =
+        MeasurementFusion().fuse(Vector6d::Zero(), P, {{"gps", &m, FusionInput::Kind::kExternal}});
     return refusalOf(fused, 0, x_m);
   };
   EXPECT_EQ(refusal(1.0, 0.5), "") << "within 3 sigma";
@@ -142,7 +141,7 @@ TEST(ExternalPose, HasNoVoteAgainstWhatItsCovarianceBearsOut) {
                                Vector6d::Zero(), Pose::Identity());
   };
   const Measurement icp = at(0.0, 0.02), second = at(1.0, 0.02), rough = at(0.0, 0.5), fine = at(0.0, 0.02);
-  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const MeasurementFusion fusion;
   const Matrix6d P = 1e-4 * Matrix6d::Identity();
   const FusionResult undecided = fusion.fuse(
       Vector6d::Zero(), P, {{"icp", &icp}, {"second", &second}, {"gps", &rough, FusionInput::Kind::kExternal}});
@@ -160,7 +159,7 @@ TEST(ExternalPose, ConfirmsOnlyIfItKnowsWhereItIs) {
                                Vector6d::Zero(), Pose::Identity());
   };
   const Measurement icp = at(0.0, 0.02), rough = at(0.1, 1.0), fine = at(0.1, 0.05);
-  const MeasurementFusion fusion{MeasurementFusion::Params()};
+  const MeasurementFusion fusion;
   const Matrix6d P = 1e-2 * Matrix6d::Identity();
   EXPECT_FALSE(
       fusion.fuse(Vector6d::Zero(), P, {{"icp", &icp}, {"gps", &rough, FusionInput::Kind::kExternal}}).confirmed);

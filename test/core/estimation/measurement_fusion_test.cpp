@@ -29,13 +29,13 @@ Measurement measurementAt(const Vector6d& state, const Matrix6d& covariance) {
 Matrix6d diagonal(double xy, double z, double angle) { return vector6(xy, xy, z, angle, angle, angle).asDiagonal(); }
 
 MeasurementFusion literalFusion() {
-  MeasurementFusion::Params params;
+  MeasurementFusion params;
   params.literal = true;
   params.gate_sigma = 1.0;
-  return MeasurementFusion(params);
+  return params;
 }
 
-MeasurementFusion defaultFusion() { return MeasurementFusion(MeasurementFusion::Params()); }
+MeasurementFusion defaultFusion() { return {}; }
 
 std::vector<FusionInput> inputsOf(const std::vector<Measurement>& measurements) {
   std::vector<FusionInput> inputs;
@@ -185,14 +185,12 @@ TEST(MeasurementFusion, OutnumberedCountsByWeight) {
 }
 
 TEST(MeasurementFusion, TheGatesEdge) {
-  MeasurementFusion::Params params;
+  MeasurementFusion params;
   params.gate_sigma = 2.0;
   params.min_weight = 0.25;
   const Matrix6d half = diagonal(0.125, 1.0, 1.0);  // P + R = 0.25: sigma 0.5
   const auto weightAt = [&](double x) {
-    return MeasurementFusion(params)
-        .fuse(Vector6d::Zero(), half, inputsOf({measurementAt(vector6(0, x, 0, 0, 0, 0), half)}))
-        .weights[0];
+    return params.fuse(Vector6d::Zero(), half, inputsOf({measurementAt(vector6(0, x, 0, 0, 0, 0), half)})).weights[0];
   };
   EXPECT_NEAR(weightAt(0.5), 0.5, 1e-12);
   EXPECT_NEAR(weightAt(0.7499), 0.2501, 1e-12);
@@ -522,13 +520,13 @@ TEST(MeasurementFusion, NeverNanAndAlwaysACovariance) {
 }
 
 TEST(MeasurementFusion, ParametersAreChecked) {
-  MeasurementFusion::Params params;
+  MeasurementFusion params;
   params.gate_sigma = 0.0;
   EXPECT_THROW(validate(params), ParameterError);
-  params = MeasurementFusion::Params();
+  params = MeasurementFusion();
   params.min_weight = 1.0;
   EXPECT_THROW(validate(params), ParameterError);
-  params = MeasurementFusion::Params();
+  params = MeasurementFusion();
   params.agreement_distance_m = kNan;
   EXPECT_THROW(validate(params), ParameterError);
 }

@@ -25,7 +25,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 PoseFilter makeFilter(const PoseFilter::Params& params = {}) {
   return PoseFilter(params, VehicleModel(VehicleParameters(), VehicleModel::Params()), MotionHistory::Params(),
-                    MeasurementFusion::Params());
+                    MeasurementFusion());
 }
 
 Matrix6d diagonal(double sigma_m, double sigma_rad) {
@@ -810,7 +810,7 @@ TEST(PoseFilter, TheFusionsRulesCanChangeInFlight) {
   PoseFilter filter = makeFilter();
   Drive drive;
   driveMeasured(filter, drive, 10);
-  MeasurementFusion::Params narrow;
+  MeasurementFusion narrow;
   narrow.gate_sigma = 1e-6;
   filter.setFusion(narrow);
   Pose off = drive.at(11);

@@ -144,7 +144,7 @@ TEST_F(ProfileFilesTest, AProfileIsLayers) {
   };
   EXPECT_EQ(fusion("default").gate_sigma, 2.5);
   EXPECT_EQ(fusion("default").min_weight, 0.02);
-  const MeasurementFusion::Params mine = fusion((cfg_ / "mine.yaml").string());
+  const MeasurementFusion mine = fusion((cfg_ / "mine.yaml").string());
   EXPECT_TRUE(mine.literal);
   EXPECT_EQ(mine.gate_sigma, 2.5);
   EXPECT_EQ(mine.min_weight, 0.03);

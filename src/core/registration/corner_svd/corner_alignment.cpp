@@ -45,78 +45,54 @@ double residual(const PlanarMotion& motion, const Corner& corner, const Corner& 
                   (motion(corner.N) - horizontal(reference.N)).norm());
 }
 
-}  // namespace
+// A corner moved by the prediction and its reference corner, in odom, at equal heights, planes in the same order.
+struct Pair {
+  Corner corner;
+  Corner reference;
+  double variance_m2;    // of the difference between the two M, per axis
+  double variance_rad2;  // of the difference between the two directions to N
+};
 
-Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
-                                   const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
-  Measurement measurement;
-  measurement.status = MeasurementStatus::kNoReference;
-  if (!isFinite(T_odom_cog_predicted) || !predicted_covariance.allFinite()) {
-    measurement.status = MeasurementStatus::kDegenerate;
-    return measurement;
+double placeVariance(const CornerAlignment& params, const Corner& corner) {
+  double variance = 0.0;  // of the planes' offsets at the corner
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double samples =
+        std::max(1.0, static_cast<double>(corner.planes[k].points) / params.points_per_independent_sample);
+    variance += kVarianceAtEnd * corner.planes[k].rms_m * corner.planes[k].rms_m / samples;
   }
-  measurement.T_odom_cog = T_odom_cog_predicted;
-  if (reference_odom.empty()) return measurement;
-
-  const std::vector<Pair> associated = associate(corners_cog, reference_odom, T_odom_cog_predicted);
-  const std::vector<Pair> pairs = agreeing(associated);
-  measurement.inliers = pairs.size();
-  measurement.iterations = corners_cog.empty() ? 0 : 1;  // a sweep without corners did not search
-  measurement.status = MeasurementStatus::kTooFewCorners;
-  if (associated.size() < static_cast<std::size_t>(params_.min_corners)) return measurement;
-  measurement.inlier_ratio = static_cast<double>(pairs.size()) / static_cast<double>(associated.size());
-  if (pairs.size() < static_cast<std::size_t>(params_.min_corners)) return measurement;
-
-  measurement.status = MeasurementStatus::kDegenerate;
-  double baseline_m = 0.0;
-  for (const Pair& a : pairs) {
-    for (const Pair& b : pairs) baseline_m = std::max(baseline_m, horizontal(a.reference.M - b.reference.M).norm());
-  }
-  if (baseline_m < params_.min_baseline_m) return measurement;
-
-  std::vector<Eigen::Vector3d> source, target;
-  std::vector<double> weights;
-  for (const Pair& pair : pairs) {
-    for (const auto point : {&Corner::M, &Corner::J, &Corner::N}) {
-      source.push_back(flat(pair.corner.*point));
-      target.push_back(flat(pair.reference.*point));
-      weights.push_back(1.0 / pair.variance_m2);
-    }
-  }
-  const std::optional<Pose> T_reference_corner = alignRigid(source, target, weights);
-  if (!T_reference_corner) return measurement;
-  const bool mirrored = T_reference_corner->linear()(2, 2) < 0.0;  // turned over: in the plane a mirror image
-  if (mirrored) return measurement;
-  Measurement aligned = measurement;
-  aligned.status = MeasurementStatus::kOk;
-  aligned.T_odom_cog = orthonormalized(*T_reference_corner * T_odom_cog_predicted);
-  setCovariance(pairs, *T_reference_corner, predicted_covariance, aligned);
-  return isFinite(aligned.T_odom_cog) && aligned.covariance.allFinite() ? aligned : measurement;
+  const double sine2 = std::max(0.1, corner.planes[0].normal.cross(corner.planes[1].normal).squaredNorm());
+  return params.min_sigma_m * params.min_sigma_m + 0.5 * variance / sine2;
 }
 
-std::vector<CornerAlignment::Pair> CornerAlignment::associate(const std::vector<Corner>& corners_cog,
-                                                              const std::vector<Corner>& reference_odom,
-                                                              const Pose& T_odom_cog_predicted) const {
+double directionVariance(const CornerAlignment& params, const Corner& corner) {
+  const double samples =
+      std::max(1.0, static_cast<double>(corner.planes[0].points) / params.points_per_independent_sample);
+  const double sigma = params.min_direction_sigma_deg * kDegree;
+  return sigma * sigma + corner.planes[0].rms_m * corner.planes[0].rms_m / samples;  // over a wall of about 3 m
+}
+
+std::vector<Pair> associate(const CornerAlignment& params, const std::vector<Corner>& corners_cog,
+                            const std::vector<Corner>& reference_odom, const Pose& T_odom_cog_predicted) {
   std::vector<Corner> moved;
   moved.reserve(corners_cog.size());
   for (const Corner& corner : corners_cog) moved.push_back(movedCorner(T_odom_cog_predicted, corner));
   std::vector<Pair> pairs;
   for (const CornerPair& match :
-       matchCorners(moved, reference_odom, params_.association_distance_m, params_.max_normal_difference_deg)) {
+       matchCorners(moved, reference_odom, params.association_distance_m, params.max_normal_difference_deg)) {
     const Corner& reference = reference_odom[static_cast<std::size_t>(match.second)];
     Corner corner = atHeight(moved[static_cast<std::size_t>(match.first)], reference.M.z());
     if (match.planes_swapped) corner = withOtherPlane(corner);
     if (!(corner.M + corner.J + corner.N).allFinite() || !(reference.M + reference.J + reference.N).allFinite()) {
       continue;
     }
-    pairs.push_back({corner, reference, placeVariance(corner) + placeVariance(reference),
-                     directionVariance(corner) + directionVariance(reference)});
+    pairs.push_back({corner, reference, placeVariance(params, corner) + placeVariance(params, reference),
+                     directionVariance(params, corner) + directionVariance(params, reference)});
   }
   return pairs;
 }
 
 // The largest set of pairs that one motion explains; on a tie the set with the smallest residuals.
-std::vector<CornerAlignment::Pair> CornerAlignment::agreeing(const std::vector<Pair>& pairs) const {
+std::vector<Pair> agreeing(const CornerAlignment& params, const std::vector<Pair>& pairs) {
   std::vector<Pair> best;
   double best_squares = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -127,7 +103,7 @@ std::vector<CornerAlignment::Pair> CornerAlignment::agreeing(const std::vector<P
       double squares = 0.0;
       for (const Pair& pair : pairs) {
         const double r = residual(motion, pair.corner, pair.reference);
-        if (!(r < params_.max_residual_m)) continue;
+        if (!(r < params.max_residual_m)) continue;
         explained.push_back(pair);
         squares += r * r;
       }
@@ -144,8 +120,8 @@ std::vector<CornerAlignment::Pair> CornerAlignment::agreeing(const std::vector<P
 // M and J share the error e_M; N has the error e_M + e_direction (N - M) turned left:
 //   H = sum w A^T A,  g = sum w (A_M + A_J + A_N)^T e_M + w A_N^T (N - M turned left) e_direction
 //   Cov = H^-1 E[g g^T] H^-1
-void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& T_correction,
-                                    const Matrix6d& predicted_covariance, Measurement& measurement) const {
+void setCovariance(const CornerAlignment& params, const std::vector<Pair>& pairs, const Pose& T_correction,
+                   const Matrix6d& predicted_covariance, Measurement& measurement) {
   using Jacobian = Eigen::Matrix<double, 2, 3>;
   const Eigen::Vector2d vehicle = horizontal(measurement.T_odom_cog.translation());
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), G = Eigen::Matrix3d::Zero();
@@ -174,33 +150,64 @@ void CornerAlignment::setCovariance(const std::vector<Pair>& pairs, const Pose& 
 
   Matrix6d& covariance = measurement.covariance;
   covariance.setZero();
-  covariance.block<3, 3>(2, 2) = params_.unobserved_inflation * predicted_covariance.block<3, 3>(2, 2);
+  covariance.block<3, 3>(2, 2) = params.unobserved_inflation * predicted_covariance.block<3, 3>(2, 2);
   setHorizontalBlock(symmetric(planar), covariance);
   measurement.degenerate_directions = 3;
   measurement.rms_residual_m = std::sqrt(squares_m2 / corners);
   // Information of good_corners in all directions at the mean weight; in one horizontal direction it is their summed
   // weight.
   const Eigen::Vector2d variances = symmetricEigen(Eigen::Matrix2d(planar.topLeftCorner<2, 2>())).eigenvalues();
-  const double good_information = total_weight / corners * static_cast<double>(params_.good_corners);
+  const double good_information = total_weight / corners * static_cast<double>(params.good_corners);
   measurement.min_information_ratio = std::min(1.0, 1.0 / (variances(1) * good_information));
 }
 
-double CornerAlignment::placeVariance(const Corner& corner) const {
-  double variance = 0.0;  // of the planes' offsets at the corner
-  for (std::size_t k = 0; k < 2; ++k) {
-    const double samples =
-        std::max(1.0, static_cast<double>(corner.planes[k].points) / params_.points_per_independent_sample);
-    variance += kVarianceAtEnd * corner.planes[k].rms_m * corner.planes[k].rms_m / samples;
-  }
-  const double sine2 = std::max(0.1, corner.planes[0].normal.cross(corner.planes[1].normal).squaredNorm());
-  return params_.min_sigma_m * params_.min_sigma_m + 0.5 * variance / sine2;
-}
+}  // namespace
 
-double CornerAlignment::directionVariance(const Corner& corner) const {
-  const double samples =
-      std::max(1.0, static_cast<double>(corner.planes[0].points) / params_.points_per_independent_sample);
-  const double sigma = params_.min_direction_sigma_deg * kDegree;
-  return sigma * sigma + corner.planes[0].rms_m * corner.planes[0].rms_m / samples;  // over a wall of about 3 m
+Measurement CornerAlignment::align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
+                                   const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const {
+  Measurement measurement;
+  measurement.status = MeasurementStatus::kNoReference;
+  if (!isFinite(T_odom_cog_predicted) || !predicted_covariance.allFinite()) {
+    measurement.status = MeasurementStatus::kDegenerate;
+    return measurement;
+  }
+  measurement.T_odom_cog = T_odom_cog_predicted;
+  if (reference_odom.empty()) return measurement;
+
+  const std::vector<Pair> associated = associate(*this, corners_cog, reference_odom, T_odom_cog_predicted);
+  const std::vector<Pair> pairs = agreeing(*this, associated);
+  measurement.inliers = pairs.size();
+  measurement.iterations = corners_cog.empty() ? 0 : 1;  // a sweep without corners did not search
+  measurement.status = MeasurementStatus::kTooFewCorners;
+  if (associated.size() < static_cast<std::size_t>(min_corners)) return measurement;
+  measurement.inlier_ratio = static_cast<double>(pairs.size()) / static_cast<double>(associated.size());
+  if (pairs.size() < static_cast<std::size_t>(min_corners)) return measurement;
+
+  measurement.status = MeasurementStatus::kDegenerate;
+  double baseline_m = 0.0;
+  for (const Pair& a : pairs) {
+    for (const Pair& b : pairs) baseline_m = std::max(baseline_m, horizontal(a.reference.M - b.reference.M).norm());
+  }
+  if (baseline_m < min_baseline_m) return measurement;
+
+  std::vector<Eigen::Vector3d> source, target;
+  std::vector<double> weights;
+  for (const Pair& pair : pairs) {
+    for (const auto point : {&Corner::M, &Corner::J, &Corner::N}) {
+      source.push_back(flat(pair.corner.*point));
+      target.push_back(flat(pair.reference.*point));
+      weights.push_back(1.0 / pair.variance_m2);
+    }
+  }
+  const std::optional<Pose> T_reference_corner = alignRigid(source, target, weights);
+  if (!T_reference_corner) return measurement;
+  const bool mirrored = T_reference_corner->linear()(2, 2) < 0.0;  // turned over: in the plane a mirror image
+  if (mirrored) return measurement;
+  Measurement aligned = measurement;
+  aligned.status = MeasurementStatus::kOk;
+  aligned.T_odom_cog = orthonormalized(*T_reference_corner * T_odom_cog_predicted);
+  setCovariance(*this, pairs, *T_reference_corner, predicted_covariance, aligned);
+  return isFinite(aligned.T_odom_cog) && aligned.covariance.allFinite() ? aligned : measurement;
 }
 
 }  // namespace fail_aware

@@ -30,54 +30,30 @@
 
 namespace fail_aware {
 
-class CornerAlignment {
- public:
-  struct Params {
-    double association_distance_m = 0.5;
-    double max_normal_difference_deg = 15.0;  ///< largest angle between the normals of the two corners
-    int min_corners = 2;
-    double max_residual_m = 0.15;  ///< of M and of N, horizontal
-    double min_baseline_m = 2.0;   ///< distance between the two farthest corners
-    /// least sigma of a corner's M, per axis: the range error of a beam, which does not average out
-    double min_sigma_m = 0.02;
-    double min_direction_sigma_deg = 0.5;    ///< least sigma of a plane's direction, for the same reason
-    int points_per_independent_sample = 20;  ///< neighbours share the beam's bias and the wall's relief
-    /// factor on the predicted variances of z, roll and pitch: corners observe none of them
-    double unobserved_inflation = 10.0;
-    int good_corners = 6;  ///< this many well spread corners have an information ratio of 1
+struct CornerAlignment {
+  double association_distance_m = 0.5;
+  double max_normal_difference_deg = 15.0;  ///< largest angle between the normals of the two corners
+  int min_corners = 2;
+  double max_residual_m = 0.15;  ///< of M and of N, horizontal
+  double min_baseline_m = 2.0;   ///< distance between the two farthest corners
+  /// least sigma of a corner's M, per axis: the range error of a beam, which does not average out
+  double min_sigma_m = 0.02;
+  double min_direction_sigma_deg = 0.5;    ///< least sigma of a plane's direction, for the same reason
+  int points_per_independent_sample = 20;  ///< neighbours share the beam's bias and the wall's relief
+  /// factor on the predicted variances of z, roll and pitch: corners observe none of them
+  double unobserved_inflation = 10.0;
+  int good_corners = 6;  ///< this many well spread corners have an information ratio of 1
 
-    template <class Self, class Visitor>
-    static void visit(Self& self, Visitor&& v) {
-      v("association_distance_m", self.association_distance_m, requirePositive);
-      v("min_corners", self.min_corners, within(2, 1000));
-      v("max_residual_m", self.max_residual_m, requirePositive);
-      v("min_baseline_m", self.min_baseline_m, requirePositive);
-    }
-  };
-
-  explicit CornerAlignment(const Params& params) : params_(params) {}
+  template <class Self, class Visitor>
+  static void visit(Self& self, Visitor&& v) {
+    v("association_distance_m", self.association_distance_m, requirePositive);
+    v("min_corners", self.min_corners, within(2, 1000));
+    v("max_residual_m", self.max_residual_m, requirePositive);
+    v("min_baseline_m", self.min_baseline_m, requirePositive);
+  }
 
   Measurement align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
                     const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;
-
- private:
-  // A corner moved by the prediction and its reference corner, in odom, at equal heights, planes in the same order.
-  struct Pair {
-    Corner corner;
-    Corner reference;
-    double variance_m2;    ///< of the difference between the two M, per axis
-    double variance_rad2;  ///< of the difference between the two directions to N
-  };
-
-  std::vector<Pair> associate(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference_odom,
-                              const Pose& T_odom_cog_predicted) const;
-  std::vector<Pair> agreeing(const std::vector<Pair>& pairs) const;
-  void setCovariance(const std::vector<Pair>& pairs, const Pose& T_correction, const Matrix6d& predicted_covariance,
-                     Measurement& measurement) const;
-  double placeVariance(const Corner& corner) const;
-  double directionVariance(const Corner& corner) const;
-
-  Params params_;
 };
 
 }  // namespace fail_aware

@@ -3,7 +3,7 @@
 namespace fail_aware {
 
 CornerSvd::CornerSvd(const CornerExtractor::Params& extraction, const CornerReference::Params& reference,
-                     const CornerAlignment::Params& alignment)
+                     const CornerAlignment& alignment)
     : extractor_(extraction), reference_(reference), alignment_(alignment) {}
 
 Measurement CornerSvd::measure(const CorrectedSweep& sweep, const SweepPrediction& prediction,

@@ -23,7 +23,7 @@ namespace fail_aware {
 class CornerSvd {
  public:
   CornerSvd(const CornerExtractor::Params& extraction, const CornerReference::Params& reference,
-            const CornerAlignment::Params& alignment);
+            const CornerAlignment& alignment);
 
   Measurement measure(const CorrectedSweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar);
   void place(const FilterState& state);
@@ -31,7 +31,7 @@ class CornerSvd {
   void skip(const FilterState& state);
   void reset();
   /// Valid from the next sweep; the reference stays.
-  void setAlignment(const CornerAlignment::Params& params) { alignment_ = CornerAlignment(params); }
+  void setAlignment(const CornerAlignment& params) { alignment_ = params; }
 
   const std::vector<Corner>& cornersCog() const { return corners_cog_; }
   const std::vector<Corner>& referenceOdom() const { return reference_.corners(); }

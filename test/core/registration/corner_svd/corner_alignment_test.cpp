@@ -43,8 +43,8 @@ Matrix6d predictedCovariance() {
 }
 
 Measurement align(const std::vector<Corner>& corners_cog, const std::vector<Corner>& reference, const Pose& prediction,
-                  const CornerAlignment::Params& params = {}) {
-  return CornerAlignment(params).align(corners_cog, reference, prediction, predictedCovariance());
+                  const CornerAlignment& params = {}) {
+  return params.align(corners_cog, reference, prediction, predictedCovariance());
 }
 
 double normal(std::mt19937& generator) {
@@ -144,7 +144,7 @@ TEST(CornerAlignment, NInTheOtherPlaneIsPutRight) {
 
 // Monte Carlo: corners with the errors that R is computed for.
 TEST(CornerAlignment, StatedCovarianceIsThatOfTheError) {
-  const CornerAlignment::Params params;
+  const CornerAlignment params;
   const double place_variance = 0.02 * 0.02 + 0.5 * 2.0 * 4.0 * 0.02 * 0.02 / 20.0;
   const double direction_variance = std::pow(0.5 * 3.14159265 / 180.0, 2) + 0.02 * 0.02 / 20.0;
   const Pose truth = pose(2.0, 1.0, 0.0, 0.0, 0.0, 0.3);
@@ -234,11 +234,11 @@ TEST(CornerAlignment, NothingThatIsNoNumberComesOut) {
   const Measurement unplaced = align(town(), town(), lost);
   EXPECT_FALSE(unplaced.ok());
   EXPECT_TRUE(isFinite(unplaced.T_odom_cog) && unplaced.covariance.allFinite());
-  EXPECT_FALSE(CornerAlignment({}).align(town(), town(), Pose::Identity(), Matrix6d::Constant(nan)).ok());
+  EXPECT_FALSE(CornerAlignment().align(town(), town(), Pose::Identity(), Matrix6d::Constant(nan)).ok());
 }
 
 TEST(CornerAlignment, BadParametersThrow) {
-  CornerAlignment::Params params;
+  CornerAlignment params;
   params.min_corners = 1;
   EXPECT_THROW(validate(params), ParameterError);
 }

@@ -11,7 +11,7 @@ namespace {
 CornerSvd withReference() {
   CornerExtractor::Params extraction;
   extraction.min_points_near_corner = 5;  // the street's lidar has a tenth of the columns of a real one
-  CornerSvd corners(extraction, CornerReference::Params(), CornerAlignment::Params());
+  CornerSvd corners(extraction, CornerReference::Params(), CornerAlignment());
   synthetic::Lidar lidar;
   lidar.rolling_shutter = false;
   lidar.columns = 1000;
