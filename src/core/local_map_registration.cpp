@@ -2,7 +2,6 @@
 
 #include <optional>
 
-#include "core/geometry/rotation.hpp"
 #include "core/initial_guess/first_motion.hpp"
 #include "core/registration/look_ahead.hpp"
 #include "core/stamp_difference.hpp"
@@ -29,14 +28,14 @@ LocalMapRegistration::LocalMapRegistration(const RegistrationParameters& params,
       map_(params.reference, params.above_ground.reference),
       resolver_({params.initialization, params.cloud.min_range_m}, {params.relocalization, params.icp_point_to_point},
                 {params.deskew_refinement, params.icp_point_to_plane}),
-      road_speed_aid_(params.road_profile),
+      road_profile_aid_(params.road_profile),
       open_country_aid_(params.above_ground, params.icp_point_to_plane) {}
 
 bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                    const Pose& T_cog_lidar) {
   enterOdom(prediction.odom_reset_count);
   builder_.build(sweep, prediction, T_cog_lidar, scan_);
-  findRoadSpeed(sweep, prediction);
+  findRoadProfile(sweep, prediction);
   resolveGuess(sweep, prediction);
   applyGuess();
   findOpenCountry(prediction);
@@ -45,9 +44,9 @@ bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPredi
   return prepared_;
 }
 
-void LocalMapRegistration::findRoadSpeed(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
-  road_speed_ = road_speed_aid_.find(sweep, scan_, prediction, track_);
-  if (road_speed_.map_is_wrong) map_.clearPoints();
+void LocalMapRegistration::findRoadProfile(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
+  road_profile_ = road_profile_aid_.find(sweep, scan_, prediction, track_);
+  if (road_profile_.map_is_wrong) map_.clearPoints();
 }
 
 void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
@@ -68,8 +67,8 @@ void LocalMapRegistration::applyGuess() {
     if (params_.refine_deskew) map_.redeskewFirst(guess_.twist_cog, middle_s);
   }
   if (guess_.clock_jump_suspected) {  // the road profile depends on the stamps
-    road_speed_aid_.clear();
-    road_speed_ = {};
+    road_profile_aid_.clear();
+    road_profile_ = {};
   }
 }
 
@@ -100,8 +99,8 @@ Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma
 }
 
 Measurement LocalMapRegistration::roadProfile() const {
-  if (readiness() != MeasurementStatus::kOk || !road_speed_.speed) return Measurement();
-  return roadProfileMeasurement(*road_speed_.speed, guess_, T_odom_cog_start());
+  if (readiness() != MeasurementStatus::kOk) return Measurement();
+  return roadProfileMeasurement(road_profile_.distance, guess_.T_odom_cog_previous, T_odom_cog_start());
 }
 
 Measurement LocalMapRegistration::aboveGround() const {
@@ -129,7 +128,7 @@ void LocalMapRegistration::place(const FilterState& state) {
   if (state.map_update == MapUpdate::kRestart) map_.clear();
   if (!prepared_) return;
   prepared_ = false;
-  road_speed_aid_.setYaw(rpyFromRotation(state.T_odom_cog.linear()).z());
+  road_profile_aid_.setPose(state.T_odom_cog);
   if (params_.refine_deskew) refine(increment);
   if (increment.between_measured) builder_.observeBeams(scan_, map(), state.T_odom_cog);
   // a dead-reckoned pose would put its error into the map permanently, and later sweeps would register to it
@@ -152,14 +151,14 @@ void LocalMapRegistration::skip(const FilterState& state) {
 }
 
 void LocalMapRegistration::enterOdom(int odom_reset_count) {
-  if (map_.enterOdom(odom_reset_count)) road_speed_aid_.clear();
+  if (map_.enterOdom(odom_reset_count)) road_profile_aid_.clear();
 }
 
 void LocalMapRegistration::reset() {
   map_.reset();
   track_ = EstimateTrack();
   resolver_.reset();
-  road_speed_aid_.reset();
+  road_profile_aid_.reset();
   open_country_aid_.reset();
   builder_.reset();
   prepared_ = false;

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "core/aiding/open_country_aid.hpp"
-#include "core/aiding/road_speed_aid.hpp"
+#include "core/aiding/road_profile_aid.hpp"
 #include "core/initial_guess/estimate_track.hpp"
 #include "core/initial_guess/initial_guess.hpp"
 #include "core/map/local_map.hpp"
@@ -64,7 +64,7 @@ class LocalMapRegistration {
 
  private:
   void enterOdom(int odom_reset_count);
-  void findRoadSpeed(const CorrectedSweep& sweep, const SweepPrediction& prediction);
+  void findRoadProfile(const CorrectedSweep& sweep, const SweepPrediction& prediction);
   void resolveGuess(const CorrectedSweep& sweep, const SweepPrediction& prediction);
   void applyGuess();
   void findOpenCountry(const SweepPrediction& prediction);
@@ -78,14 +78,14 @@ class LocalMapRegistration {
   LocalMap map_;
   EstimateTrack track_;
   InitialGuessResolver resolver_;
-  RoadSpeedAid road_speed_aid_;
+  RoadProfileAid road_profile_aid_;
   OpenCountryAid open_country_aid_;
   // Of the prepared sweep:
   bool prepared_ = false;
   RegistrationScan scan_;
   InitialGuess guess_;
   Pose T_odom_cog_start_ = Pose::Identity();
-  RoadSpeedAid::Result road_speed_;
+  RoadProfileAid::Result road_profile_;
   OpenCountryAid::Result open_country_;
 };
 

@@ -11,38 +11,9 @@ namespace fail_aware {
 namespace {
 
 constexpr double kGateSigmas = 3.0;
+constexpr double kLastIsNear_s = 0.5;  // with it the acceleration is known
 constexpr double kSmallestEnergy = 1e-12;
-constexpr double kLongestGap_s = 1.0;  // after it the speed is another, and the visible road has changed
-
-// Subtracts the mean over a square of 2 half + 1 cells from every cell's height.
-void subtractLocalMean(const std::vector<float>& sums, const std::vector<float>& weights, int nx, int ny, int half,
-                       std::vector<float>& heights) {
-  const auto at = [ny](int x, int y) { return static_cast<std::size_t>(x * (ny + 1) + y); };
-  std::vector<double> S(static_cast<std::size_t>((nx + 1) * (ny + 1)), 0.0), W(S);
-  // limits the weight of a cell relative to its neighbours, however many points it has
-  constexpr float kMaxWeight = 1.0f / (0.0015f * 0.0015f);
-  for (int x = 0; x < nx; ++x) {
-    for (int y = 0; y < ny; ++y) {
-      const auto i = static_cast<std::size_t>(x * ny + y);
-      const float w = std::min(weights[i], kMaxWeight);
-      const float s = weights[i] > 0.0f ? sums[i] / weights[i] * w : 0.0f;
-      S[at(x + 1, y + 1)] = s + S[at(x, y + 1)] + S[at(x + 1, y)] - S[at(x, y)];
-      W[at(x + 1, y + 1)] = w + W[at(x, y + 1)] + W[at(x + 1, y)] - W[at(x, y)];
-    }
-  }
-  for (int x = 0; x < nx; ++x) {
-    for (int y = 0; y < ny; ++y) {
-      const auto i = static_cast<std::size_t>(x * ny + y);
-      if (weights[i] <= 0.0f) continue;
-      const int x0 = std::max(0, x - half), x1 = std::min(nx, x + half + 1);
-      const int y0 = std::max(0, y - half), y1 = std::min(ny, y + half + 1);
-      const auto sum = [&](const std::vector<double>& T) {
-        return T[at(x1, y1)] - T[at(x0, y1)] - T[at(x1, y0)] + T[at(x0, y0)];
-      };
-      heights[i] = sums[i] / weights[i] - static_cast<float>(sum(S) / sum(W));
-    }
-  }
-}
+constexpr std::size_t kFewestSweeps = 6;  // of a mean by direction, for a place
 
 // The abscissa of the parabola through three equidistant values, relative to the middle one, in steps.
 double parabolaPeak(double left, double middle, double right) {
@@ -56,104 +27,36 @@ void RoadProfileOdometry::Params::checkRules() const {
   requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
 }
 
+namespace {
+
+// A profile's yaw relative to the newest one, as the overlay of score() uses it.
+struct Heading {
+  double cos_yaw, sin_yaw, tan_half_yaw;
+};
+
+Heading headingOf(const RoadProfile& profile) {
+  const double yaw_rad = rpyFromRotation(profile.T_newest_this.linear()).z();
+  return {std::cos(yaw_rad), std::sin(yaw_rad), std::tan(0.5 * yaw_rad)};
+}
+
+}  // namespace
+
 void RoadProfileOdometry::clear() {
-  sweeps_.clear();
-  directions_.clear();
-  means_.clear();
+  window_.clear();
   last_.reset();
 }
 
-void RoadProfileOdometry::forgetOldest() {
-  for (const Sample& sample : sweeps_.front().samples) {
-    Mean& mean = means_[sample.direction];
-    mean.sum -= static_cast<double>(sample.height);
-    --mean.count;
-  }
-  sweeps_.pop_front();
-}
-
-void RoadProfileOdometry::setYaw(double yaw_rad) {
-  if (!sweeps_.empty()) sweeps_.back().yaw_rad = yaw_rad;
-}
-
-void RoadProfileOdometry::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog,
-                              double yaw_rad) {
-  const auto samples = sampleRoad(sweep, T_cog_lidar, twist_cog);
-  if (!sweeps_.empty() && sweep.stamp_s - sweeps_.back().stamp_s > kLongestGap_s) clear();
-  if (!samples) return clear();
-  Record record;
-  record.stamp_s = sweep.stamp_s;
-  record.yaw_rad = yaw_rad;
-  record.speed_mps = sweep.times_s.empty() ? 0.0 : twist_cog[0];
-  record.samples.reserve(samples->size());
-  for (const RoadSample& sample : *samples) {
-    const auto [it, added] = directions_.try_emplace(sample.direction, static_cast<std::uint32_t>(means_.size()));
-    if (added) means_.emplace_back();
-    record.samples.push_back({it->second, sample.x, sample.y, sample.time_s, sample.height, sample.weight});
-    means_[it->second].sum += static_cast<double>(sample.height);
-    ++means_[it->second].count;
-  }
-  sweeps_.push_back(std::move(record));
-  if (static_cast<int>(sweeps_.size()) > params_.window_sweeps) forgetOldest();
-}
-
-std::vector<RoadProfileOdometry::Layer> RoadProfileOdometry::layers() const {
-  const int nx = 2 * static_cast<int>(std::ceil(kRoadRange_m / params_.cell_m));
-  const int ny = 2 * static_cast<int>(std::ceil(kRoadHalfWidth_m / params_.cell_m));
-  const auto cells = static_cast<std::size_t>(nx * ny);
-  const int half = static_cast<int>(std::lround(params_.smoothing_m / params_.cell_m));
-  const int min_count = std::max(3, static_cast<int>(sweeps_.size()) / 2);
-  std::vector<float> sums(cells), weights(cells), times(cells), heights(cells);
-  std::vector<Layer> layers;
-  for (const Record& record : sweeps_) {
-    std::fill(sums.begin(), sums.end(), 0.0f);
-    std::fill(weights.begin(), weights.end(), 0.0f);
-    std::fill(times.begin(), times.end(), 0.0f);
-    for (const Sample& sample : record.samples) {
-      const Mean& mean = means_[sample.direction];
-      if (mean.count < min_count) continue;
-      const float height = sample.height - static_cast<float>(mean.sum / mean.count);
-      if (std::abs(height) > static_cast<float>(kRoadHeight_m)) continue;
-      const int x = fastFloor(static_cast<double>(sample.x) / params_.cell_m) + nx / 2;
-      const int y = fastFloor(static_cast<double>(sample.y) / params_.cell_m) + ny / 2;
-      if (x < 0 || x >= nx || y < 0 || y >= ny) continue;
-      const auto i = static_cast<std::size_t>(x * ny + y);
-      sums[i] += sample.weight * height;
-      weights[i] += sample.weight;
-      times[i] += sample.weight * sample.time_s;
-    }
-    subtractLocalMean(sums, weights, nx, ny, half, heights);
-    const double yaw = wrapAngle(record.yaw_rad - sweeps_.back().yaw_rad);
-    Layer layer{sweeps_.back().stamp_s - record.stamp_s,
-                std::cos(yaw),
-                std::sin(yaw),
-                std::tan(0.5 * yaw),
-                record.speed_mps,
-                {}};
-    for (int x = 0; x < nx; ++x) {
-      for (int y = 0; y < ny; ++y) {
-        const auto i = static_cast<std::size_t>(x * ny + y);
-        if (weights[i] <= 0.0f) continue;
-        layer.cells.push_back({static_cast<float>((x - nx / 2 + 0.5) * params_.cell_m),
-                               static_cast<float>((y - ny / 2 + 0.5) * params_.cell_m), times[i] / weights[i],
-                               heights[i], weights[i]});
-      }
-    }
-    layers.push_back(std::move(layer));
-  }
-  return layers;
-}
-
-RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& layers, double speed_mps,
+RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<RoadProfile>& profiles, double speed_mps,
                                                       double acceleration_mps2) const {
   // in the newest sweep's frame; with room for the path behind or ahead
   const auto place = [&](double age_s) { return -speed_mps * age_s + 0.5 * acceleration_mps2 * age_s * age_s; };
   double low = 0.0, high = 0.0, aside = 0.0;
-  for (const Layer& layer : layers) {
-    const double s = place(layer.age_s);
+  for (const RoadProfile& profile : profiles) {
+    const Heading heading = headingOf(profile);
+    const double s = place(profile.age_s);
     low = std::min(low, s);
     high = std::max(high, s);
-    aside = std::max(aside, std::abs(s * layer.tan_half_yaw) + kRoadRange_m * std::abs(layer.sin_yaw));
+    aside = std::max(aside, std::abs(s * heading.tan_half_yaw) + kRoadRange_m * std::abs(heading.sin_yaw));
   }
   const double reach = kRoadRange_m + 2.0 * params_.cell_m + 0.1 * std::abs(speed_mps) + 5.0;
   aside = std::min(aside, 50.0) + kRoadHalfWidth_m + params_.cell_m;
@@ -163,12 +66,13 @@ RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& 
   // per cell: sum of w h, of w, of (w h)^2, number of sweeps
   grid_.assign(4 * static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny), 0.0f);
   const auto inverse = static_cast<float>(1.0 / params_.cell_m);
-  for (const Layer& layer : layers) {
-    const double s = place(layer.age_s);
-    const auto tx = static_cast<float>(s - x0), ty = static_cast<float>(s * layer.tan_half_yaw + aside);
-    const auto c = static_cast<float>(layer.cos_yaw), sn = static_cast<float>(layer.sin_yaw);
-    const auto faster = static_cast<float>(speed_mps - acceleration_mps2 * layer.age_s - layer.speed_mps);
-    for (const Cell& cell : layer.cells) {
+  for (const RoadProfile& profile : profiles) {
+    const Heading heading = headingOf(profile);
+    const double s = place(profile.age_s);
+    const auto tx = static_cast<float>(s - x0), ty = static_cast<float>(s * heading.tan_half_yaw + aside);
+    const auto c = static_cast<float>(heading.cos_yaw), sn = static_cast<float>(heading.sin_yaw);
+    const auto faster = static_cast<float>(speed_mps - acceleration_mps2 * profile.age_s - profile.speed_mps);
+    for (const RoadProfile::Cell& cell : profile.cells) {
       const float x = cell.x + faster * cell.time_s;
       const auto ix = static_cast<int>((c * x - sn * cell.y + tx) * inverse);
       const auto iy = static_cast<int>((sn * x + c * cell.y + ty) * inverse);
@@ -195,16 +99,16 @@ RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<Layer>& 
 }
 
 // The speed in the middle of the window, if one peak is distinct.
-std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Layer>& layers) const {
+std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<RoadProfile>& profiles) const {
   constexpr double kStep_mps = 0.5;
   std::vector<double> energies;
   for (double v = params_.min_speed_mps; v <= params_.max_speed_mps; v += kStep_mps) {
-    energies.push_back(score(layers, v, 0.0).energy);
+    energies.push_back(score(profiles, v, 0.0).energy);
   }
   const auto best = std::max_element(energies.begin(), energies.end());
   if (!(*best > 0.0)) return std::nullopt;
   // outside the peak: where the first and last sweep of the window are more than a wave apart
-  const double beside_mps = 2.0 * params_.smoothing_m / std::max(layers.front().age_s, 0.1) * 1.5;
+  const double beside_mps = 2.0 * params_.smoothing_m / std::max(profiles.front().age_s, 0.1) * 1.5;
   const auto k = best - energies.begin();
   for (std::size_t i = 0; i < energies.size(); ++i) {
     const bool aside = std::abs(static_cast<double>(i) - static_cast<double>(k)) * kStep_mps > beside_mps;
@@ -215,14 +119,16 @@ std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Lay
 
 std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double expected_mps,
                                                                          double expected_sigma_mps) {
-  if (!params_.enabled || static_cast<int>(sweeps_.size()) < params_.min_sweeps) return std::nullopt;
-  const std::vector<Layer> all = layers();
+  if (!params_.enabled || static_cast<int>(window_.size()) < params_.min_sweeps) return std::nullopt;
+  const std::vector<RoadProfile> all = window_.profiles(0.0);
   const double span_s = all.front().age_s;
   double acceleration = 0.0, middle_mps = 0.0;
-  if (last_) {
+  const double since_s = window_.newestStamp_s() - last_stamp_s_;
+  if (last_ && since_s <= kLastIsNear_s) {
     acceleration = last_->acceleration_mps2;
-    const double since_s = sweeps_.back().stamp_s - last_stamp_s_;
     middle_mps = last_->speed_mps + acceleration * (since_s - 0.5 * span_s);
+  } else if (std::isfinite(expected_sigma_mps)) {
+    middle_mps = expected_mps;
   } else {
     const std::optional<double> found = searchAllSpeeds(all);
     if (!found) return std::nullopt;
@@ -235,13 +141,13 @@ std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double 
     for (double* value : {&middle_mps, &acceleration}) {
       double& step = value == &middle_mps ? speed_step : acceleration_step;
       const double was = *value;
-      const auto energy = [&](double v) {
+      const auto correlation = [&](double v) {  // the energy falls with the speed: less road is seen twice
         *value = v;
-        const double e = scoreAt(middle_mps, acceleration).energy;
+        const double c = scoreAt(middle_mps, acceleration).correlation;
         *value = was;
-        return e;
+        return c;
       };
-      const double left = energy(was - step), here = energy(was), right = energy(was + step);
+      const double left = correlation(was - step), here = correlation(was), right = correlation(was + step);
       if (here >= left && here >= right) {
         *value = was + step * parabolaPeak(left, here, right);
         step *= 0.5;
@@ -266,8 +172,15 @@ std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double 
     return std::nullopt;
   }
   last_ = speed;
-  last_stamp_s_ = sweeps_.back().stamp_s;
+  last_stamp_s_ = window_.newestStamp_s();
   return speed;
+}
+
+std::optional<RoadPlace> RoadProfileOdometry::findPlace(double expected_sigma_m) const {
+  constexpr double kLeastRange_m = 0.3, kLargestRange_m = 1.2;  // the profile repeats itself after a wave or two
+  if (!params_.enabled || window_.size() < kFewestSweeps) return std::nullopt;
+  const double range_m = std::clamp(kGateSigmas * expected_sigma_m, kLeastRange_m, kLargestRange_m);
+  return findRoadPlace(window_.profiles(kAlike_m), params_.cell_m, params_.profile_sigma_m, range_m);
 }
 
 }  // namespace fail_aware

@@ -1,34 +1,30 @@
-// The vehicle's speed from the road profile, for places where nothing else observes it (a tunnel). Not in the paper.
+// Odometry by the road's profile, for places where nothing else observes the motion along the road (a tunnel). Not in
+// the paper.
 //
-// A road is uneven: its profile, millimetres high and about a metre long, appears again in the next sweeps, shifted by
-// the distance driven. It is far smaller than a point's noise and the errors of the beams, but
-// - tens of thousands of points see it, at grazing incidence, where range noise hardly affects the height;
-// - what travels with the sensor (errors of beams, a vehicle ahead, the crown of the road) is the same in every sweep
-//   in the same direction from the sensor; the mean of the last sweeps is subtracted, direction by direction.
-// The remaining heights go onto a grid, minus their mean within `smoothing_m` to each side. The sweeps of the last two
-// seconds are overlaid for speeds v and accelerations a:
+// The profile of a sweep (road_profile_window.hpp) appears again in the next sweeps, shifted by the distance driven.
+// findPlace() finds the newest sweep among the earlier ones at their estimated poses. As long as nothing is known of
+// the motion, there are no such poses, and findSpeed() looks for it:
+// the sweeps of the last two seconds are overlaid for speeds v and accelerations a:
 //   E(v, a) = sum over cells of (S^2 - sum_k S_k^2) / (W + 1/s^2)
 // with S_k, W_k: sums of w * height and w of sweep k, s: `profile_sigma_m`; only products of different sweeps count.
-// The peak is accepted if it is distinct. Its sigma grows with the fit of the opposite motion: what changes slowly in
-// the sensor's frame (a vehicle that pitches) fits both motions alike. The shape of the path (heading) comes from the
-// odometry's estimates.
+// The peak is found by E and refined by the correlation: E relative to what it is if all sweeps are equal. It is
+// accepted if it is distinct. Its sigma grows with the fit of the opposite motion: what changes slowly in the sensor's
+// frame (a vehicle that pitches) fits both motions alike. The shape of the path (heading) comes from the poses.
 //
 // Failure: nullopt, if there are too few sweeps, too little road or no profile (at standstill the profile is part of
 // the mean).
-// Cost: about 2 ms per sweep; a search over all speeds about 30 ms, one near the last speed about 5 ms.
+// Cost: 2 ms per sweep, 3 ms for a place; a speed 30 ms, near the last one 5 ms.
 #pragma once
 
-#include <cstdint>
-#include <deque>
+#include <cstddef>
 #include <limits>
 #include <optional>
-#include <unordered_map>
 #include <vector>
 
-#include "core/aiding/road_surface.hpp"
+#include "core/aiding/road_place.hpp"
+#include "core/aiding/road_profile_window.hpp"
 #include "core/geometry/pose.hpp"
 #include "core/parameters/check.hpp"
-#include "core/preprocessing/voxel_key.hpp"
 #include "core/types/corrected_sweep.hpp"
 
 namespace fail_aware {
@@ -72,17 +68,27 @@ class RoadProfileOdometry {
     double sigma_mps = 0.0;
   };
 
-  explicit RoadProfileOdometry(const Params& params) : params_(params) {}
+  explicit RoadProfileOdometry(const Params& params)
+      : params_(params), window_(params.window_sweeps, params.cell_m, params.smoothing_m) {}
 
-  /// `twist_cog` is the motion (m/s, rad/s) that the sweep was deskewed for, `yaw_rad` the vehicle's heading.
-  void add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, double yaw_rad);
+  /// As RoadProfileWindow::add.
+  void add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, const Pose& T_odom_cog) {
+    window_.add(sweep, T_cog_lidar, twist_cog, T_odom_cog);
+    if (window_.size() <= 1) last_.reset();
+  }
 
-  /// Sets a better heading for the sweep added last.
-  void setYaw(double yaw_rad);
+  /// The estimated pose of the sweep added last.
+  void setPose(const Pose& T_odom_cog) { window_.setPose(T_odom_cog); }
 
-  /// The speed from the sweeps so far, searched near the last result if there is one. A speed more than 3 sigma from
-  /// the expected speed is rejected, even if the expected speed itself is uncertain: beams that change (a sweep
-  /// distorted differently) can look like a profile, and what travels with the sensor fits at standstill.
+  /// The sweeps so far lie on the path that this speed gives, and not at the poses that were estimated.
+  void setPath(const Speed& speed) { window_.setPath(speed.speed_mps, speed.acceleration_mps2); }
+
+  /// The place of the newest sweep. expected_sigma_m: of its prediction.
+  std::optional<RoadPlace> findPlace(double expected_sigma_m) const;
+
+  /// The speed from the sweeps so far, searched near the last result or the expected speed, if there is one. A speed
+  /// more than 3 sigma from the expected one is rejected, even if the expected one itself is uncertain: beams that change
+  /// (a sweep distorted differently) can look like a profile, and what travels with the sensor fits at standstill.
   std::optional<Speed> findSpeed(double expected_mps = 0.0,
                                  double expected_sigma_mps = std::numeric_limits<double>::infinity());
 
@@ -91,47 +97,22 @@ class RoadProfileOdometry {
 
   void clear();
 
-  std::size_t sweeps() const { return sweeps_.size(); }
+  std::size_t sweeps() const { return window_.size(); }
   const Params& params() const { return params_; }
 
  private:
-  struct Sample {
-    std::uint32_t direction;
-    float x, y, time_s, height, weight;
-  };
-  struct Record {
-    double stamp_s;
-    double yaw_rad;
-    double speed_mps;  ///< that the sweep was deskewed for
-    std::vector<Sample> samples;
-  };
-  struct Mean {
-    double sum = 0.0;
-    int count = 0;
-  };
-  struct Cell {
-    float x, y, time_s, height, weight;
-  };
   struct Score {
     double energy = 0.0, correlation = 0.0;
   };
-  struct Layer {
-    double age_s, cos_yaw, sin_yaw, tan_half_yaw, speed_mps;
-    std::vector<Cell> cells;
-  };
 
-  void forgetOldest();
-  std::vector<Layer> layers() const;
-  Score score(const std::vector<Layer>& layers, double speed_mps, double acceleration_mps2) const;
-  std::optional<double> searchAllSpeeds(const std::vector<Layer>& layers) const;
+  Score score(const std::vector<RoadProfile>& profiles, double speed_mps, double acceleration_mps2) const;
+  std::optional<double> searchAllSpeeds(const std::vector<RoadProfile>& profiles) const;
 
   Params params_;
-  std::deque<Record> sweeps_;
-  std::unordered_map<VoxelKey, std::uint32_t, VoxelHash> directions_;
-  std::vector<Mean> means_;
+  RoadProfileWindow window_;
   std::optional<Speed> last_;
   double last_stamp_s_ = 0.0;
-  mutable std::vector<float> grid_;
+  mutable std::vector<float> grid_;  ///< working memory of score()
 };
 
 }  // namespace fail_aware

@@ -97,21 +97,20 @@ MotionDerivatives DeadReckoning::predict(const MotionDerivatives& before, double
   return motion;
 }
 
-void DeadReckoning::correctVelocity(const Measured& measured, double dt_s, MotionDerivatives& motion) {
+void DeadReckoning::correctVelocity(const Eigen::Vector3d& velocity_mps, const Eigen::Matrix3d& R,
+                                    const Eigen::Matrix3d& P_previous, double dt_s, MotionDerivatives& motion) {
   const double max_sigma_m = largestSigma(params_.max_measured_sigma_m, dt_s);
   // along R's eigenvectors, so that unobserved directions can be left out completely
-  const auto eigen = symmetricEigen(measured.R);
+  const auto eigen = symmetricEigen(R);
   for (int i = 0; i < 3; ++i) {
     const double variance = eigen.eigenvalues()[i];
     if (std::sqrt(variance) > max_sigma_m) continue;
     Vector6d axis = Vector6d::Zero();
     axis.head<3>() = eigen.eigenvectors().col(i);
     const Vector6d S_axis = S_ * axis;
-    // a less accurate one is mostly the road's speed, which is measured from the last estimate on
-    const bool from_map = variance <= params_.observed_sigma_m * params_.observed_sigma_m;
-    const double previous = from_map ? axis.head<3>().dot(measured.P_previous * axis.head<3>()) : variance;
-    const Vector6d gain = S_axis / (axis.dot(S_axis) + (variance + std::max(variance, previous)) / (dt_s * dt_s));
-    const double innovation = axis.head<3>().dot(measured.velocity_mps - motion.velocity_body_mps);
+    const double previous = std::max(variance, axis.head<3>().dot(P_previous * axis.head<3>()));
+    const Vector6d gain = S_axis / (axis.dot(S_axis) + (variance + previous) / (dt_s * dt_s));
+    const double innovation = axis.head<3>().dot(velocity_mps - motion.velocity_body_mps);
     motion.velocity_body_mps += innovation * gain.head<3>();
     motion.acceleration_body_mps2 += innovation * gain.tail<3>();
     S_ -= (gain * S_axis.transpose()).eval();
@@ -137,7 +136,10 @@ MotionDerivatives DeadReckoning::filter(const MotionDerivatives& before, double 
   observed_in_a_row_ = measured && observes(*measured) ? observed_in_a_row_ + 1 : 0;
   MotionDerivatives motion = predict(before, dt_s);
   if (measured) {
-    correctVelocity(*measured, dt_s, motion);
+    if (measured->R_motion) {
+      correctVelocity(measured->motion_velocity_mps, *measured->R_motion, Eigen::Matrix3d::Zero(), dt_s, motion);
+    }
+    correctVelocity(measured->velocity_mps, measured->R, measured->P_previous, dt_s, motion);
     correctYawRate(*measured, dt_s, motion);
   }
   return motion;

@@ -5,10 +5,11 @@
 // Where little is observed, the derivatives of unsure poses wander: on highways until posts are paired with their
 // neighbours. So a separate Kalman filter estimates velocity v and acceleration a (a: first-order Markov, standard
 // deviation `acceleration_mps2`, correlation time `acceleration_time_s`). A sweep's fused measurement with covariance R
-// corrects the velocity with covariance 2 R / dt^2; directions that the measurement does not observe are left out. If
-// it observes the motion, it is a registration with the map, and what it takes back of the last estimate's error is no
-// speed: (R + P) / dt^2, where P is that estimate's and at least R. The yaw rate is treated the same way, without P;
-// the yaw acceleration decreases with speed, since fast bends are wide (`turning_speed_mps`).
+// corrects the velocity with covariance (R + P) / dt^2, where P is that of the last estimate, and at least R: what it
+// takes back of that estimate's error is no speed. Directions that the measurement does not observe are left out. The
+// sources of kind kMotion (the road's profile) do not know the error of the last estimate: they correct the velocity by
+// themselves, with 2 R / dt^2, and do not end the dead reckoning. The yaw rate is treated the same way, without P; the
+// yaw acceleration decreases with speed, since fast bends are wide (`turning_speed_mps`).
 // A wrong velocity moves every later increment the same way, so the position's variance grows as t^2 and faster:
 // speedError() gives the accumulated covariance the size of the error along the road and how much of it persists.
 // Vectors: m, m/s, rad/s, in the axes of the current body (x forward, y left, z up). Cost: about 2 us.
@@ -16,6 +17,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <optional>
 
 #include "core/estimation/vehicle/motion_derivatives.hpp"
 #include "core/geometry/pose.hpp"
@@ -64,6 +66,9 @@ class DeadReckoning {
     double yaw_variance = 0.0;                    ///< of the measured heading, rad^2
     /// Of the last estimate's position, from which the velocity is measured, m^2: after dead reckoning larger than R.
     Eigen::Matrix3d P_previous = Eigen::Matrix3d::Zero();
+    /// What sources of kind kMotion measured, and its covariance (of the increment, m^2).
+    Eigen::Vector3d motion_velocity_mps = Eigen::Vector3d::Zero();
+    std::optional<Eigen::Matrix3d> R_motion;
   };
 
   explicit DeadReckoning(const Params& params) : params_(params) {}
@@ -105,7 +110,8 @@ class DeadReckoning {
   double yawAcceleration_rad_s2(double speed_mps) const;
   MotionDerivatives predict(const MotionDerivatives& before, double dt_s);
   bool isObservedWith(const Measured& measured) const;
-  void correctVelocity(const Measured& measured, double dt_s, MotionDerivatives& motion);
+  void correctVelocity(const Eigen::Vector3d& velocity_mps, const Eigen::Matrix3d& R, const Eigen::Matrix3d& P_previous,
+                       double dt_s, MotionDerivatives& motion);
   void correctYawRate(const Measured& measured, double dt_s, MotionDerivatives& motion);
 
   Params params_;

@@ -24,15 +24,6 @@ bool isAsPredicted(const FilterState& state) {
   return !state.measurement_applied || (state.dt_s > kLongInterval_s && !isConfirmed(state));
 }
 
-// Q with what the sources of kind kMotion measured of the same motion.
-Matrix6d measuredMotion(const Matrix6d& Q, const FusionResult& fusion) {
-  if (fusion.R == fusion.R_map) return Q;
-  const Matrix6d measured = inverseOf(inverseOf(Q) + inverseOf(fusion.R) - inverseOf(fusion.R_map));
-  const auto variances = measured.diagonal().array();
-  const bool is_better = measured.allFinite() && (variances > 0.0).all() && (variances <= Q.diagonal().array()).all();
-  return is_better ? measured : Q;
-}
-
 // Without a measurement the filter's roll and pitch may take any angle within its noise; the vehicle stays on the road.
 Matrix6d onTheRoad(Matrix6d Q) {
   for (int i = 3; i < 5; ++i) {
@@ -76,7 +67,7 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
   // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T and the
   // measurement's part K R K^T.
   Matrix6d increment = Q;
-  Matrix6d motion = state.registered ? measuredMotion(Q, fusion) : onTheRoad(Q);
+  Matrix6d motion = state.registered ? Q : onTheRoad(Q);
   if (state.clock_jump) {  // the prediction tells nothing of it
     increment = fusion.R;
     motion = isotropicCovariance(kUnknownDistance_m, kUnknownTurn_rad);
@@ -98,7 +89,7 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
   // errors of successive predictions are alike, while a registration ends them
   state.motion_covariance = aboutPrevious(motion, state.registered ? 1.0 : scale.dead_reckoning_factor);
   const double factor = scale.factor * scale.dead_reckoning_factor;
-  if (state.registered) state.registration_covariance = aboutPrevious(fusion.R_map, factor);
+  if (state.registered) state.registration_covariance = aboutPrevious(fusion.R, factor);
   state.increment_covariance = aboutPrevious(increment, factor);
   const double floor_m = scale.floor_m + scale.floor_per_metre_m * state.T_previous_now.translation().norm();
   const double floor_rad = scale.floor_deg * kDegree;

@@ -17,7 +17,6 @@ namespace fail_aware {
 struct FusionCandidate {
   std::size_t input;  ///< its index among the fusion's inputs
   bool external;
-  bool measures_motion;  ///< FusionInput::Kind::kMotion
   Vector6d z;
   Matrix6d R;
   Matrix6d information;

@@ -51,7 +51,6 @@ std::optional<Candidate> makeCandidate(std::size_t index, const FusionInput& inp
 
   Candidate candidate;
   candidate.input = index;
-  candidate.measures_motion = input.kind == FusionInput::Kind::kMotion;
   candidate.external = input.kind == FusionInput::Kind::kExternal;
   candidate.z = vectorFromPose(T);
   if (!candidate.z.allFinite() || std::abs(std::cos(candidate.z[4])) < kGimbalLockCosine) return std::nullopt;
@@ -168,9 +167,6 @@ void addPartial(const MeasurementFusion& params, const std::vector<Candidate>& p
     result->weights[c.input] = w;
     result->z += *R * c.information * stateDifference(c.z, result->z);
     result->R = *R;
-    if (c.measures_motion) continue;
-    const std::optional<Matrix6d> in_map = inverseOfCovariance(result->R_map);
-    result->R_map = in_map ? inverseOfCovariance(*in_map + c.information).value_or(*R) : *R;
   }
 }
 
@@ -181,12 +177,36 @@ void MeasurementFusion::checkRules() const {
                    "in [0, 1)");
 }
 
-FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
-                                     const std::vector<FusionInput>& inputs) const {
+FusionResult MeasurementFusion::fuseMotion(const Vector6d& predicted_state, const Matrix6d& Q,
+                                           const std::vector<FusionInput>& inputs) const {
   FusionResult result;
   result.weights.assign(inputs.size(), 0.0);
   result.nis.assign(inputs.size(), -1.0);
   result.refused_sigmas.assign(inputs.size(), 0.0);
+  if (!predicted_state.allFinite() || !inverseOfCovariance(Q)) return result;
+  Matrix6d information = Matrix6d::Zero();
+  Vector6d information_d = Vector6d::Zero();
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (inputs[i].kind != FusionInput::Kind::kMotion || !inputs[i].usable()) continue;
+    const std::optional<Candidate> c = makeCandidate(i, inputs[i]);
+    if (!c) continue;
+    result.nis[i] = nisOf(*c, predicted_state, Q);
+    const double w = 1.0 - std::sqrt(std::max(0.0, result.nis[i])) / gate_sigma;
+    if (result.nis[i] < 0.0 || w < min_weight) continue;
+    result.weights[i] = w;
+    information += c->information;
+    information_d += c->information * stateDifference(c->z, predicted_state);
+  }
+  const std::optional<Matrix6d> R = inverseOfCovariance(information);
+  if (R && !information.isZero(0.0)) result.motion = {stateSum(predicted_state, *R * information_d), *R};
+  return result;
+}
+
+FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
+                                     const std::vector<FusionInput>& inputs, FusionResult result) const {
+  result.weights.resize(inputs.size(), 0.0);
+  result.nis.resize(inputs.size(), -1.0);
+  result.refused_sigmas.resize(inputs.size(), 0.0);
   if (!predicted_state.allFinite() || predicted_state.head<3>().cwiseAbs().maxCoeff() > kFarthestPose_m ||
       !inverseOfCovariance(predicted_P)) {
     result.prediction_invalid = true;
@@ -198,10 +218,10 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
 
   std::vector<Candidate> candidates, partial;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
-    if (!inputs[i].measurement || !inputs[i].measurement->ok()) continue;
+    if (!inputs[i].usable() || inputs[i].kind == FusionInput::Kind::kMotion) continue;
     const std::optional<Candidate> candidate = makeCandidate(i, inputs[i]);
     if (candidate && stateDifference(candidate->z, predicted_state).head<3>().norm() <= kFarthestOff_m) {
-      (FusionInput::isPartial(inputs[i].kind) ? partial : candidates).push_back(*candidate);
+      (inputs[i].kind == FusionInput::Kind::kPartial ? partial : candidates).push_back(*candidate);
     } else {
       result.refused_sigmas[i] = std::numeric_limits<double>::infinity();
       ++result.invalid_inputs;
@@ -222,7 +242,6 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
   }
   if (any_inside && literal) fuseLiteral(candidates, predicted_state, &result);
   if ((any_inside || result.prediction_overruled) && !literal) fuseByInformation(candidates, &result);
-  result.R_map = result.R;
   if (result.has_measurement) addPartial(*this, partial, predicted_state, P, &result);
   result.z = wrapAngles(result.z);
   judgeDisagreement(candidates, agreement_distance_m, &result);

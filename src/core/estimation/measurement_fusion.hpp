@@ -24,6 +24,8 @@
 // Partial measurements (FusionInput::Kind::kPartial) come after the others: inside their gate (the distance to the
 // prediction under P~ + R) each adds its whole information to R and z. Without another measurement they are not used.
 // They share the sweep's points and deskew with the registrations, so they neither confirm nor contradict any.
+// Motions (FusionInput::Kind::kMotion) come before the others: fuseMotion() compares them with the prediction under
+// Q + R, and the filter corrects its last step by them (Ukf::correctMotion).
 //
 // Failure: `has_measurement` false (nothing usable, all gated out, prediction unusable); z, R are then the prediction
 // (zero and identity where that is unusable).
@@ -60,8 +62,13 @@ struct MeasurementFusion {
   }
   void checkRules() const;
 
+  /// Of the inputs of kind kMotion only: `motion`, with their weights. Q: of the motion that was predicted.
+  FusionResult fuseMotion(const Vector6d& predicted_state, const Matrix6d& Q,
+                          const std::vector<FusionInput>& inputs) const;
+
+  /// Of all other inputs. `result`: fuseMotion's, after which state and P were corrected.
   FusionResult fuse(const Vector6d& predicted_state, const Matrix6d& predicted_P,
-                    const std::vector<FusionInput>& inputs) const;
+                    const std::vector<FusionInput>& inputs, FusionResult result = FusionResult()) const;
 };
 
 }  // namespace fail_aware

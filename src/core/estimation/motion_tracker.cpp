@@ -100,6 +100,12 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   measured.R.topRightCorner<2, 1>().setZero();
   measured.R.bottomLeftCorner<1, 2>().setZero();
   measured.yaw_variance = state.fusion.R(5, 5);
+  if (const std::optional<MotionMeasurement>& motion = state.fusion.motion) {
+    const Pose T_previous_now = prediction.T_odom_cog_previous.inverse() * poseFromVector(motion->z);
+    measured.motion_velocity_mps = logSe3(T_previous_now).head<3>() / state.dt_s;
+    measured.R_motion =
+        R_odom_body.transpose() * poseCovarianceFromState(motion->R, motion->z).topLeftCorner<3, 3>() * R_odom_body;
+  }
   if (previous_measured_ && state.dt_s > kLongGap_s) dead_reckoning_.widenForGap(state.dt_s, measured);
   return measured;
 }

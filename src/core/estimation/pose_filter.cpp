@@ -137,10 +137,11 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.started = started_ || canBegin(measurements);
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
-  const Vector6d predicted = ukf_.state();
   leaveOutCornersOfConvoys(inputs);
   const bool doubted = doubtPrediction(inputs);
-  next.fusion = fusion_.fuse(ukf_.state(), ukf_.covariance(), inputs);
+  next.fusion = correctPrediction(inputs);
+  const Vector6d predicted = ukf_.state();
+  next.fusion = fusion_.fuse(predicted, ukf_.covariance(), inputs, next.fusion);
   if (next.fusion.has_measurement) {
     next.measurement_applied = ukf_.correct(next.fusion.z, next.fusion.R);
     next.filter_nis = ukf_.nis();
@@ -234,6 +235,14 @@ FilterState PoseFilter::stateAsDriven() const {
   state.increment_covariance.diagonal().head<3>().array() += distance_sigma_m * distance_sigma_m;
   state.increment_covariance.diagonal().tail<3>().array() += turn_sigma_rad * turn_sigma_rad;
   return state;
+}
+
+// By the sources that measure the motion since the last estimate.
+FusionResult PoseFilter::correctPrediction(const std::vector<FusionInput>& inputs) {
+  FusionResult result = fusion_.fuseMotion(ukf_.state(), ukf_.motionNoise(), inputs);
+  if (!result.motion || !ukf_.correctMotion(result.motion->z, result.motion->R)) return result;
+  process_noise_ = reducedNoise(process_noise_, result.motion->R);
+  return result;
 }
 
 // After a clock jump the prediction used the wrong interval. P grows by the prediction's error, and measurements that

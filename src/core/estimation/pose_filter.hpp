@@ -87,6 +87,7 @@ class PoseFilter {
  private:
   static constexpr int kFirstRepetition = 20;
 
+  FusionResult correctPrediction(const std::vector<FusionInput>& inputs);
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
   bool mustSearchAgain();

@@ -9,7 +9,15 @@ namespace fail_aware {
 
 namespace {
 
+constexpr double kPersists_s = 0.5;
 constexpr double kLeastTilt_rad = 1e-3;  // of a sweep's motion: a variance of 0 has no inverse
+
+// What an error of the velocity adds to the position's variance in the long run, beyond that of independent errors, of
+// which `kept` remains from sweep to sweep. The accumulated covariance allows for it by itself (drift_state.hpp).
+double persistence(double kept, double dt_s) {
+  const double most = std::max(1.0, kPersists_s / dt_s);
+  return kept < 1.0 ? std::min(most, (1.0 + kept) / (1.0 - kept)) - 1.0 : most - 1.0;
+}
 
 }  // namespace
 
@@ -24,6 +32,7 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
     return R_odom_body * increment.topLeftCorner<3, 3>() * R_odom_body.transpose();
   };
   double uncertain_yaw = 0.0;
+  Eigen::Matrix3d persistent = Eigen::Matrix3d::Zero();
   Matrix6d beyond = Matrix6d::Zero();
   if (!interval.motion_known) {
     const double sigma = interval.unknown_speed_sigma_mps * dt_s;  // of the distance along the road
@@ -32,6 +41,7 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
   } else if (motion.deadReckoning().active()) {
     const Eigen::Matrix4d uncertain = motion.deadReckoning().incrementCovariance(dt_s);
     Q.topLeftCorner<3, 3>() += inOdom(uncertain);
+    persistent = persistence(motion.deadReckoning().speedError().kept, dt_s) * inOdom(uncertain);
     uncertain_yaw = uncertain(3, 3);
   }
   if (interval.motion_known && interval.sigma_s > 0.0) {  // the distance is as uncertain as the interval
@@ -57,6 +67,7 @@ PredictionNoise predictionNoise(const VehicleModel& model, const MotionTracker& 
     for (int i = 3; i < 5; ++i) Q(i, i) = std::max(0.0, Q(i, i) - last.covariance(i, i));
   }
   noise.increment = Q + beyond;
+  Q.topLeftCorner<3, 3>() += persistent;
   for (int i = 3; i < 5; ++i) noise.increment(i, i) = std::max(noise.increment(i, i), kLeastTilt_rad * kLeastTilt_rad);
   noise.increment(5, 5) += uncertain_yaw;  // in Q it would shorten the unscented mean of every step
   return noise;

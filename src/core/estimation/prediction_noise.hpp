@@ -4,7 +4,8 @@
 // Over a long interval (kLongInterval_s) the driver may have done anything that a car can; the model's noise is that of
 // consecutive sweeps. Roll and pitch stay close to the road: there P gains at most one step's noise, also over sweeps
 // without a measurement. Accumulated, it would shorten the unscented mean of every step by cos(pitch), a tenth of the
-// speed and more.
+// speed and more. During dead reckoning an error of the velocity persists from sweep to sweep: the filter's P grows by
+// it, so that a registration that finds the right place again is within its gate.
 // Failure: none. Cost: about 2 us.
 #pragma once
 

@@ -30,10 +30,15 @@ Matrix6d floored(const Matrix6d& C, double min_variance) {
 
 }  // namespace
 
+Matrix6d reducedNoise(const Matrix6d& Q, const Matrix6d& R) {
+  return symmetric(Matrix6d(Q - Q * solutionOf(Q + R, Q)));
+}
+
 bool Ukf::reset(const Vector6d& state, const Matrix6d& covariance) {
   if (!state.allFinite() || !isCovariance(covariance)) return false;
   state_ = stateSum(state, Vector6d::Zero());
   covariance_ = floored(covariance, kMinSigma * kMinSigma);
+  Q_.setZero();
   nis_ = 0.0;
   return true;
 }
@@ -53,6 +58,18 @@ bool Ukf::predict(const Model& model, const Matrix6d& Q) {
   if (!mean.allFinite() || !covariance.allFinite()) return false;
   state_ = mean;
   covariance_ = floored(covariance, kMinSigma * kMinSigma);
+  Q_ = symmetric(Q);
+  return true;
+}
+
+bool Ukf::correctMotion(const Vector6d& z, const Matrix6d& R) {
+  if (!z.allFinite() || !isCovariance(R)) return false;
+  const Vector6d state = stateSum(state_, solutionOf(Q_ + R, Q_).transpose() * stateDifference(z, state_));
+  const Matrix6d Q = reducedNoise(Q_, R);
+  if (!state.allFinite() || !Q.allFinite()) return false;
+  state_ = state;
+  covariance_ = floored(covariance_ - (Q_ - Q), kMinSigma * kMinSigma);
+  Q_ = Q;
   return true;
 }
 

@@ -28,8 +28,15 @@ class Ukf {
   bool predict(const Model& model, const Matrix6d& Q);
   bool correct(const Vector6d& z, const Matrix6d& R);
 
+  /// Corrects the last predict() by a measurement of the motion: the state z, if the state before it was right. It
+  /// reduces what that step's noise Q added, but not the error of the state before.
+  bool correctMotion(const Vector6d& z, const Matrix6d& R);
+
   const Vector6d& state() const { return state_; }
   const Matrix6d& covariance() const { return covariance_; }
+
+  /// Q of the last predict(), less what correctMotion() found of it. Zero after reset().
+  const Matrix6d& motionNoise() const { return Q_; }
 
   /// Squared Mahalanobis length of the last correction's innovation (z minus the state before it) under P + R, with 6
   /// degrees of freedom. Zero before the first correction.
@@ -38,7 +45,11 @@ class Ukf {
  private:
   Vector6d state_ = Vector6d::Zero();
   Matrix6d covariance_ = kMinSigma * kMinSigma * Matrix6d::Identity();
+  Matrix6d Q_ = Matrix6d::Zero();
   double nis_ = 0.0;
 };
+
+/// Q after a measurement of the same motion with covariance R: (Q^-1 + R^-1)^-1.
+Matrix6d reducedNoise(const Matrix6d& Q, const Matrix6d& R);
 
 }  // namespace fail_aware

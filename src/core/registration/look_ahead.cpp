@@ -27,7 +27,7 @@ constexpr double kReverse_mps = 0.5;        // slower, it stands
 constexpr double kMinSpeed_mps = 3.0;       // slower, the curvature is not known
 constexpr double kMaxCurvature = 0.05;      // 1/m: sharper bends leave the view
 
-struct Place {
+struct PlaceAhead {
   Eigen::Vector2d position_odom = Eigen::Vector2d::Zero();
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   double by_chance = 0.0;  ///< in each direction, by the errors of the normals
@@ -40,7 +40,7 @@ struct Place {
   }
 };
 
-using Places = std::array<Place, kPlaces>;
+using Places = std::array<PlaceAhead, kPlaces>;
 
 Places placesAhead(const Pose& T_odom_cog, const Vector6d& twist_cog) {
   const double speed_mps = twist_cog[0];
@@ -61,7 +61,7 @@ Places placesAhead(const Pose& T_odom_cog, const Vector6d& twist_cog) {
 // `weight`: without the growth by the range from here.
 void add(const PlanePair& pair, double weight, Places& places) {
   const Eigen::Vector2d position = pair.position.head<2>(), normal = pair.normal.head<2>();
-  for (Place& place : places) {
+  for (PlaceAhead& place : places) {
     if ((position - place.position_odom).squaredNorm() > kRadius_m * kRadius_m) continue;
     place.information += weight * normal * normal.transpose();
     place.by_chance += weight * pair.normal_variance;
@@ -76,8 +76,8 @@ InformationAhead weakestStretch(const Places& places) {
   double weakest = 1.0;
   for (std::size_t k = kFirst; k + kStretch <= kPlaces; ++k) {
     const auto begin = places.begin() + k, end = begin + kStretch;
-    if (std::any_of(begin, end, [](const Place& place) { return place.points < kFewestPoints; })) continue;
-    const auto less = [](const Place& a, const Place& b) { return a.ratio() < b.ratio(); };
+    if (std::any_of(begin, end, [](const PlaceAhead& place) { return place.points < kFewestPoints; })) continue;
+    const auto less = [](const PlaceAhead& a, const PlaceAhead& b) { return a.ratio() < b.ratio(); };
     ratios[k] = std::max_element(begin, end, less)->ratio();
     weakest = std::min(weakest, ratios[k]);
   }

@@ -11,11 +11,12 @@ struct FusionInput {
   enum class Kind {
     kPose,     ///< a whole pose from the sweep
     kPartial,  ///< from the sweep; observes some directions only: kUnobservedVariance in the others
-    kMotion,   ///< like kPartial, but measures the motion since the last sweep, not the place in the map
+    kMotion,   ///< like kPartial, but measures the motion since the last estimate, not the place in the map
     kExternal  ///< a whole pose from elsewhere: disagrees with another input only beyond both covariances (3 sigma)
   };
 
   bool isOfAnIcp() const { return name == kIcpPointToPoint || name == kIcpPointToPlane; }
+  bool usable() const { return measurement != nullptr && measurement->ok(); }
   static constexpr bool isPartial(Kind kind) { return kind == Kind::kPartial || kind == Kind::kMotion; }
 
   std::string name;

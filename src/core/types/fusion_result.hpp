@@ -3,20 +3,26 @@
 // rad.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
 
 namespace fail_aware {
 
+/// What the inputs of kind kMotion measured: the state, if the last estimate is right, with its covariance.
+struct MotionMeasurement {
+  Vector6d z = Vector6d::Zero();
+  Matrix6d R = Matrix6d::Identity();
+};
+
 struct FusionResult {
   bool has_measurement = false;
-  Vector6d z = Vector6d::Zero();      ///< the fused state
-  Matrix6d R = Matrix6d::Identity();  ///< covariance of z
-  /// The same without the inputs of kind kMotion: of the place in the map. R where there are none.
-  Matrix6d R_map = Matrix6d::Identity();
-  std::vector<double> weights;  ///< per input, 0..1 before normalisation; 0: gated out or absent
-  std::vector<double> nis;      ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
+  Vector6d z = Vector6d::Zero();            ///< the fused state
+  Matrix6d R = Matrix6d::Identity();        ///< covariance of z
+  std::optional<MotionMeasurement> motion;  ///< has corrected the prediction; not part of z
+  std::vector<double> weights;              ///< per input, 0..1 before normalisation; 0: gated out or absent
+  std::vector<double> nis;                  ///< per input, against P~ + R_i, 6 degrees of freedom; -1: absent
   /// Per input: the horizontal distance in standard deviations at which the gate refused it; infinity: it is ok(), but
   /// not usable; 0: neither.
   std::vector<double> refused_sigmas;

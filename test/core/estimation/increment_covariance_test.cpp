@@ -14,7 +14,7 @@ FilterState measured(double sigma_m) {
   FilterState state;
   state.dt_s = 0.1;
   state.measurement_applied = true;
-  state.fusion.R = state.fusion.R_map = sigma_m * sigma_m * Matrix6d::Identity();
+  state.fusion.R = sigma_m * sigma_m * Matrix6d::Identity();
   return state;
 }
 
@@ -42,15 +42,6 @@ TEST(IncrementCovariance, OfAPredictionIsThatOfTheMotion) {
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.01, 1e-12);
   for (const int i : {0, 1, 2, 5}) EXPECT_NEAR(state.motion_covariance(i, i), kMotion(i, i), 1e-9);
   EXPECT_FALSE(incrementOf(state).registration);
-}
-
-TEST(IncrementCovariance, MeasuredMotionIsNotAPlaceInTheMap) {
-  FilterState state = measured(0.01);
-  const Matrix6d blind = 1e4 * Matrix6d::Identity();
-  state.fusion.R_map = blind;  // all of R is of the motion
-  setIncrementCovariance(IncrementScale(), kMotion, known(), state);
-  EXPECT_NEAR(state.motion_covariance(0, 0), 1.0 / (1.0 / 1e-2 + 1.0 / 1e-4), 1e-7);
-  EXPECT_TRUE(state.registration_covariance.isApprox(blind, 1e-9));
 }
 
 TEST(IncrementCovariance, APredictionKeepsTheVehicleOnTheRoad) {

@@ -426,17 +426,31 @@ TEST(MeasurementFusionPartial, AddsWhatItObserves) {
   EXPECT_GT(with.weights[2], 0.0);
 }
 
-TEST(MeasurementFusionPartial, MotionIsNoPlaceInTheMap) {
-  const Matrix6d P = diagonal(0.01, 0.01, 1e-3);
+TEST(MeasurementFusionMotion, CorrectsThePredictionAndIsNoPlace) {
+  const Matrix6d P = diagonal(0.01, 0.01, 1e-3), Q = diagonal(0.0025, 0.0025, 1e-4);
   const Measurement pose = measurementAt(Vector6d::Zero(), diagonal(0.01, 1e-4, 1e-6));
-  const Measurement along = measurementAt(Vector6d::Zero(), vector6(1e-4, 1e4, 1e4, 1e4, 1e4, 1e4).asDiagonal());
-  std::vector<FusionInput> inputs = {{"pose", &pose}, {"along", &along, FusionInput::Kind::kMotion}};
-  const FusionResult motion = defaultFusion().fuse(Vector6d::Zero(), P, inputs);
-  EXPECT_NEAR(motion.R(0, 0), 1e-4, 1e-6);
-  EXPECT_NEAR(motion.R_map(0, 0), 0.01, 1e-9);
-  inputs[1].kind = FusionInput::Kind::kPartial;
-  const FusionResult place = defaultFusion().fuse(Vector6d::Zero(), P, inputs);
-  EXPECT_TRUE(place.R_map.isApprox(place.R, 1e-9));
+  const Measurement along =
+      measurementAt(0.05 * Vector6d::Unit(0), vector6(1e-4, 1e4, 1e4, 1e4, 1e4, 1e4).asDiagonal());
+  const std::vector<FusionInput> inputs = {{"pose", &pose}, {"along", &along, FusionInput::Kind::kMotion}};
+  const FusionResult motion = defaultFusion().fuseMotion(Vector6d::Zero(), Q, inputs);
+  ASSERT_TRUE(motion.motion);
+  EXPECT_NEAR(motion.motion->z[0], 0.05, 1e-6);
+  EXPECT_NEAR(motion.motion->R(0, 0), 1e-4, 1e-8);
+  const FusionResult fused = defaultFusion().fuse(Vector6d::Zero(), P, inputs, motion);
+  EXPECT_NEAR(fused.R(0, 0), 0.01, 1e-9);
+  EXPECT_GT(fused.weights[0], 0.0);
+  EXPECT_EQ(fused.weights[1], motion.weights[1]);
+  EXPECT_GT(fused.weights[1], 0.0);
+}
+
+TEST(MeasurementFusionMotion, BeyondItsGateIsNotUsed) {
+  const Matrix6d Q = diagonal(1e-4, 1e-4, 1e-4);
+  const Measurement along = measurementAt(0.5 * Vector6d::Unit(0), vector6(1e-4, 1e4, 1e4, 1e4, 1e4, 1e4).asDiagonal());
+  const FusionResult motion =
+      defaultFusion().fuseMotion(Vector6d::Zero(), Q, {{"along", &along, FusionInput::Kind::kMotion}});
+  EXPECT_FALSE(motion.motion);
+  EXPECT_EQ(motion.weights[0], 0.0);
+  EXPECT_GT(motion.nis[0], 9.0);
 }
 
 TEST(MeasurementFusionPartial, IsNoAgreementAndNoDisagreement) {

@@ -28,6 +28,23 @@ void expectSymmetricPositiveDefinite(const Matrix6d& P) {
   ASSERT_GT(symmetricEigenvalues(P)[0], 0.0);
 }
 
+// The state before the step stays as uncertain as it was.
+TEST(Ukf, AMotionReducesTheStepsNoiseOnly) {
+  Ukf ukf;
+  ASSERT_TRUE(ukf.reset(Vector6d::Zero(), Matrix6d::Identity()));
+  const Matrix6d Q = 0.04 * Matrix6d::Identity();
+  ASSERT_TRUE(ukf.predict([](const Vector6d& x) { return x; }, Q));
+  const Vector6d z = 0.1 * Vector6d::Unit(0);
+  ASSERT_TRUE(ukf.correctMotion(z, Q));
+  EXPECT_NEAR(ukf.state()[0], 0.05, 1e-9);
+  EXPECT_NEAR(ukf.covariance()(0, 0), 1.02, 1e-6);
+  EXPECT_NEAR(ukf.motionNoise()(0, 0), 0.02, 1e-9);
+  ASSERT_TRUE(ukf.reset(Vector6d::Zero(), Matrix6d::Identity()));
+  ASSERT_TRUE(ukf.correctMotion(z, Q));
+  EXPECT_EQ(ukf.state()[0], 0.0) << "no step was predicted";
+  EXPECT_FALSE(ukf.correctMotion(Vector6d::Constant(std::numeric_limits<double>::quiet_NaN()), Q));
+}
+
 TEST(Ukf, EqualsTheClosedFormKalmanFilterOnALinearCase) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;

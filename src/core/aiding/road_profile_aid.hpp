@@ -1,13 +1,14 @@
-// The source road_profile: the distance driven since the last estimate, by the speed from the road profile
+// The source road_profile: the distance driven since the last estimate, by the road's profile
 // (road_profile_odometry.hpp), during dead reckoning. A partial measurement: it observes one direction. Not in the
 // paper.
 //
-// Input: every sweep, deskewed for the prediction. The first speed may show that the sweeps in the map were inserted at
-// a wrong speed. Once the filter knows the speed (registration observed it, or it agreed with the road's), the road's
-// must stay near it: on a field what travels with the sensor fits at standstill, and the search drifts there. From then
-// on the map is not wrong either.
+// Input: every sweep, deskewed for the prediction. Once the filter knows the speed (registration observed it, or it
+// agreed with the road's), the sweep's place among the last sweeps gives the distance; where no place is found, the
+// road's speed, which must stay near the filter's: on a field what travels with the sensor fits at standstill, and the
+// search drifts there. Before, the speed alone gives it. The first speed may show that the sweeps in the map were
+// inserted at a wrong speed. Later the map is not wrong.
 // It shares the points and the predicted deskew with every other source, but not the map: heights of the last sweeps
-// are compared, by the headings of the estimates.
+// are compared, by the poses of the estimates.
 // Cost: a few ms, only during dead reckoning.
 #pragma once
 
@@ -21,21 +22,26 @@
 
 namespace fail_aware {
 
-class RoadSpeedAid {
+class RoadProfileAid {
  public:
+  struct Distance {
+    double distance_m = 0.0;  ///< since the last estimate, along the vehicle's mean heading
+    double sigma_m = 0.0;
+  };
+
   struct Result {
-    std::optional<RoadProfileOdometry::Speed> speed;
+    std::optional<Distance> distance;
     bool map_is_wrong = false;  ///< its sweeps were inserted at wrong relative poses: its measurements are wrong
   };
 
-  explicit RoadSpeedAid(const RoadProfileOdometry::Params& params) : odometry_(params) {}
+  explicit RoadProfileAid(const RoadProfileOdometry::Params& params) : odometry_(params) {}
 
   /// `sweep`: the full sweep of the scan. track: the estimates before it.
   Result find(const CorrectedSweep& sweep, const RegistrationScan& scan, const SweepPrediction& prediction,
               const EstimateTrack& track);
 
-  /// The estimated heading of the last sweep.
-  void setYaw(double yaw_rad) { odometry_.setYaw(yaw_rad); }
+  /// The estimated pose of the last sweep.
+  void setPose(const Pose& T_odom_cog) { odometry_.setPose(T_odom_cog); }
 
   /// Forgets the sweeps: after a reset of odom, or where the stamps, which it relies on, are wrong.
   void clear() {
@@ -55,9 +61,9 @@ class RoadSpeedAid {
   std::bitset<8> eighths_seen_;  ///< eighths of the azimuth with points in the last sweep
 };
 
-/// Observes the vehicle's mean heading between the last estimate and the initial guess; the rest is that of the guess,
-/// with kUnobservedVariance. kNoReference without a last estimate.
-Measurement roadProfileMeasurement(const RoadProfileOdometry::Speed& speed, const InitialGuess& guess,
-                                   const Pose& T_odom_cog_start);
+/// Observes the vehicle's mean heading between the last estimate and the start pose; the rest is that of the start
+/// pose, with kUnobservedVariance. kNoReference without a distance.
+Measurement roadProfileMeasurement(const std::optional<RoadProfileAid::Distance>& distance,
+                                   const Pose& T_odom_cog_previous, const Pose& T_odom_cog_start);
 
 }  // namespace fail_aware
