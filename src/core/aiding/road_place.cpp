@@ -11,8 +11,9 @@ namespace {
 
 constexpr double kApart_m = 2.0;  // more than a wave of the profile
 constexpr int kFewestSweepsBehind = 3;
-constexpr double kLeastCorrelation = 0.15;
-constexpr double kStep_m = 0.1;  // a quarter of the peak's width
+constexpr double kLeastCorrelation = 0.15, kFewestCells = 100.0;
+constexpr double kBeside_m = 0.75, kMostBeside = 0.7;  // a peak farther off than that, relative to the best one
+constexpr double kStep_m = 0.1;                        // a quarter of the peak's width
 constexpr double kMargin_m = 2.0;
 constexpr double kNoiseFactor = 4.0, kLeastSigma_m = 0.05;
 
@@ -31,7 +32,8 @@ class RoadMap {
     const double yaw_rad = rpyFromRotation(profile.T_newest_this.linear()).z();
     const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
     for (const RoadProfile::Cell& cell : profile.cells) {
-      const double x = static_cast<double>(cell.x), y = static_cast<double>(cell.y);
+      const double x = static_cast<double>(cell.x) + profile.faster_mps * static_cast<double>(cell.time_s);
+      const double y = static_cast<double>(cell.y);
       const Node node = at(c * x - s * y + t.x(), s * x + c * y + t.y());
       if (!node.inside) continue;
       put(node.index, (1.0 - node.ahead) * static_cast<double>(cell.weight), cell.height);
@@ -120,14 +122,19 @@ std::optional<RoadPlace> findRoadPlace(const std::vector<RoadProfile>& profiles,
   }
   const auto best = std::max_element(found.begin(), found.end(),
                                      [](const Correlation& a, const Correlation& b) { return a.value < b.value; });
-  if (best == found.begin() || best + 1 == found.end() || best->value < kLeastCorrelation) return std::nullopt;
+  if (best == found.begin() || best + 1 == found.end()) return std::nullopt;
+  if (best->value < kLeastCorrelation || best->cells < kFewestCells) return std::nullopt;
+  for (auto other = found.begin(); other != found.end(); ++other) {
+    const double beside_m = std::abs(static_cast<double>(other - best)) * kStep_m;
+    if (beside_m > kBeside_m && other->value > kMostBeside * best->value) return std::nullopt;
+  }
   const double left = (best - 1)->value, here = best->value, right = (best + 1)->value;
   const double curvature = (2.0 * here - left - right) / (kStep_m * kStep_m);
   if (!(curvature > 0.0)) return std::nullopt;
-  const double beside_m = 0.5 * (right - left) / (curvature * kStep_m);  // of a parabola through the three
+  const double aside_m = 0.5 * (right - left) / (curvature * kStep_m);  // of a parabola through the three
   RoadPlace place;
   place.offset_m =
-      (static_cast<double>(best - found.begin()) - steps) * kStep_m + std::clamp(beside_m, -kStep_m, kStep_m);
+      (static_cast<double>(best - found.begin()) - steps) * kStep_m + std::clamp(aside_m, -kStep_m, kStep_m);
   place.sigma_m = std::hypot(
       kLeastSigma_m, kNoiseFactor * std::sqrt((1.0 - here * here) / (here * std::max(best->cells, 1.0) * curvature)));
   place.correlation = here;

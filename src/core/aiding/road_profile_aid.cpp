@@ -12,8 +12,8 @@ namespace {
 
 // Larger differences between the road's speed and the filter's are not scatter: 0.1 m a sweep.
 constexpr double kMaxDifference_mps = 1.0;
-// What the filter may not have noticed of the speed: the search reaches 0.3 m at least.
-constexpr double kUnnoticed_mps = 1.2;
+constexpr double kUnnoticed_mps = 1.2;     // what the filter may not have noticed of the speed
+constexpr double kMovedElsewhere_m = 0.3;  // places scatter by less
 
 /// Bit k: eighth k of the azimuth holds points.
 std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
@@ -28,11 +28,25 @@ std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
   return seen;
 }
 
+Eigen::Vector3d meanHeading(const Pose& a, const Pose& b) {
+  return (a.linear().col(0) + b.linear().col(0)).normalized();
+}
+
 }  // namespace
+
+void RoadProfileAid::setPose(const Pose& T_odom_cog) {
+  const auto movedElsewhere_m = [&] {
+    return std::abs(T_odom_cog.linear().col(0).dot(T_odom_cog.translation() - T_odom_cog_road_->translation()));
+  };
+  const bool moves_all = T_odom_cog_road_ && movedElsewhere_m() > kMovedElsewhere_m;
+  if (moves_all) odometry_.setPose(*T_odom_cog_road_);
+  odometry_.setPose(T_odom_cog, moves_all);
+}
 
 RoadProfileAid::Result RoadProfileAid::find(const CorrectedSweep& sweep, const RegistrationScan& scan,
                                             const SweepPrediction& prediction, const EstimateTrack& track) {
   Result result;
+  T_odom_cog_road_.reset();
   if (!odometry_.params().enabled) return result;
   const std::bitset<8> before = std::exchange(eighths_seen_, eighthsSeen(scan.cloud.map_points_cog));
   // different parts of a revolution show different roads
@@ -49,8 +63,11 @@ RoadProfileAid::Result RoadProfileAid::find(const CorrectedSweep& sweep, const R
   if (is_expected) {
     const double sigma_m = std::hypot(track.speedSigma_mps(), kUnnoticed_mps) * dt_s;
     if (const std::optional<RoadPlace> place = odometry_.findPlace(sigma_m)) {
-      const Pose T_previous_predicted = prediction.T_odom_cog_previous.inverse() * prediction.T_odom_cog;
-      result.distance = {T_previous_predicted.translation().x() + place->offset_m, place->sigma_m};
+      T_odom_cog_road_ = prediction.T_odom_cog;
+      T_odom_cog_road_->translation() += place->offset_m * prediction.T_odom_cog.linear().col(0);
+      const Eigen::Vector3d forward = meanHeading(prediction.T_odom_cog_previous, prediction.T_odom_cog);
+      const Eigen::Vector3d way_m = T_odom_cog_road_->translation() - prediction.T_odom_cog_previous.translation();
+      result.distance = {forward.dot(way_m), place->sigma_m};
       return result;
     }
   }
@@ -71,7 +88,7 @@ Measurement roadProfileMeasurement(const std::optional<RoadProfileAid::Distance>
                                    const Pose& T_odom_cog_previous, const Pose& T_odom_cog_start) {
   Measurement measurement;
   if (!distance) return measurement;
-  const Eigen::Vector3d forward = (T_odom_cog_previous.linear().col(0) + T_odom_cog_start.linear().col(0)).normalized();
+  const Eigen::Vector3d forward = meanHeading(T_odom_cog_previous, T_odom_cog_start);
   const double guessed_m = forward.dot(T_odom_cog_start.translation() - T_odom_cog_previous.translation());
   measurement.status = MeasurementStatus::kOk;
   measurement.T_odom_cog = T_odom_cog_start;

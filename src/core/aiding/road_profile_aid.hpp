@@ -40,12 +40,15 @@ class RoadProfileAid {
   Result find(const CorrectedSweep& sweep, const RegistrationScan& scan, const SweepPrediction& prediction,
               const EstimateTrack& track);
 
-  /// The estimated pose of the last sweep.
-  void setPose(const Pose& T_odom_cog) { odometry_.setPose(T_odom_cog); }
+  /// The estimated pose of the last sweep. Where it is far from the place on the road, something else moved the vehicle
+  /// (a registration that holds again, a pose from elsewhere), and the earlier sweeps move with it: else the next
+  /// sweeps' places would take the correction back.
+  void setPose(const Pose& T_odom_cog);
 
   /// Forgets the sweeps: after a reset of odom, or where the stamps, which it relies on, are wrong.
   void clear() {
     odometry_.clear();
+    T_odom_cog_road_.reset();
     has_agreed_ = false;
   }
 
@@ -57,8 +60,9 @@ class RoadProfileAid {
 
  private:
   RoadProfileOdometry odometry_;
-  bool has_agreed_ = false;      ///< the road's speed with the filter's, since the motion is known
-  std::bitset<8> eighths_seen_;  ///< eighths of the azimuth with points in the last sweep
+  std::optional<Pose> T_odom_cog_road_;  ///< where the last sweep is on the road
+  bool has_agreed_ = false;              ///< the road's speed with the filter's, since the motion is known
+  std::bitset<8> eighths_seen_;          ///< eighths of the azimuth with points in the last sweep
 };
 
 /// Observes the vehicle's mean heading between the last estimate and the start pose; the rest is that of the start

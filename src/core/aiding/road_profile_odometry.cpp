@@ -179,7 +179,8 @@ std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double 
 std::optional<RoadPlace> RoadProfileOdometry::findPlace(double expected_sigma_m) const {
   constexpr double kLeastRange_m = 0.3, kLargestRange_m = 1.2;  // the profile repeats itself after a wave or two
   if (!params_.enabled || window_.size() < kFewestSweeps) return std::nullopt;
-  const double range_m = std::clamp(kGateSigmas * expected_sigma_m, kLeastRange_m, kLargestRange_m);
+  const double range_m = std::max(kGateSigmas * expected_sigma_m, kLeastRange_m);
+  if (range_m > kLargestRange_m) return std::nullopt;
   return findRoadPlace(window_.profiles(kAlike_m), params_.cell_m, params_.profile_sigma_m, range_m);
 }
 

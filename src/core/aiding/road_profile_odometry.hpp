@@ -78,12 +78,12 @@ class RoadProfileOdometry {
   }
 
   /// The estimated pose of the sweep added last.
-  void setPose(const Pose& T_odom_cog) { window_.setPose(T_odom_cog); }
+  void setPose(const Pose& T_odom_cog, bool moves_all = false) { window_.setPose(T_odom_cog, moves_all); }
 
   /// The sweeps so far lie on the path that this speed gives, and not at the poses that were estimated.
   void setPath(const Speed& speed) { window_.setPath(speed.speed_mps, speed.acceleration_mps2); }
 
-  /// The place of the newest sweep. expected_sigma_m: of its prediction.
+  /// The place of the newest sweep. expected_sigma_m: of its prediction; beyond 0.4 m none is looked for.
   std::optional<RoadPlace> findPlace(double expected_sigma_m) const;
 
   /// The speed from the sweeps so far, searched near the last result or the expected speed, if there is one. A speed

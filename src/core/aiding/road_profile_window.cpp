@@ -89,17 +89,18 @@ void RoadProfileWindow::add(const CorrectedSweep& sweep, const Pose& T_cog_lidar
     means_[it->second].add(sample.height);
   }
   sweeps_.push_back(std::move(record));
+  path_is_set_ = false;
   if (sweeps_.size() <= max_sweeps_) return;
   for (const Sample& sample : sweeps_.front().samples) means_[sample.direction].remove(sample.height);
   sweeps_.pop_front();
 }
 
-void RoadProfileWindow::setPose(const Pose& T_odom_cog) {
+void RoadProfileWindow::setPose(const Pose& T_odom_cog, bool moves_all) {
   if (sweeps_.empty()) return;
   Record& newest = sweeps_.back();
   const Pose T_odom_predicted = newest.T_odom_lidar;
   newest.T_odom_lidar = T_odom_cog * Eigen::Translation3d(newest.lidar_cog);
-  if (!std::exchange(path_is_set_, false)) return;
+  if (!std::exchange(path_is_set_, false) && !moves_all) return;
   const Pose T_new_old = newest.T_odom_lidar * T_odom_predicted.inverse();
   for (std::size_t k = 0; k + 1 < sweeps_.size(); ++k) sweeps_[k].T_odom_lidar = T_new_old * sweeps_[k].T_odom_lidar;
 }
@@ -114,6 +115,7 @@ void RoadProfileWindow::setPath(double speed_mps, double acceleration_mps2) {
     Pose T_newest_this(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
     T_newest_this.translation() << distance_m, distance_m * std::tan(0.5 * yaw_rad), 0.0;
     sweeps_[k].T_odom_lidar = newest.T_odom_lidar * T_newest_this;
+    sweeps_[k].faster_mps = speed_mps - acceleration_mps2 * age_s - sweeps_[k].speed_mps;
   }
   path_is_set_ = true;
 }
@@ -167,6 +169,7 @@ std::vector<RoadProfile> RoadProfileWindow::profiles(double alike_m) const {
     profile.age_s = sweeps_.back().stamp_s - record.stamp_s;
     profile.T_newest_this = relativePose(record);
     profile.speed_mps = record.speed_mps;
+    profile.faster_mps = record.faster_mps;
     profile.cells = cells(record, alike_m > 0.0 ? meansWithout(record, alike_m) : means_);
     profiles.push_back(std::move(profile));
   }

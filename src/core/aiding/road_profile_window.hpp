@@ -35,6 +35,7 @@ struct RoadProfile {
   double age_s = 0.0;                     ///< before the newest sweep
   Pose T_newest_this = Pose::Identity();  ///< by the estimates; the newest's pose is a prediction
   double speed_mps = 0.0;                 ///< that the sweep was deskewed for
+  double faster_mps = 0.0;                ///< what is known of the difference from the true speed
   std::vector<Cell> cells;
 };
 
@@ -47,8 +48,9 @@ class RoadProfileWindow {
   /// gap the window begins with this sweep.
   void add(const CorrectedSweep& sweep, const Pose& T_cog_lidar, const Vector6d& twist_cog, const Pose& T_odom_cog);
 
-  /// The estimated pose of the newest sweep.
-  void setPose(const Pose& T_odom_cog);
+  /// The estimated pose of the newest sweep. moves_all: the earlier sweeps move with it, as they lie rightly relative
+  /// to its pose so far.
+  void setPose(const Pose& T_odom_cog, bool moves_all = false);
 
   /// The earlier sweeps lie on the path that is driven at this speed, whatever was estimated then. The path ends at the
   /// newest sweep and moves with its next setPose().
@@ -85,7 +87,7 @@ class RoadProfileWindow {
     double stamp_s = 0.0;
     Eigen::Vector3d lidar_cog = Eigen::Vector3d::Zero();
     Pose T_odom_lidar = Pose::Identity();  ///< the vehicle's axes
-    double speed_mps = 0.0;
+    double speed_mps = 0.0, faster_mps = 0.0;
     std::vector<Sample> samples;
   };
 

@@ -189,7 +189,12 @@ FusionResult MeasurementFusion::fuseMotion(const Vector6d& predicted_state, cons
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (inputs[i].kind != FusionInput::Kind::kMotion || !inputs[i].usable()) continue;
     const std::optional<Candidate> c = makeCandidate(i, inputs[i]);
-    if (!c) continue;
+    if (!c) {
+      result.refused_sigmas[i] = std::numeric_limits<double>::infinity();
+      ++result.invalid_inputs;
+      continue;
+    }
+    ++result.valid_inputs;
     result.nis[i] = nisOf(*c, predicted_state, Q);
     const double w = 1.0 - std::sqrt(std::max(0.0, result.nis[i])) / gate_sigma;
     if (result.nis[i] < 0.0 || w < min_weight) continue;
@@ -227,7 +232,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
       ++result.invalid_inputs;
     }
   }
-  result.valid_inputs = static_cast<int>(candidates.size() + partial.size());
+  result.valid_inputs += static_cast<int>(candidates.size() + partial.size());
 
   weigh(*this, candidates, predicted_state, P, &result);
   const bool any_inside = std::any_of(candidates.begin(), candidates.end(),

@@ -100,13 +100,27 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   measured.R.topRightCorner<2, 1>().setZero();
   measured.R.bottomLeftCorner<1, 2>().setZero();
   measured.yaw_variance = state.fusion.R(5, 5);
-  if (const std::optional<MotionMeasurement>& motion = state.fusion.motion) {
-    const Pose T_previous_now = prediction.T_odom_cog_previous.inverse() * poseFromVector(motion->z);
-    measured.motion_velocity_mps = logSe3(T_previous_now).head<3>() / state.dt_s;
-    measured.R_motion =
-        R_odom_body.transpose() * poseCovarianceFromState(motion->R, motion->z).topLeftCorner<3, 3>() * R_odom_body;
-  }
+  addMotion(sweep, measured);
   if (previous_measured_ && state.dt_s > kLongGap_s) dead_reckoning_.widenForGap(state.dt_s, measured);
+  return measured;
+}
+
+void MotionTracker::addMotion(const Sweep& sweep, DeadReckoning::Measured& measured) const {
+  const std::optional<MotionMeasurement>& motion = sweep.state.fusion.motion;
+  if (!motion) return;
+  const Eigen::Matrix3d R_odom_body = sweep.state.T_odom_cog.linear();
+  const Pose T_previous_now = sweep.prediction.T_odom_cog_previous.inverse() * poseFromVector(motion->z);
+  measured.motion_velocity_mps = logSe3(T_previous_now).head<3>() / sweep.state.dt_s;
+  measured.R_motion =
+      R_odom_body.transpose() * poseCovarianceFromState(motion->R, motion->z).topLeftCorner<3, 3>() * R_odom_body;
+}
+
+// The road's profile tells the motion where no registration does.
+DeadReckoning::Measured MotionTracker::motionAlone(const Sweep& sweep) const {
+  DeadReckoning::Measured measured;
+  measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
+  measured.yaw_variance = kLargestVariance;
+  addMotion(sweep, measured);
   return measured;
 }
 
@@ -137,6 +151,7 @@ void MotionTracker::blendVelocity(const MotionDerivatives& of_poses, double rati
 DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
   DeadReckoning::Measured measured = measuredMotion(sweep);
   measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
+  measured.R_motion.reset();
   measured.yaw_variance += kDoubtfulTurn_rad * kDoubtfulTurn_rad;
   return measured;
 }
@@ -155,7 +170,8 @@ void MotionTracker::updateMotion(const Sweep& sweep) {
   }
   if (state.dt_s > 0.0) {
     if (!state.measurement_applied) {
-      filterVelocity(last, state.dt_s, nullptr);
+      const DeadReckoning::Measured motion = motionAlone(sweep);
+      filterVelocity(last, state.dt_s, motion.R_motion ? &motion : nullptr);
     } else if (!state.clock_jump && (velocity_unobservable_ || velocity_was_unobservable_)) {
       MotionDerivatives steady = last;
       steady.acceleration_body_mps2.setZero();

@@ -239,9 +239,10 @@ FilterState PoseFilter::stateAsDriven() const {
 
 // By the sources that measure the motion since the last estimate.
 FusionResult PoseFilter::correctPrediction(const std::vector<FusionInput>& inputs) {
-  FusionResult result = fusion_.fuseMotion(ukf_.state(), ukf_.motionNoise(), inputs);
+  const Matrix6d Q = ukf_.motionNoise();
+  const FusionResult result = fusion_.fuseMotion(ukf_.state(), Q, inputs);
   if (!result.motion || !ukf_.correctMotion(result.motion->z, result.motion->R)) return result;
-  process_noise_ = reducedNoise(process_noise_, result.motion->R);
+  process_noise_ = motionNoiseAfter(process_noise_, motionGain(Q, result.motion->R), result.motion->R);
   return result;
 }
 

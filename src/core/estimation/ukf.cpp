@@ -30,8 +30,11 @@ Matrix6d floored(const Matrix6d& C, double min_variance) {
 
 }  // namespace
 
-Matrix6d reducedNoise(const Matrix6d& Q, const Matrix6d& R) {
-  return symmetric(Matrix6d(Q - Q * solutionOf(Q + R, Q)));
+Matrix6d motionGain(const Matrix6d& Q, const Matrix6d& R) { return solutionOf(Q + R, Q).transpose(); }
+
+Matrix6d motionNoiseAfter(const Matrix6d& Q, const Matrix6d& K, const Matrix6d& R) {
+  const Matrix6d left = Matrix6d::Identity() - K;
+  return symmetric(Matrix6d(left * Q * left.transpose() + K * R * K.transpose()));
 }
 
 bool Ukf::reset(const Vector6d& state, const Matrix6d& covariance) {
@@ -44,6 +47,7 @@ bool Ukf::reset(const Vector6d& state, const Matrix6d& covariance) {
 }
 
 bool Ukf::predict(const Model& model, const Matrix6d& Q) {
+  Q_.setZero();
   if (!isCovariance(Q)) return false;
   SigmaPoints points = sigmaPoints(state_, covariance_);
   for (Vector6d& point : points) {
@@ -64,8 +68,9 @@ bool Ukf::predict(const Model& model, const Matrix6d& Q) {
 
 bool Ukf::correctMotion(const Vector6d& z, const Matrix6d& R) {
   if (!z.allFinite() || !isCovariance(R)) return false;
-  const Vector6d state = stateSum(state_, solutionOf(Q_ + R, Q_).transpose() * stateDifference(z, state_));
-  const Matrix6d Q = reducedNoise(Q_, R);
+  const Matrix6d K = motionGain(Q_, R);
+  const Vector6d state = stateSum(state_, K * stateDifference(z, state_));
+  const Matrix6d Q = motionNoiseAfter(Q_, K, R);
   if (!state.allFinite() || !Q.allFinite()) return false;
   state_ = state;
   covariance_ = floored(covariance_ - (Q_ - Q), kMinSigma * kMinSigma);
@@ -97,6 +102,7 @@ bool Ukf::correct(const Vector6d& z, const Matrix6d& R) {
   const double nis = gain.dot(a.cwiseAbs2());
   if (!state.allFinite() || !covariance.allFinite() || !std::isfinite(nis)) return false;
 
+  Q_.setZero();
   nis_ = nis;
   state_ = state;
   covariance_ = floored(covariance, kMinSigma * kMinSigma);

@@ -35,7 +35,7 @@ class Ukf {
   const Vector6d& state() const { return state_; }
   const Matrix6d& covariance() const { return covariance_; }
 
-  /// Q of the last predict(), less what correctMotion() found of it. Zero after reset().
+  /// Q of the last predict(), less what correctMotion() found of it. Zero after reset() and correct().
   const Matrix6d& motionNoise() const { return Q_; }
 
   /// Squared Mahalanobis length of the last correction's innovation (z minus the state before it) under P + R, with 6
@@ -49,7 +49,9 @@ class Ukf {
   double nis_ = 0.0;
 };
 
-/// Q after a measurement of the same motion with covariance R: (Q^-1 + R^-1)^-1.
-Matrix6d reducedNoise(const Matrix6d& Q, const Matrix6d& R);
+/// The gain K = Q (Q + R)^-1 of correctMotion(), and the covariance (I - K) Q (I - K)^T + K R K^T of a motion that a gain
+/// has corrected: with that of another Q, too.
+Matrix6d motionGain(const Matrix6d& Q, const Matrix6d& R);
+Matrix6d motionNoiseAfter(const Matrix6d& Q, const Matrix6d& K, const Matrix6d& R);
 
 }  // namespace fail_aware

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "../../support/synthetic_tunnel.hpp"
 
@@ -80,6 +81,37 @@ TEST(RoadProfileAid, ASpeedThatAgreedOnceStaysNearTheFilters) {
   const auto [found, least_mps] = brakesUnnoticed(MotionStatus::kDeadReckoning);
   EXPECT_LT(found, 10);
   EXPECT_GT(least_mps, 11.0);  // 100 if none tells one
+}
+
+/// Drives at 13 m/s; the filter knows the speed. From sweep 25 on its pose is moved_m ahead, and it predicts error_m
+/// ahead of that. The distances that the sweeps from 26 on tell.
+std::vector<double> placesAfterAMove(double moved_m, double error_m) {
+  RoadProfileAid aid{RoadProfileOdometry::Params()};
+  SweepPrediction prediction;
+  prediction.motion_status = MotionStatus::kDeadReckoning;
+  std::vector<double> distances_m;
+  for (int k = 0; k <= 30; ++k) {
+    const double x_m = 1.3 * k + (k >= 25 ? moved_m : 0.0);
+    prediction.T_odom_cog.translation().x() = k == 25 ? 1.3 * k : x_m + error_m;
+    const RoadProfileAid::Result result = add(aid, k, 100.0 + 1.3 * k, 13.0, 13.0, EstimateTrack(), prediction);
+    if (k > 25) distances_m.push_back(result.distance ? result.distance->distance_m : 0.0);
+    Pose T_odom_cog = Pose::Identity();
+    T_odom_cog.translation().x() = x_m;
+    aid.setPose(T_odom_cog);
+    prediction.T_odom_cog_previous = T_odom_cog;
+  }
+  return distances_m;
+}
+
+TEST(RoadProfileAid, OnceTheSpeedIsKnownThePlaceGivesTheDistance) {
+  for (const double error_m : {-0.2, 0.0, 0.2}) {
+    for (const double distance_m : placesAfterAMove(0.0, error_m)) EXPECT_NEAR(distance_m, 1.3, 0.1) << error_m;
+  }
+}
+
+// A registration that holds again, or a pose from elsewhere, is no motion.
+TEST(RoadProfileAid, DoesNotTakeACorrectionBack) {
+  for (const double distance_m : placesAfterAMove(0.5, 0.0)) EXPECT_NEAR(distance_m, 1.3, 0.08);
 }
 
 TEST(RoadProfileAid, WhileTheMotionIsUnknownTheRoadDecides) {

@@ -70,6 +70,22 @@ TEST_F(MotionTrackerTest, AStepFromAnUncertainEstimateTellsLittleOfTheSpeed) {
   EXPECT_GT(speedAfterAStep(0.01), 12.6);
 }
 
+// Both ICPs fail in a tunnel, and the road tells that the vehicle brakes.
+TEST_F(MotionTrackerTest, AMotionAloneCorrectsTheSpeed) {
+  sweeps(10, 12.0);
+  for (int i = 0; i < 20; ++i) {
+    MotionMeasurement motion;
+    motion.z = x;
+    motion.z[0] += 0.1 * 10.0;
+    motion.R = kUnobservedVariance * Matrix6d::Identity();
+    motion.R(0, 0) = 0.05 * 0.05;
+    state.fusion.motion = motion;
+    sweep(10.0, false);
+  }
+  EXPECT_NEAR(tracker.motion().velocity_body_mps.x(), 10.0, 0.3);
+  EXPECT_TRUE(tracker.deadReckoning().active());
+}
+
 TEST_F(MotionTrackerTest, SpeedIsLimited) {
   sweeps(10, 200.0);
   EXPECT_NEAR(tracker.motion().velocity_body_mps.norm(), 80.0, 1e-9);
