@@ -60,22 +60,27 @@ class UprightProfileFinder {
   struct Point {
     Eigen::Vector3f p;  ///< odom's axes, relative to the sensor
     std::uint16_t ring;
+    std::uint32_t column;
     float kernel2_m2;
-    float weight = 1.0f;  ///< in the column's surface
   };
-  using Points = std::vector<Point>;
+  struct Column {
+    std::uint32_t points = 0, first = 0;
+    float low = 0.0f, high = 0.0f;
+  };
 
   void sortIntoColumns(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
                        const std::vector<BeamRange>& ranges, const Eigen::Matrix3f& R_odom_lidar);
-  void readColumn(std::size_t column);
-  void readLine(std::size_t column, const Eigen::Vector3f& middle);
-  std::size_t columnOf(const Eigen::Vector3f& p) const;
+  void readColumn(const Point* points, std::size_t count);
+  void readLine(std::uint32_t column, const Eigen::Vector3f& middle);
+  std::uint32_t columnOf(const Eigen::Vector3f& p) const;
   void addProfile(UprightProfile::Kind kind, const Eigen::Vector2f& direction, const Eigen::Vector3f& centre,
-                  const Points& points);
+                  const Point* points, std::size_t count);
 
   bool hangs_ = false;
-  std::vector<Points> columns_;
-  Points around_;  ///< a line's points
+  std::vector<Point> unsorted_, sorted_;
+  std::vector<Column> columns_;
+  std::vector<Point> around_;   ///< a line's points
+  std::vector<float> weights_;  ///< of one column's points, or of those around a line
   std::vector<UprightProfile> profiles_;
   std::vector<UprightProfile::Beam> beams_;
 };
