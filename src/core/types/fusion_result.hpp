@@ -22,7 +22,8 @@ struct FusionResult {
   Matrix6d R = Matrix6d::Identity();        ///< covariance of z
   std::optional<MotionMeasurement> motion;  ///< has corrected the prediction; not part of z
   std::vector<double> weights;              ///< per input, 0..1 before normalisation; 0: gated out or absent
-  std::vector<double> nis;                  ///< per input, against P~ + R_i (a motion: Q + R_i), 6 degrees of freedom; -1: absent
+  /// Per input, against P~ + R_i (a motion: Q + R_i), 6 degrees of freedom; -1: absent.
+  std::vector<double> nis;
   /// Per input: the horizontal distance in standard deviations at which the gate refused it; infinity: it is ok(), but
   /// not usable; 0: neither.
   std::vector<double> refused_sigmas;
