@@ -12,7 +12,7 @@ namespace fail_aware {
 
 class LoadFailures {
  public:
-  static constexpr double kSameLaunch_s = 10.0;  ///< after this time a reason is told in full again
+  static constexpr double kSameLaunch_s = 10.0;  ///< after this time the reason is logged in full again
 
   std::string line(const std::string& nodelet, const std::string& reason,
                    const ros::SteadyTime& now = ros::SteadyTime::now()) {

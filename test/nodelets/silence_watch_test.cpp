@@ -16,7 +16,7 @@ TEST(SilenceWatch, SilenceIsDueAfterThreePeriods) {
   EXPECT_TRUE(watch.isDue(101.19));
   EXPECT_NEAR(watch.silence_s(101.19), 0.19, 1e-9);
   watch.heard(102.0, 0.0);
-  EXPECT_TRUE(watch.isDue(102.19)) << "a first sweep tells no period";
+  EXPECT_TRUE(watch.isDue(102.19)) << "one sweep gives no period";
 }
 
 TEST(SilenceWatch, ItIsSaidAgainTenTimesASecond) {

@@ -37,7 +37,7 @@ class RoadProfileOdometry {
     int window_sweeps = 20;
     int min_sweeps = 10;   ///< fewer sweeps give no speed: half a window
     double cell_m = 0.25;  ///< cell of the grid of heights: a quarter of the profile's length
-    /// half the side of the square whose mean height is subtracted: longer than the profile, shorter than the road's
+    /// half the side of the square whose fitted line is subtracted: longer than the profile, shorter than the road's
     /// crown
     double smoothing_m = 1.5;
     double profile_sigma_m = 0.002;  ///< height of the profile, relative to which noise is weighed

@@ -115,7 +115,7 @@ void MotionTracker::addMotion(const Sweep& sweep, DeadReckoning::Measured& measu
       R_odom_body.transpose() * poseCovarianceFromState(motion->R, motion->z).topLeftCorner<3, 3>() * R_odom_body;
 }
 
-// The road's profile tells the motion where no registration does.
+// No registration was used; only the road's profile measured the motion.
 DeadReckoning::Measured MotionTracker::motionAlone(const Sweep& sweep) const {
   DeadReckoning::Measured measured;
   measured.R = kLargestVariance * Eigen::Matrix3d::Identity();

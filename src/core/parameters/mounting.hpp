@@ -12,7 +12,7 @@ namespace fail_aware {
 /// fail this check.
 void requireMounting(const char* name, const std::vector<double>& x_y_z_roll_pitch_yaw);
 
-/// One line for the user if `lidar_in_base` is the placeholder of cfg/sensors, which nobody measured; otherwise empty.
+/// A warning for the user if `lidar_in_base` still is the placeholder of cfg/sensors; otherwise empty.
 std::string placeholderFault(const std::vector<double>& lidar_in_base);
 
 /// For a list that passes requireMounting().
