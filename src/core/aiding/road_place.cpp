@@ -135,8 +135,8 @@ std::optional<RoadPlace> findRoadPlace(const std::vector<RoadProfile>& profiles,
   RoadPlace place;
   place.offset_m =
       (static_cast<double>(best - found.begin()) - steps) * kStep_m + std::clamp(aside_m, -kStep_m, kStep_m);
-  place.sigma_m = std::hypot(
-      kLeastSigma_m, kNoiseFactor * std::sqrt((1.0 - here * here) / (here * std::max(best->cells, 1.0) * curvature)));
+  place.sigma_m =
+      std::hypot(kLeastSigma_m, kNoiseFactor * std::sqrt((1.0 - here * here) / (here * best->cells * curvature)));
   place.correlation = here;
   return place;
 }

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/geometry/rotation.hpp"
-
 namespace fail_aware {
 
 namespace {

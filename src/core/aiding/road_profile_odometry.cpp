@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "core/geometry/rotation.hpp"
 
@@ -21,14 +20,6 @@ double parabolaPeak(double left, double middle, double right) {
   return curvature < 0.0 ? std::clamp(0.5 * (left - right) / curvature, -1.0, 1.0) : 0.0;
 }
 
-}  // namespace
-
-void RoadProfileOdometry::Params::checkRules() const {
-  requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
-}
-
-namespace {
-
 // A profile's yaw relative to the newest one, as the overlay of score() uses it.
 struct Heading {
   double cos_yaw, sin_yaw, tan_half_yaw;
@@ -40,6 +31,10 @@ Heading headingOf(const RoadProfile& profile) {
 }
 
 }  // namespace
+
+void RoadProfileOdometry::Params::checkRules() const {
+  requireWithin("max_speed_mps", max_speed_mps, min_speed_mps, 100.0);
+}
 
 void RoadProfileOdometry::clear() {
   window_.clear();

@@ -15,9 +15,7 @@ namespace fail_aware {
 
 /// Leaves the corners out while the ICPs doubt the standstill.
 inline void leaveOutCornersOfConvoys(std::vector<FusionInput>& inputs) {
-  const auto isAnIcp = [](const FusionInput& input) {
-    return input.isOfAnIcp() && input.measurement != nullptr && input.measurement->ok();
-  };
+  const auto isAnIcp = [](const FusionInput& input) { return input.isOfAnIcp() && input.usable(); };
   const auto isOpen = [&](const FusionInput& input) {
     return !isAnIcp(input) ||
            (input.measurement->min_information_ratio == 0.0 && input.measurement->degenerate_directions > 0);

@@ -100,7 +100,6 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   measured.R.topRightCorner<2, 1>().setZero();
   measured.R.bottomLeftCorner<1, 2>().setZero();
   measured.yaw_variance = state.fusion.R(5, 5);
-  addMotion(sweep, measured);
   if (previous_measured_ && state.dt_s > kLongGap_s) dead_reckoning_.widenForGap(state.dt_s, measured);
   return measured;
 }
@@ -151,7 +150,6 @@ void MotionTracker::blendVelocity(const MotionDerivatives& of_poses, double rati
 DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
   DeadReckoning::Measured measured = measuredMotion(sweep);
   measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
-  measured.R_motion.reset();
   measured.yaw_variance += kDoubtfulTurn_rad * kDoubtfulTurn_rad;
   return measured;
 }
@@ -178,7 +176,8 @@ void MotionTracker::updateMotion(const Sweep& sweep) {
       const DeadReckoning::Measured turn = measuredTurn(sweep);
       filterVelocity(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
     } else if (told) {
-      const DeadReckoning::Measured measured = measuredMotion(sweep);
+      DeadReckoning::Measured measured = measuredMotion(sweep);
+      addMotion(sweep, measured);
       const MotionDerivatives of_poses = motion_;
       filterVelocity(last, state.dt_s, &measured);
       blendVelocity(of_poses, dead_reckoning_.sureness(measured));

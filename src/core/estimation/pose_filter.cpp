@@ -34,7 +34,7 @@ bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
 
 const Measurement* planes(const std::vector<FusionInput>& inputs) {
   const auto found = std::find_if(inputs.begin(), inputs.end(), [](const FusionInput& input) {
-    return input.name == kIcpPointToPlane && input.measurement != nullptr && input.measurement->ok();
+    return input.name == kIcpPointToPlane && input.usable();
   });
   return found == inputs.end() ? nullptr : found->measurement;
 }
@@ -250,8 +250,7 @@ FusionResult PoseFilter::correctPrediction(const std::vector<FusionInput>& input
 // began at the prediction and searched nowhere else are dropped.
 bool PoseFilter::doubtPrediction(std::vector<FusionInput>& inputs) {
   const auto doubts = [](const FusionInput& input) {
-    return input.measurement != nullptr && input.measurement->ok() && input.measurement->clock_jump_suspected &&
-           input.kind != FusionInput::Kind::kExternal;
+    return input.usable() && input.measurement->clock_jump_suspected && input.kind != FusionInput::Kind::kExternal;
   };
   const auto doubting = std::find_if(inputs.begin(), inputs.end(), doubts);
   if (doubting == inputs.end()) return false;
