@@ -8,6 +8,7 @@
 #include "core/parameters/check.hpp"
 #include "core/parameters/mounting.hpp"
 #include "simulation/random.hpp"
+#include "simulation/road_surface.hpp"
 #include "simulation/scene.hpp"
 #include "simulation/traffic.hpp"
 
@@ -121,6 +122,11 @@ struct DriveSimulation::Impl {
     for (std::size_t beam = 0; beam < lidar.beams(); ++beam) directions[beam] = R * directions[beam];
     caster.cast(T_world_lidar.translation(), static_cast<float>(fraction), directions.data(), lidar.beams(),
                 static_cast<float>(params.lidar.max_range_m), hits.data());
+    for (std::size_t beam = 0; beam < lidar.beams(); ++beam) {
+      if (hits[beam].material != Material::kAsphalt || !hits[beam].hit()) continue;
+      hits[beam].range_m =
+          rangeOnUnevenRoad(T_world_lidar.translation(), directions[beam], hits[beam], scene.terrain());
+    }
     const std::uint64_t column_key = combineKeys(seed, 61, sweep_index, static_cast<std::uint64_t>(column));
     for (std::size_t beam = 0; beam < lidar.beams(); ++beam) {
       const auto echo = lidar.measure(beam, azimuth, hits[beam], column_key + beam);

@@ -17,6 +17,7 @@ const MaterialProperties& properties(Material material) {
       {0.25f, 0.012f, 0.00f},  // bark
       {0.45f, 0.040f, 0.05f},  // foliage
       {0.95f, 0.003f, 0.00f},  // sign
+      {0.14f, 0.004f, 0.00f},  // rubber
   };
   return table[static_cast<std::size_t>(material)];
 }

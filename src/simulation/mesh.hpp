@@ -12,7 +12,7 @@
 namespace fail_aware {
 
 enum class Material : std::uint8_t {
-  kAsphalt,
+  kAsphalt,  ///< the road's surface only
   kPavement,
   kGrass,
   kWall,
@@ -23,6 +23,7 @@ enum class Material : std::uint8_t {
   kBark,
   kFoliage,
   kSign,  ///< retroreflective
+  kRubber,
 };
 
 struct MaterialProperties {

@@ -84,7 +84,7 @@ void addVehicle(Mesh& mesh, const Place& place, VehicleShape shape) {
   const auto wheels = [&](double front, double rear, double width, double radius) {
     for (double x : {front, rear}) {
       for (double y : {-0.5 * width, 0.5 * width}) {
-        mesh.addBox(at(place, x, y, 0.0), {1.6 * radius, 0.2, 2.0 * radius}, Material::kAsphalt);
+        mesh.addBox(at(place, x, y, 0.0), {1.6 * radius, 0.2, 2.0 * radius}, Material::kRubber);
       }
     }
   };

@@ -33,7 +33,17 @@ TEST(Terrain, SlopeAndBumpsAreAsAskedFor) {
   }
   EXPECT_NEAR(std::sqrt(slope2 / count), grade, 0.2 * grade);
   EXPECT_NEAR(std::sqrt(bumps2 / count), 1.0, 0.2);
-  EXPECT_LT(std::sqrt(roughness2 / count), 0.01);
+  EXPECT_NEAR(std::sqrt(roughness2 / count), 0.0027, 0.0007);  // ISO 8608 class B, wavelengths of 0.6 to 12 m
+}
+
+TEST(Terrain, TheRoadHasNoStepsAndRepeatsItself) {
+  const Terrain terrain(5, 0.03);
+  constexpr double kTile_m = 76.8;
+  for (double x = -80.0; x < 80.0; x += 0.37) {
+    const Eigen::Vector2d p(x, 0.3 * x);
+    EXPECT_NEAR(terrain.roadRoughness(p), terrain.roadRoughness(p + Eigen::Vector2d(0.01, 0.0)), 0.0015);
+    EXPECT_NEAR(terrain.roadRoughness(p), terrain.roadRoughness(p + Eigen::Vector2d(kTile_m, -kTile_m)), 1e-6);
+  }
 }
 
 }  // namespace
