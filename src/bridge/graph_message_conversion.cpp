@@ -129,7 +129,6 @@ messages::PoseMeasurement toMessage(const Measurement& measurement, const std::s
   message.min_information_ahead = measurement.ahead.ratio;
   message.information_ahead_distance = measurement.ahead.distance_m;
   message.clock_jump_suspected = measurement.clock_jump_suspected;
-  message.found_place = measurement.found_place;
   message.sweep_points = -1;
   return message;
 }
@@ -152,7 +151,6 @@ Measurement fromMessage(const messages::PoseMeasurement& message) {
   measurement.min_information_ratio = finiteOr0(message.min_information_ratio);
   measurement.ahead = aheadOf(message.min_information_ahead, message.information_ahead_distance);
   measurement.clock_jump_suspected = message.clock_jump_suspected != 0;
-  measurement.found_place = message.found_place != 0;
   return measurement;
 }
 
@@ -218,7 +216,6 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.doubt_yaw = state.doubt.sigma_yaw_rad;
   message.speed_variance = state.speed_error.variance_m2_s2;
   message.speed_kept = state.speed_error.kept;
-  message.road_place_variance = state.road_place_variance_m2;
   message.clock_jump = state.clock_jump;
   message.set_back = state.set_back_s;
   message.odom_reset_count = state.odom_reset_count;
@@ -267,7 +264,6 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.doubt = {message.doubt, message.doubt_yaw};
   state.speed_error.variance_m2_s2 = message.speed_variance;
   state.speed_error.kept = message.speed_kept;
-  state.road_place_variance_m2 = message.road_place_variance;
   state.clock_jump = message.clock_jump != 0;
   state.set_back_s = setBack_s(message);
   state.odom_reset_count = message.odom_reset_count;

@@ -1,7 +1,6 @@
 #include "core/local_map_registration.hpp"
 
 #include <optional>
-#include <utility>
 
 #include "core/initial_guess/first_motion.hpp"
 #include "core/registration/look_ahead.hpp"
@@ -46,7 +45,6 @@ bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPredi
 }
 
 void LocalMapRegistration::findRoadProfile(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
-  road_profile_aid_.lookAhead(std::exchange(ahead_, {}));
   road_profile_ = road_profile_aid_.find(sweep, scan_, prediction, track_);
   if (road_profile_.map_is_wrong) map_.clearPoints();
 }
@@ -89,11 +87,11 @@ Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<
   return measurement;
 }
 
-Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma_yaw_rad) {
+Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma_yaw_rad) const {
   if (readiness() != MeasurementStatus::kOk) return Measurement{readiness()};
   Measurement measurement = icp.align(scan_.cloud.plane_points_cog, map(), T_odom_cog_start(), sigma_yaw_rad);
   if (measurement.ok()) {
-    measurement.ahead = ahead_ =
+    measurement.ahead =
         lookAhead(icp.params(), scan_.cloud.plane_points_cog, map(), measurement.T_odom_cog, guess_.twist_cog);
   }
   describeGuess(measurement);

@@ -47,7 +47,7 @@ class LocalMapRegistration {
   /// Registers the prepared sweep against the map from the start pose. kTooFewPoints if prepare() returned false;
   /// kNotConverged while tracking is lost after a gap.
   Measurement align(const IcpPointToPoint& icp, std::vector<SeedTrack>* tracks = nullptr) const;
-  Measurement align(const IcpPointToPlane& icp, double sigma_yaw_rad);
+  Measurement align(const IcpPointToPlane& icp, double sigma_yaw_rad) const;
 
   /// The partial measurements of the prepared sweep; kNoReference: there is none.
   Measurement roadProfile() const;
@@ -87,7 +87,6 @@ class LocalMapRegistration {
   Pose T_odom_cog_start_ = Pose::Identity();
   RoadProfileAid::Result road_profile_;
   OpenCountryAid::Result open_country_;
-  InformationAhead ahead_;
 };
 
 }  // namespace fail_aware

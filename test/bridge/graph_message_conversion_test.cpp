@@ -109,11 +109,10 @@ TEST(GraphMessages, MeasurementThereAndBack) {
   measurement.degenerate_directions = 2;
   measurement.min_information_ratio = 0.3;
   measurement.ahead = {0.002, 60.0};
-  measurement.clock_jump_suspected = measurement.found_place = true;
+  measurement.clock_jump_suspected = true;
   const Measurement back = fromMessage(toMessage(measurement, "x", someHeader()));
   EXPECT_EQ(back.status, measurement.status);
   EXPECT_TRUE(back.clock_jump_suspected);
-  EXPECT_TRUE(back.found_place);
   EXPECT_TRUE(back.T_odom_cog.isApprox(measurement.T_odom_cog, 1e-14));
   EXPECT_EQ(back.covariance, measurement.covariance);
   EXPECT_EQ(back.rms_residual_m, 0.04);
@@ -162,7 +161,6 @@ FilterState someState() {
   state.registered = true;
   state.doubt = {0.3, 0.04};
   state.speed_error = {2.5, 0.75};
-  state.road_place_variance_m2 = 0.02;
   state.clock_jump = true;
   state.set_back_s = 0.3;
   state.stamp_error_s = 0.007;
@@ -201,7 +199,6 @@ TEST(GraphMessages, StateThereAndBack) {
   EXPECT_EQ(back->doubt.sigma_yaw_rad, state.doubt.sigma_yaw_rad);
   EXPECT_EQ(back->speed_error.variance_m2_s2, 2.5);
   EXPECT_EQ(back->speed_error.kept, 0.75);
-  EXPECT_EQ(back->road_place_variance_m2, 0.02);
   EXPECT_TRUE(back->clock_jump);
   EXPECT_EQ(back->set_back_s, 0.3);
   EXPECT_EQ(back->stamp_error_s, 0.007);

@@ -1,6 +1,5 @@
 #include "core/aiding/road_profile_aid.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -13,9 +12,6 @@ namespace {
 constexpr double kMaxDifference_mps = 1.0;
 constexpr double kUnnoticed_mps = 1.2;     // what the filter may not have noticed of the speed
 constexpr double kMovedElsewhere_m = 0.3;  // places scatter by less
-constexpr double kWeakAhead = 0.005;       // ratio; the monitor calls 0.002 weak (integrity/growth_rate.hpp)
-constexpr int kWatchedSweeps = 10;         // the road ahead looks weak in some sweeps and not in others
-constexpr int kLeftOut = 2;                // of three sweeps, where nothing is looked for
 
 /// Bit k: eighth k of the azimuth holds points.
 std::bitset<8> eighthsSeen(const std::vector<Eigen::Vector3f>& points_cog) {
@@ -36,12 +32,7 @@ Eigen::Vector3d meanHeading(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-void RoadProfileAid::lookAhead(const InformationAhead& ahead) {
-  watched_sweeps_ = ahead.ratio < kWeakAhead ? kWatchedSweeps : std::max(0, watched_sweeps_ - 1);
-}
-
 void RoadProfileAid::setPose(const Pose& T_odom_cog) {
-  if (!is_newest_added_) return;
   const auto movedElsewhere_m = [&] {
     return std::abs(T_odom_cog.linear().col(0).dot(T_odom_cog.translation() - T_odom_cog_road_->translation()));
   };
@@ -54,22 +45,15 @@ RoadProfileAid::Result RoadProfileAid::find(const CorrectedSweep& sweep, const R
                                             const SweepPrediction& prediction, const EstimateTrack& track) {
   Result result;
   T_odom_cog_road_.reset();
-  is_newest_added_ = false;
   if (!odometry_.params().enabled) return result;
   const std::bitset<8> before = std::exchange(eighths_seen_, eighthsSeen(scan.cloud.map_points_cog));
   // different parts of a revolution show different roads
   const bool looks_elsewhere = 2 * (before & eighths_seen_).count() < (before | eighths_seen_).count();
-  if (!scan.usable || looks_elsewhere) {
+  if (!scan.usable || track.speedObserved() || looks_elsewhere) {
     odometry_.clear();
     return result;
   }
-  const bool works = !track.speedObserved() || watched_sweeps_ > 0;
-  if (!works && left_out_++ < kLeftOut) return result;
-  left_out_ = 0;
-  if (std::exchange(was_observed_, track.speedObserved()) && !track.speedObserved()) odometry_.clear();
-  is_newest_added_ = true;
   odometry_.add(sweep, scan.T_cog_lidar, scan.twist_cog, prediction.T_odom_cog);
-  if (!works) return result;
   const bool known_before = odometry_.hasSpeed();
   const double assumed_mps = scan.twist_cog[0], dt_s = prediction.dt_s;
   if (!prediction.motionKnown()) has_agreed_ = false;
@@ -81,11 +65,10 @@ RoadProfileAid::Result RoadProfileAid::find(const CorrectedSweep& sweep, const R
       T_odom_cog_road_->translation() += place->offset_m * prediction.T_odom_cog.linear().col(0);
       const Eigen::Vector3d forward = meanHeading(prediction.T_odom_cog_previous, prediction.T_odom_cog);
       const Eigen::Vector3d way_m = T_odom_cog_road_->translation() - prediction.T_odom_cog_previous.translation();
-      result.distance = {forward.dot(way_m), place->sigma_m, true};
+      result.distance = {forward.dot(way_m), place->sigma_m};
       return result;
     }
   }
-  if (track.speedObserved()) return result;
   const std::optional<RoadProfileOdometry::Speed> speed =
       is_expected ? odometry_.findSpeed(assumed_mps, track.speedSigma_mps()) : odometry_.findSpeed();
   if (!speed) return result;
@@ -106,7 +89,6 @@ Measurement roadProfileMeasurement(const std::optional<RoadProfileAid::Distance>
   const Eigen::Vector3d forward = meanHeading(T_odom_cog_previous, T_odom_cog_start);
   const double guessed_m = forward.dot(T_odom_cog_start.translation() - T_odom_cog_previous.translation());
   measurement.status = MeasurementStatus::kOk;
-  measurement.found_place = distance->found_place;
   measurement.T_odom_cog = T_odom_cog_start;
   measurement.T_odom_cog.translation() += (distance->distance_m - guessed_m) * forward;
   measurement.covariance = kUnobservedVariance * Matrix6d::Identity();

@@ -1,17 +1,15 @@
 // The source road_profile: the distance driven since the last estimate, by the road's profile
-// (road_profile_odometry.hpp). A partial measurement: it observes one direction. Not in the paper.
+// (road_profile_odometry.hpp), during dead reckoning. A partial measurement: it observes one direction. Not in the
+// paper.
 //
-// Input: every sweep, deskewed for the prediction. It works where registration does not observe the motion, and where
-// the road ahead is weak (registration/look_ahead.hpp): before a tunnel it tells whether the road will hold the vehicle.
-// Elsewhere it keeps every third sweep, to have something to compare with. Dead reckoning begins without them: its first
-// places are worse than the speed from before (doc/parts.md).
-// Once the filter knows the speed (registration observed it, or it agreed with the road's), the sweep's place among the
-// last sweeps gives the distance; where no place is found, the road's speed, which must stay near the filter's: on a
-// field what travels with the sensor fits at standstill, and the search drifts there. Before, the speed alone gives it.
-// The first speed may show that the sweeps in the map were inserted at a wrong speed. Later the map is not wrong.
+// Input: every sweep, deskewed for the prediction. Once the filter knows the speed (registration observed it, or it
+// agreed with the road's), the sweep's place among the last sweeps gives the distance; where no place is found, the
+// road's speed, which must stay near the filter's: on a field what travels with the sensor fits at standstill, and the
+// search drifts there. Before, the speed alone gives it. The first speed may show that the sweeps in the map were
+// inserted at a wrong speed. Later the map is not wrong.
 // It shares the points and the predicted deskew with every other source, but not the map: heights of the last sweeps
 // are compared, by the poses of the estimates.
-// Cost: 4 ms where it works; elsewhere 2 ms every third sweep.
+// Cost: a few ms, only during dead reckoning.
 #pragma once
 
 #include <bitset>
@@ -21,7 +19,6 @@
 #include "core/initial_guess/estimate_track.hpp"
 #include "core/initial_guess/initial_guess.hpp"
 #include "core/registration/registration_scan.hpp"
-#include "core/types/information_ahead.hpp"
 
 namespace fail_aware {
 
@@ -30,7 +27,6 @@ class RoadProfileAid {
   struct Distance {
     double distance_m = 0.0;  ///< since the last estimate, along the vehicle's mean heading
     double sigma_m = 0.0;
-    bool found_place = false;  ///< Measurement::found_place
   };
 
   struct Result {
@@ -44,9 +40,6 @@ class RoadProfileAid {
   Result find(const CorrectedSweep& sweep, const RegistrationScan& scan, const SweepPrediction& prediction,
               const EstimateTrack& track);
 
-  /// What the last sweep saw of the road ahead.
-  void lookAhead(const InformationAhead& ahead);
-
   /// The estimated pose of the last sweep. Where it is far from the place on the road, something else moved the vehicle
   /// (a registration that holds again, a pose from elsewhere), and the earlier sweeps move with it: else the next
   /// sweeps' places would take the correction back.
@@ -56,19 +49,18 @@ class RoadProfileAid {
   void clear() {
     odometry_.clear();
     T_odom_cog_road_.reset();
-    is_newest_added_ = has_agreed_ = false;
+    has_agreed_ = false;
   }
 
   /// For a new drive.
-  void reset() { *this = RoadProfileAid(odometry_.params()); }
+  void reset() {
+    clear();
+    eighths_seen_.reset();
+  }
 
  private:
   RoadProfileOdometry odometry_;
   std::optional<Pose> T_odom_cog_road_;  ///< where the last sweep is on the road
-  bool is_newest_added_ = false;         ///< of the sweeps, to odometry_
-  bool was_observed_ = false;            ///< the speed, before the last sweep that was added
-  int left_out_ = 0;                     ///< sweeps since the last that was added
-  int watched_sweeps_ = 0;               ///< that remain, since the road ahead was weak
   bool has_agreed_ = false;              ///< the road's speed with the filter's, since the motion is known
   std::bitset<8> eighths_seen_;          ///< eighths of the azimuth with points in the last sweep
 };

@@ -16,8 +16,6 @@ constexpr double kUnknownDistance_m = 15.0, kUnknownTurn_rad = 0.8;  // what the
 constexpr double kMostTilt_rad = 2.0 * kDegree;  // standard deviation of roll and of pitch in a sweep or a gap
 // farther from its last sweep a map of 100 m holds too little to compare
 constexpr double kComparedPlaces_m = 60.0;
-// The variance of a place on the road counts so many times: errors of successive places correlate by 0.2 to 0.4.
-constexpr double kPlacesAreAlike = 2.0;
 
 bool isConfirmed(const FilterState& state) { return state.measurement_applied && state.fusion.confirmed; }
 
@@ -37,14 +35,6 @@ Matrix6d onTheRoad(Matrix6d Q) {
   return Q;
 }
 
-bool foundRoadPlace(const FusionResult& fusion) { return fusion.motion && fusion.motion->found_place; }
-
-// The place in the map, with what the place on the road adds: the last sweeps are a map, too.
-Matrix6d withRoadPlace(const FusionResult& fusion) {
-  if (!foundRoadPlace(fusion)) return fusion.R;
-  return symmetric(inverseOf(Matrix6d(inverseOf(fusion.R) + inverseOf(fusion.motion->R) / kPlacesAreAlike)));
-}
-
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
@@ -56,18 +46,11 @@ OdometryIncrement incrementOf(const FilterState& state) {
   increment.dt_s = state.dt_s;
   increment.speed_error = state.speed_error;
   increment.doubt = state.doubt;
-  increment.road_place_variance_m2 = state.road_place_variance_m2;
   // before a motion is known, a map that begins with a sweep is reported as an insertion
   const bool begins = state.map_update == MapUpdate::kInsert && !state.measurement_applied &&
                       state.motion_status == MotionStatus::kUnknown;
   increment.map_update = begins ? MapUpdate::kRestart : state.map_update;
   return increment;
-}
-
-bool isAtItsRoadPlace(const FusionResult& fusion) {
-  if (!foundRoadPlace(fusion)) return false;
-  const Vector6d apart = stateDifference(fusion.z, fusion.motion->z);
-  return apart.dot(inverseOf(Matrix6d(fusion.R + fusion.motion->R)) * apart) <= 1.0;
 }
 
 double ambiguousJump_m(const SweepPrediction& prediction, const FilterState& state) {
@@ -106,12 +89,7 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
   // errors of successive predictions are alike, while a registration ends them
   state.motion_covariance = aboutPrevious(motion, state.registered ? 1.0 : scale.dead_reckoning_factor);
   const double factor = scale.factor * scale.dead_reckoning_factor;
-  if (state.registered) state.registration_covariance = aboutPrevious(withRoadPlace(fusion), factor);
-  if (foundRoadPlace(fusion)) {
-    // along the vehicle; the other directions are not observed
-    const Matrix6d information = inverseOf(aboutPrevious(fusion.motion->R, factor));
-    state.road_place_variance_m2 = kPlacesAreAlike / information(0, 0);
-  }
+  if (state.registered) state.registration_covariance = aboutPrevious(fusion.R, factor);
   state.increment_covariance = aboutPrevious(increment, factor);
   const double floor_m = scale.floor_m + scale.floor_per_metre_m * state.T_previous_now.translation().norm();
   const double floor_rad = scale.floor_deg * kDegree;

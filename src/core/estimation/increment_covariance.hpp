@@ -25,10 +25,6 @@ struct IncrementScale {
 void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, const SweepPrediction& prediction,
                             FilterState& state);
 
-/// Whether what the registrations measured together is within a standard deviation of the place on the road: the road,
-/// which shares no map with them, confirms it, whatever they say of each other.
-bool isAtItsRoadPlace(const FusionResult& fusion);
-
 /// The distance between the place that a suspected clock jump gives and that of the stamps, if the map is too small to
 /// tell them apart: after a gap, either may be right. Otherwise 0.
 double ambiguousJump_m(const SweepPrediction& prediction, const FilterState& state);

@@ -186,7 +186,6 @@ FusionResult MeasurementFusion::fuseMotion(const Vector6d& predicted_state, cons
   if (!predicted_state.allFinite() || !inverseOfCovariance(Q)) return result;
   Matrix6d information = Matrix6d::Zero();
   Vector6d information_d = Vector6d::Zero();
-  bool found_place = true;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (inputs[i].kind != FusionInput::Kind::kMotion || !inputs[i].usable()) continue;
     const std::optional<Candidate> c = makeCandidate(i, inputs[i]);
@@ -200,12 +199,11 @@ FusionResult MeasurementFusion::fuseMotion(const Vector6d& predicted_state, cons
     const double w = 1.0 - std::sqrt(std::max(0.0, result.nis[i])) / gate_sigma;
     if (result.nis[i] < 0.0 || w < min_weight) continue;
     result.weights[i] = w;
-    found_place = found_place && inputs[i].measurement->found_place;
     information += c->information;
     information_d += c->information * stateDifference(c->z, predicted_state);
   }
   const std::optional<Matrix6d> R = inverseOfCovariance(information);
-  if (R && !information.isZero(0.0)) result.motion = {stateSum(predicted_state, *R * information_d), *R, found_place};
+  if (R && !information.isZero(0.0)) result.motion = {stateSum(predicted_state, *R * information_d), *R};
   return result;
 }
 

@@ -106,7 +106,7 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
 
 void MotionTracker::addMotion(const Sweep& sweep, DeadReckoning::Measured& measured) const {
   const std::optional<MotionMeasurement>& motion = sweep.state.fusion.motion;
-  if (!motion || !motion->applied) return;
+  if (!motion) return;
   const Eigen::Matrix3d R_odom_body = sweep.state.T_odom_cog.linear();
   const Pose T_previous_now = sweep.prediction.T_odom_cog_previous.inverse() * poseFromVector(motion->z);
   measured.motion_velocity_mps = logSe3(T_previous_now).head<3>() / sweep.state.dt_s;

@@ -25,7 +25,7 @@ bool isUsable(const OdometryIncrement& increment) {
   return increment.motion.allFinite() && (!increment.registration || increment.registration->allFinite()) &&
          std::isfinite(increment.dt_s) && increment.dt_s >= 0.0 && std::isfinite(increment.doubt.sigma_m) &&
          std::isfinite(increment.doubt.sigma_yaw_rad) && std::isfinite(increment.speed_error.variance_m2_s2) &&
-         std::isfinite(increment.speed_error.kept) && std::isfinite(increment.road_place_variance_m2);
+         std::isfinite(increment.speed_error.kept);
 }
 
 /// A registration with a smaller standard deviation counts as it is, with a larger one not at all: it has hardly left
@@ -41,8 +41,6 @@ constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well
 // Standard deviation along the road of a registration that observes almost nothing. A simulated tunnel has 0.05 to 0.2
 // m where niches are in view.
 constexpr double kWeakStretch_m = 0.5;
-// How much the newest place on the road counts: what holds now, and, where registration holds, what may be expected.
-constexpr double kNewestPlace = 0.2, kNewestPlaceAhead = 0.05;
 constexpr double kLeastReplaced = 1e-4;  // at standstill the rate is that of a very slow drive
 
 void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
@@ -96,12 +94,6 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   since_start_ = since_start;
   since_mark_ = since_mark;
   last_step_ = step;
-  const double place_m2 = increment.road_place_variance_m2;
-  const bool observed = !(increment.speed_error.variance_m2_s2 > 0.0);
-  misses_road_place_ =
-      !observed && !(place_m2 > 0.0) && road_information_per_m2_ * kWeakStretch_m * kWeakStretch_m > 1.0;
-  road_information_per_m2_ += (observed ? kNewestPlaceAhead : kNewestPlace) *
-                              ((place_m2 > 0.0 ? 1.0 / place_m2 : 0.0) - road_information_per_m2_);
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
   transient_base_ = rotateCovariance(step.transient, T_previous_now.linear().transpose());
   largest_transient_base_ += positiveSemidefinite(transient_base_ - largest_transient_base_);
@@ -165,19 +157,17 @@ DriftRate OdometryCovariance::rate() const {
   rate.covariance = symmetric(Matrix6d(stays * step.motion * stays.transpose())) + step.lasting;
   rate.speed_share = std::clamp(stays(0, 0), 0.0, 1.0);
   rate.on_weak_stretch = rateOnWeakStretch();
-  rate.open = confirmation_.open_sweeps != kConfirmed || misses_road_place_;
+  rate.open = confirmation_.open_sweeps != kConfirmed;
   return rate;
 }
 
-// The road is taken to hold the vehicle there as it does here. The same in one dimension, with the steady variance of d
-// before a registration: D = D (D + R)^-1 R + motion.
+// The same in one dimension, with the steady variance of d before a registration: D = D (D + R)^-1 R + motion.
 DriftRate::Along OdometryCovariance::rateOnWeakStretch() const {
-  constexpr double kLeast_per_m2 = 1.0 / (kWeakStretch_m * kWeakStretch_m);
-  const double R = 1.0 / std::max(road_information_per_m2_, kLeast_per_m2);
+  constexpr double R = kWeakStretch_m * kWeakStretch_m;
   const double replaced = std::max(last_step_.replaced, kLeastReplaced), motion = last_step_.motion(0, 0);
   const double D = 0.5 * (motion + std::sqrt(motion * motion + 4.0 * motion * R)), K = D / (D + R);
   const double stays = replaced * (1.0 - K) / (1.0 - (1.0 - replaced) * (1.0 - K));
-  return {stays * stays * motion + drift_.registration_ratio * replaced * K * K * R, stays, 1.0 - kLeast_per_m2 * R};
+  return {stays * stays * motion + drift_.registration_ratio * replaced * K * K * R, stays};
 }
 
 void OdometryCovariance::reset(const Matrix6d& start_covariance) {
@@ -191,8 +181,6 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   largest_transient_base_.setZero();
   confirmation_ = Confirmation();
   last_step_ = DriftStep();
-  road_information_per_m2_ = 0.0;
-  misses_road_place_ = false;
   map_distance_.reset();
   T_odom_mark_.reset();
   since_mark_ = DriftState();

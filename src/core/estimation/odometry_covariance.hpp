@@ -4,8 +4,7 @@
 //
 // Two errors: m, of the map around the vehicle, and d, of the pose in this map; the pose's is m + d. In a sweep
 //   d += error of the motion without the map (the filter's process noise; an unobserved speed),
-//   d -> (I - K) d, K = D (D + R)^-1: the registration takes back what it observes; R its covariance (with the place on
-//   the road, aiding/road_place.hpp: the last sweeps are a map, too), D that of d,
+//   d -> (I - K) d, K = D (D + R)^-1: the registration takes back what it observes; R its covariance, D that of d,
 //   m += a d, d -> (1 - a) d: the sweep replaces the part a of the map (drift_model.hpp), and
 //   m += a part of K R K^T: what the registrations that make a map have in common; random walks.
 // So where registration is good, the pose goes with the map. Along a tunnel d grows, and so m; a place without
@@ -37,13 +36,11 @@ struct DriftRate {
   struct Along {
     double variance_m2 = 0.0;  ///< of one sweep
     double speed_share = 0.0;  ///< of an error along the vehicle in d, that stays for good, 0..1
-    double held = 0.0;         ///< how far the road's profile holds the vehicle, 0..1
   };
   Matrix6d covariance = Matrix6d::Zero();  ///< of one sweep
   double speed_share = 0.0;                ///< as in Along
   Along on_weak_stretch;                   ///< if the registration hardly knew the way along the road
-  bool open =
-      false;  ///< since a predicted pose, or without a place on the road: the next sweep may take the error back
+  bool open = false;                       ///< since a predicted pose: a registration may take the error back
 };
 
 class OdometryCovariance {
@@ -101,8 +98,6 @@ class OdometryCovariance {
   std::optional<MapDistance> map_distance_;
   Confirmation confirmation_;
   DriftStep last_step_;
-  double road_information_per_m2_ = 0.0;  ///< mean of the places on the road
-  bool misses_road_place_ = false;        ///< in the last sweep, in dead reckoning that other sweeps' places hold
 };
 
 /// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that

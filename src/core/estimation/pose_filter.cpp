@@ -237,14 +237,11 @@ FilterState PoseFilter::stateAsDriven() const {
   return state;
 }
 
-// By the sources that measure the motion since the last estimate. Where registration observes it, a place on the road
-// only tells how well the road would hold the vehicle.
+// By the sources that measure the motion since the last estimate.
 FusionResult PoseFilter::correctPrediction(const std::vector<FusionInput>& inputs) {
   const Matrix6d Q = ukf_.motionNoise();
-  FusionResult result = fusion_.fuseMotion(ukf_.state(), Q, inputs);
-  if (!result.motion || prediction_.motion_status == MotionStatus::kObserved) return result;
-  result.motion->applied = ukf_.correctMotion(result.motion->z, result.motion->R);
-  if (!result.motion->applied) return result;
+  const FusionResult result = fusion_.fuseMotion(ukf_.state(), Q, inputs);
+  if (!result.motion || !ukf_.correctMotion(result.motion->z, result.motion->R)) return result;
   process_noise_ = motionNoiseAfter(process_noise_, motionGain(Q, result.motion->R), result.motion->R);
   return result;
 }
@@ -270,7 +267,7 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
                                                        const Vector6d& innovation, FilterState& state) {
   ConsistencyMonitor::Sweep sweep;
   sweep.dt_s = state.dt_s;
-  sweep.undecided_m = isAtItsRoadPlace(state.fusion) ? 0.0 : state.fusion.undecided_m;
+  sweep.undecided_m = state.fusion.undecided_m;
   sweep.disagreement_m = state.fusion.disagreement_m;
   sweep.innovation_m = motion_.deadReckoning().active() ? 0.0 : innovation.head<2>().norm();
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();

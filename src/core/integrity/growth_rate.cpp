@@ -9,13 +9,9 @@ namespace {
 
 constexpr double kLeastKept = 1e-3;  // of a speed's error: all but nothing
 constexpr double kBlinded_s = 0.28;  // three sweeps at 10 Hz, as silence (silence.hpp); stamps jitter
-// Between the niches of simulated tunnels whose road is even. Where niches are in view, or the road's profile holds the
-// vehicle, 0.4 m/s are forgotten at 1.6 /s; with that growth on even roads three of six failures behind four mouths are
-// stopped in time, with the other one all six.
-struct TunnelSpeed {
-  double variance_m2_s2, forgotten_per_s;
-};
-constexpr TunnelSpeed kOnEvenRoad = {0.25, 0.3}, kHeldByRoad = {0.16, 1.6};
+// Between the niches of simulated tunnels. Where niches are in view, 0.4 m/s are forgotten at 1.6 /s; with that growth
+// three of six failures behind four mouths are stopped in time, with this one all six.
+constexpr double kTunnelSpeedSigma_mps = 0.5, kTunnelSpeedForgotten_per_s = 0.3;
 
 }  // namespace
 
@@ -64,7 +60,6 @@ void GrowthRate::add(const DriftRate& rate, const SpeedChange& speed, double dt_
   speed_forgotten_.add(forgotten_per_s);
   weak_rate_.add(rate.on_weak_stretch.variance_m2 / dt_s);
   weak_share_.add(rate.on_weak_stretch.speed_share);
-  weak_held_.add(rate.on_weak_stretch.held);
 }
 
 void GrowthRate::lookAhead(const InformationAhead& ahead) {
@@ -84,12 +79,9 @@ void GrowthRate::describe(double min_information_ratio, CovarianceGrowth& growth
   growth.speed_noise = speed_noise_.median();
   growth.speed_forgotten_per_s = speed_forgotten_.median();
   if (!known() || !isWeakAhead(min_information_ratio)) return;
-  const double held = weak_held_.median();
-  const auto between = [held](double even, double by_road) { return even + held * (by_road - even); };
   growth.weak_stretch =
       CovarianceGrowth::WeakStretch{ahead().distance_m, weak_rate_.median(), weak_share_.median(),
-                                    between(kOnEvenRoad.variance_m2_s2, kHeldByRoad.variance_m2_s2),
-                                    between(kOnEvenRoad.forgotten_per_s, kHeldByRoad.forgotten_per_s)};
+                                    kTunnelSpeedSigma_mps * kTunnelSpeedSigma_mps, kTunnelSpeedForgotten_per_s};
 }
 
 }  // namespace fail_aware

@@ -6,8 +6,7 @@
 // and no longer once one has.
 // The speed's error wanders: measurements take a part of it back in each sweep, and as much is made anew. In a tunnel
 // it is 0.4 m/s, and of another sign every 0.6 s.
-// On a weak stretch ahead (registration/look_ahead.hpp) the growth is assumed to be that of a simulated tunnel, whose
-// road holds the vehicle as well as it does here.
+// On a weak stretch ahead (registration/look_ahead.hpp) the growth is assumed to be that of a simulated tunnel.
 // Cost: five medians of a few values a sweep.
 #pragma once
 
@@ -78,7 +77,7 @@ class GrowthRate {
   MovingMedian speed_noise_{kSweeps};      ///< m^2/s^3
   MovingMedian speed_forgotten_{kSweeps};  ///< 1/s
   MovingMedian ahead_ratio_{kSweeps}, ahead_distance_m_{kSweeps};
-  MovingMedian weak_rate_{kSweeps}, weak_share_{kSweeps}, weak_held_{kSweeps};  ///< of CovarianceGrowth::WeakStretch
+  MovingMedian weak_rate_{kSweeps}, weak_share_{kSweeps};  ///< of CovarianceGrowth::WeakStretch
 };
 
 }  // namespace fail_aware

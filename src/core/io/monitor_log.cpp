@@ -34,7 +34,6 @@ struct MonitorLogTable {
     v("doubt_yaw", s.doubt.sigma_yaw_rad);
     v("speed_variance", s.speed_error.variance_m2_s2);
     v("speed_kept", s.speed_error.kept);
-    v("road_place_variance", s.road_place_variance_m2);
     v("odom_reset_count", s.odom_reset_count);
     v("map_update", s.map_update);
     v("filter_nis", s.filter_nis);

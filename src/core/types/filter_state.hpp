@@ -33,8 +33,6 @@ struct FilterState {
   bool registered = false;
   MotionDoubt doubt;
   SpeedError speed_error;  ///< along the vehicle's axis, during dead reckoning
-  /// Of the place on the road (aiding/road_place.hpp), along the vehicle's axis; 0: not found.
-  double road_place_variance_m2 = 0.0;
   /// The interval of the stamps since the last inserted sweep is not the time driven: the increment is not a motion
   /// over dt_s.
   bool clock_jump = false;

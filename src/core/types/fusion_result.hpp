@@ -14,15 +14,13 @@ namespace fail_aware {
 struct MotionMeasurement {
   Vector6d z = Vector6d::Zero();
   Matrix6d R = Matrix6d::Identity();
-  bool found_place = false;  ///< Measurement::found_place, of all of them
-  bool applied = false;      ///< it has corrected the prediction
 };
 
 struct FusionResult {
   bool has_measurement = false;
   Vector6d z = Vector6d::Zero();            ///< the fused state
   Matrix6d R = Matrix6d::Identity();        ///< covariance of z
-  std::optional<MotionMeasurement> motion;  ///< not part of z
+  std::optional<MotionMeasurement> motion;  ///< has corrected the prediction; not part of z
   std::vector<double> weights;              ///< per input, 0..1 before normalisation; 0: gated out or absent
   /// Per input, against P~ + R_i (a motion: Q + R_i), 6 degrees of freedom; -1: absent.
   std::vector<double> nis;

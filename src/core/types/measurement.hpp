@@ -46,7 +46,6 @@ struct Measurement {
   double min_information_ratio = 0.0;
   InformationAhead ahead{};           ///< point-to-plane ICP; otherwise not known
   bool clock_jump_suspected = false;  ///< registered assuming a clock jump: the speed is unusable
-  bool found_place = false;  ///< a motion, by the place among the last sweeps: errors do not add up sweep by sweep
 
   bool ok() const { return status == MeasurementStatus::kOk; }
 };

@@ -20,7 +20,6 @@ struct OdometryIncrement {
   double dt_s = 0.0;
   SpeedError speed_error;
   MotionDoubt doubt;
-  double road_place_variance_m2 = 0.0;  ///< FilterState::road_place_variance_m2
   MapUpdate map_update = MapUpdate::kInsert;
   /// Mean square error of the tilt about odom's axes (VerticalReference::tiltMoment()); none: not known anew.
   std::optional<Eigen::Matrix2d> tilt_moment{};

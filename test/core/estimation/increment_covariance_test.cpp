@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/geometry/degree.hpp"
-#include "core/types/measurement.hpp"
 
 namespace fail_aware::increment_covariance_test {
 namespace {
@@ -43,41 +42,6 @@ TEST(IncrementCovariance, OfAPredictionIsThatOfTheMotion) {
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.01, 1e-12);
   for (const int i : {0, 1, 2, 5}) EXPECT_NEAR(state.motion_covariance(i, i), kMotion(i, i), 1e-9);
   EXPECT_FALSE(incrementOf(state).registration);
-}
-
-/// A registration that observes nothing along x, and a place on the road.
-FilterState placedOnRoad(double apart_m) {
-  FilterState state = measured(0.01);
-  state.fusion.R(0, 0) = 9.0;
-  state.fusion.motion.emplace();
-  state.fusion.motion->found_place = true;
-  state.fusion.motion->z[0] = apart_m;
-  state.fusion.motion->R = kUnobservedVariance * Matrix6d::Identity();
-  state.fusion.motion->R(0, 0) = 0.01;
-  return state;
-}
-
-TEST(IncrementCovariance, ThePlaceOnTheRoadIsAPlaceInTheMap) {
-  FilterState state = placedOnRoad(0.0);
-  setIncrementCovariance(IncrementScale(), kMotion, known(), state);
-  EXPECT_NEAR(state.registration_covariance(0, 0), 0.02, 1e-4);
-  EXPECT_NEAR(state.registration_covariance(1, 1), 1e-4, 1e-8);
-  EXPECT_NEAR(state.road_place_variance_m2, 0.02, 1e-6);
-  EXPECT_EQ(incrementOf(state).road_place_variance_m2, state.road_place_variance_m2);
-  state = placedOnRoad(0.0);
-  state.fusion.motion->found_place = false;  // the road's speed: its errors add up
-  setIncrementCovariance(IncrementScale(), kMotion, known(), state);
-  EXPECT_NEAR(state.registration_covariance(0, 0), 9.0, 1e-6);
-  EXPECT_EQ(state.road_place_variance_m2, 0.0);
-}
-
-TEST(IncrementCovariance, TheRoadConfirmsWhatIsNearItsPlace) {
-  EXPECT_TRUE(isAtItsRoadPlace(placedOnRoad(2.0).fusion)) << "within what the registration does not know";
-  EXPECT_FALSE(isAtItsRoadPlace(placedOnRoad(4.0).fusion));
-  FilterState state = placedOnRoad(0.0);
-  state.fusion.motion->found_place = false;
-  EXPECT_FALSE(isAtItsRoadPlace(state.fusion));
-  EXPECT_FALSE(isAtItsRoadPlace(measured(0.01).fusion));
 }
 
 TEST(IncrementCovariance, APredictionKeepsTheVehicleOnTheRoad) {

@@ -79,7 +79,6 @@ TEST_F(MotionTrackerTest, AMotionAloneCorrectsTheSpeed) {
     motion.z[0] += 0.1 * 10.0;
     motion.R = kUnobservedVariance * Matrix6d::Identity();
     motion.R(0, 0) = 0.05 * 0.05;
-    motion.applied = true;
     state.fusion.motion = motion;
     sweep(10.0, false);
   }

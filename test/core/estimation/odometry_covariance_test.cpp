@@ -215,43 +215,6 @@ DriftState driveStraight(OdometryCovariance& odometry, int steps, const Matrix6d
   return odometry.driftSinceMark();
 }
 
-/// Drives on in steps of 1 m; registration observes the motion, or the road's places do while it does not. sigma_m: of
-/// the places, 0: none.
-DriftRate rateOnRoad(OdometryCovariance& odometry, int steps, bool observed, double sigma_m) {
-  for (int i = 0; i < steps; ++i) {
-    OdometryIncrement increment;
-    increment.motion = 0.0025 * Matrix6d::Identity();
-    increment.registration = 1e-4 * Matrix6d::Identity();
-    increment.confirmed = true;
-    increment.dt_s = 0.1;
-    if (!observed) increment.speed_error = {0.2, 0.9};
-    increment.road_place_variance_m2 = sigma_m * sigma_m;
-    EXPECT_TRUE(odometry.propagate(planarPose(i, 0, 0), planarPose(i + 1, 0, 0), increment));
-  }
-  return odometry.rate();
-}
-
-TEST(OdometryCovariance, OnAWeakStretchTheRoadHoldsAsItDoesHere) {
-  OdometryCovariance odometry{DriftModel()};
-  const DriftRate without = rateOnRoad(odometry, 50, true, 0.0);
-  EXPECT_EQ(without.on_weak_stretch.held, 0.0);
-  const DriftRate with = rateOnRoad(odometry, 50, true, 0.1);
-  EXPECT_GT(with.on_weak_stretch.held, 0.9);
-  EXPECT_LT(with.on_weak_stretch.speed_share, 0.5 * without.on_weak_stretch.speed_share);
-  EXPECT_LT(with.on_weak_stretch.variance_m2, 0.5 * without.on_weak_stretch.variance_m2);
-  const DriftRate after_a_while = rateOnRoad(odometry, 20, true, 0.0);
-  EXPECT_GT(after_a_while.on_weak_stretch.held, 0.5) << "before a tunnel places are missed, too";
-  EXPECT_EQ(rateOnRoad(odometry, 100, true, 0.0).on_weak_stretch.held, 0.0);
-}
-
-TEST(OdometryCovariance, AMissedPlaceMayBeFoundAgain) {
-  OdometryCovariance odometry{DriftModel()};
-  EXPECT_FALSE(rateOnRoad(odometry, 20, false, 0.1).open);
-  EXPECT_TRUE(rateOnRoad(odometry, 1, false, 0.0).open);
-  EXPECT_FALSE(rateOnRoad(odometry, 1, true, 0.0).open) << "registration observes the motion";
-  EXPECT_FALSE(rateOnRoad(odometry, 50, false, 0.0).open) << "nothing holds the vehicle here";
-}
-
 TEST(OdometryCovariance, BiasesGrowWithDistanceAndItsSquare) {
   DriftModel drift = independentDrift();
   drift.heading_bias_deg_per_m = 0.01;

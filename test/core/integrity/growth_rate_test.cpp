@@ -74,26 +74,6 @@ TEST(GrowthRate, WeakStretchAheadIsOfMostSweeps) {
   EXPECT_FALSE(growth_rate.ahead().known());
 }
 
-// Where the road tells the place, an error of the speed does not last.
-TEST(GrowthRate, OnAWeakStretchTheRoadHoldsAsItDoesHere) {
-  const auto speedOf = [](double held) {
-    GrowthRate growth_rate(3.0);
-    DriftRate rate = rateOf(0.01, 0.01);
-    rate.on_weak_stretch = {2e-5, 0.05, held};
-    for (int i = 0; i < 5; ++i) {
-      growth_rate.add(rate, {}, kPeriod_s);
-      growth_rate.lookAhead({0.0, 50.0});
-    }
-    CovarianceGrowth growth;
-    growth_rate.describe(kWeak, growth);
-    return growth.weak_stretch.value();
-  };
-  EXPECT_GT(speedOf(0.0).speed_variance, speedOf(0.5).speed_variance);
-  EXPECT_GT(speedOf(0.5).speed_variance, speedOf(1.0).speed_variance);
-  EXPECT_LT(speedOf(0.0).speed_forgotten_per_s, speedOf(0.5).speed_forgotten_per_s);
-  EXPECT_LT(speedOf(0.5).speed_forgotten_per_s, speedOf(1.0).speed_forgotten_per_s);
-}
-
 TEST(GrowthRate, OneBlindedSweepSaysNothingOfTheFuture) {
   GrowthRate growth_rate(3.0);
   for (int i = 0; i < 10; ++i) growth_rate.add(rateOf(0.01, 0.05), {}, kPeriod_s);
