@@ -1,8 +1,8 @@
 // The range of a ray that meets the road: the road's unevenness is too fine for the scene's triangles and shifts the
 // hit along the ray instead.
 //
-// World frame, m. No failure modes: rays flatter than kFlattest keep the range of the smooth road's triangle.
-// Cost: three sums of the unevenness, about 0.2 us.
+// World frame, m. No failure modes: a ray that meets the road nearly flat keeps its range.
+// Cost: three times Terrain::roadRoughness().
 #pragma once
 
 #include <Eigen/Core>
