@@ -8,9 +8,9 @@
 #include "core/parameters/check.hpp"
 #include "core/parameters/mounting.hpp"
 #include "simulation/random.hpp"
-#include "simulation/road_surface.hpp"
 #include "simulation/scene.hpp"
 #include "simulation/traffic.hpp"
+#include "simulation/uneven_road.hpp"
 
 namespace fail_aware {
 

@@ -20,7 +20,7 @@ class Terrain {
 
   /// Bumps of 5 to 14 m with a standard deviation of 1, for the ground beside the road.
   double bumps(const Eigen::Vector2d& p) const;
-  /// The road's unevenness (m, a few mm). It shakes the vehicle, and the lidar sees it (road_surface.hpp).
+  /// The road's unevenness (m, a few mm). It shakes the vehicle, and the lidar sees it (uneven_road.hpp).
   double roadRoughness(const Eigen::Vector2d& p) const;
 
  private:

@@ -1,4 +1,4 @@
-#include "simulation/road_surface.hpp"
+#include "simulation/uneven_road.hpp"
 
 namespace fail_aware {
 

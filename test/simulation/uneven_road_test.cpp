@@ -1,10 +1,10 @@
-#include "simulation/road_surface.hpp"
+#include "simulation/uneven_road.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace fail_aware::road_surface_test {
+namespace fail_aware::uneven_road_test {
 namespace {
 
 /// A ray from 1.7 m above the smooth road, down at this angle.
@@ -19,7 +19,7 @@ struct Ray {
   RayHit hit;
 };
 
-TEST(RoadSurface, TheRayEndsOnTheUnevenRoad) {
+TEST(UnevenRoad, TheRayEndsOnTheUnevenRoad) {
   const Terrain terrain(6, 0.03);
   for (const double down_rad : {0.4, 0.2, 0.1}) {
     for (int i = 0; i < 50; ++i) {
@@ -32,11 +32,11 @@ TEST(RoadSurface, TheRayEndsOnTheUnevenRoad) {
   }
 }
 
-TEST(RoadSurface, AFlatRayKeepsItsRange) {
+TEST(UnevenRoad, AFlatRayKeepsItsRange) {
   const Terrain terrain(6, 0.03);
   const Ray ray(0.009);
   EXPECT_EQ(rangeOnUnevenRoad(ray.from, ray.direction, ray.hit, terrain), ray.hit.range_m);
 }
 
 }  // namespace
-}  // namespace fail_aware::road_surface_test
+}  // namespace fail_aware::uneven_road_test
