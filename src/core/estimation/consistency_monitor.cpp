@@ -18,6 +18,10 @@ constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from
 // addition 0.043, with a noise of 0.05 m less than this, of 0.12 m 0.06, of 0.2 m 0.07.
 constexpr double kNoisyResidual_m = 0.05;
 
+// A jump of less than this that the map bears out is the vehicle's: what a scene repeats is farther apart.
+constexpr double kShortJump_m = 0.3;
+constexpr double kAsClose = 1.2, kAsMuch = 0.9;  // ratios to the sweeps before
+
 // Whether the points are noisy: 0 to 1, by degrees.
 double noisyRatio(double rms_residual_m) {
   const double ratio = rms_residual_m / kNoisyResidual_m;
@@ -64,7 +68,7 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
   const double found_m = fitted_ && sweep.inlier_ratio && !recent_fit_.isFull() ? sweep.disagreement_m : 0.0;
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
-  const double jump_m = sweep.overruled ? innovation_m : 0.0;
+  const double jump_m = sweep.overruled && !isBorneOut(sweep) ? innovation_m : 0.0;
   Inflation inflation;
   const double noisy = residual_m_.isFull() ? noisyRatio(residual_m_.median()) : 0.0;
   inflation.doubt.sigma_m =
@@ -79,6 +83,13 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   inflation.motion_lost = lost_motion_.add(sweep.dead_reckoned, sweep.inlier_ratio);
   if (inflation.motion_lost) forgetSweeps();
   return inflation;
+}
+
+// The map bears out a jump where the points fit it as closely, and as many of them, as in the sweeps before.
+bool ConsistencyMonitor::isBorneOut(const Sweep& sweep) const {
+  return sweep.innovation_m < kShortJump_m && sweep.inlier_ratio && residual_m_.isFull() && recent_fit_.isFull() &&
+         sweep.rms_residual_m <= kAsClose * residual_m_.median() &&
+         *sweep.inlier_ratio >= kAsMuch * recent_fit_.median();
 }
 
 double ConsistencyMonitor::persistentInnovation_m(double dt_s) const {

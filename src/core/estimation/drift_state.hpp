@@ -29,6 +29,7 @@ struct DriftState {
 /// One sweep; covariances, the step and I - K about the previous body's axes.
 struct DriftStep {
   Eigen::Vector3d step_m = Eigen::Vector3d::Zero();
+  double turn_rad = 0.0;  ///< about the vertical axis
   double dt_s = 0.0;
   SpeedError speed_error;
   Matrix6d motion = Matrix6d::Zero();        ///< what d gets

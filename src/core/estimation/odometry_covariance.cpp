@@ -41,7 +41,11 @@ constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well
 // Standard deviation along the road of a registration that observes almost nothing. A simulated tunnel has 0.05 to 0.2
 // m where niches are in view.
 constexpr double kWeakStretch_m = 0.5;
-constexpr double kLeastReplaced = 1e-4;  // at standstill the rate is that of a very slow drive
+// A sweep is corrected as if its speed and turn rate were constant. Where they change from one sweep to the next, the
+// pose jitters by these ratios of the change, taken over a sweep: surrogate drives, rms.
+constexpr double kBentTurn = 0.06, kBentWay = 0.1;
+constexpr double kMostTurn_rad = 0.05, kMostWay_m = 0.2;  // in a sweep; a larger change is no motion
+constexpr double kLeastReplaced = 1e-4;                   // at standstill the rate is that of a very slow drive
 
 void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
   const auto eigen = symmetricEigen(Eigen::Matrix3d(block));
@@ -53,6 +57,19 @@ void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
     const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
     block += std::max(left - variance, 0.0) * axis * axis.transpose();
   }
+}
+
+// The jitter of a pose whose sweep was corrected with a motion that changed meanwhile.
+Matrix6d bentSweep(const DriftStep& before, const DriftStep& now) {
+  Matrix6d jitter = Matrix6d::Zero();
+  const double sweep_s = std::min(before.dt_s, now.dt_s);
+  if (!(sweep_s > 0.0)) return jitter;
+  const double turn_rad = sweep_s * std::abs(now.turn_rad / now.dt_s - before.turn_rad / before.dt_s);
+  const double way_m = sweep_s * (now.step_m / now.dt_s - before.step_m / before.dt_s).head<2>().norm();
+  if (turn_rad > kMostTurn_rad || way_m > kMostWay_m) return jitter;
+  jitter(0, 0) = jitter(1, 1) = kBentWay * kBentWay * way_m * way_m;
+  jitter(5, 5) = kBentTurn * kBentTurn * turn_rad * turn_rad;
+  return jitter;
 }
 
 // The registration, with what it does not observe left open.
@@ -75,6 +92,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   const Eigen::Matrix3d R_mark = T_odom_mark_.value_or(Pose::Identity()).linear().transpose() * R_odom;
   DriftStep step;
   step.step_m = T_previous_now.translation();
+  step.turn_rad = rpyFromRotation(T_previous_now.linear()).z();
   step.dt_s = increment.dt_s;
   step.speed_error = increment.speed_error;
   step.motion = positiveSemidefinite(increment.motion);
@@ -119,7 +137,7 @@ OdometryCovariance::Confirmation OdometryCovariance::takeRegistration(const Odom
     const Matrix6d K = solutionOf(D + R, D).transpose();
     step.left -= K;
     step.registration = symmetric(K * R * K.transpose());
-    step.transient = drift_.transient(step.registration);
+    step.transient = drift_.transient(step.registration) + bentSweep(last_step_, step);
   }
   const bool too_wide = !(D.diagonal().head<2>().maxCoeff() < kMaxUnconfirmedSigma_m * kMaxUnconfirmedSigma_m);
   const bool out_of_sight = next.open_sweeps > kMaxUnconfirmedSweeps || (next.open_sweeps != kConfirmed && too_wide);

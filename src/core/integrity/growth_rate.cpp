@@ -62,25 +62,14 @@ void GrowthRate::add(const DriftRate& rate, const SpeedChange& speed, double dt_
   weak_share_.add(rate.on_weak_stretch.speed_share);
 }
 
-void GrowthRate::lookAhead(const InformationAhead& ahead) {
-  const InformationAhead seen = ahead.isValid() ? ahead : InformationAhead();
-  ahead_ratio_.add(seen.ratio);
-  ahead_distance_m_.add(seen.distance_m);
-}
-
-InformationAhead GrowthRate::ahead() const {
-  if (ahead_ratio_.size() == 0) return {};
-  return {ahead_ratio_.median(), ahead_distance_m_.median()};
-}
-
 void GrowthRate::describe(double min_information_ratio, CovarianceGrowth& growth) const {
   growth.rate = increments_.rate().value_or(Eigen::Matrix3d::Zero());
   growth.speed_share = speed_share_.median();
   growth.speed_noise = speed_noise_.median();
   growth.speed_forgotten_per_s = speed_forgotten_.median();
-  if (!known() || !isWeakAhead(min_information_ratio)) return;
+  if (!known() || !road_ahead_.isWeak(min_information_ratio)) return;
   growth.weak_stretch =
-      CovarianceGrowth::WeakStretch{ahead().distance_m, weak_rate_.median(), weak_share_.median(),
+      CovarianceGrowth::WeakStretch{road_ahead_.ahead().distance_m, weak_rate_.median(), weak_share_.median(),
                                     kTunnelSpeedSigma_mps * kTunnelSpeedSigma_mps, kTunnelSpeedForgotten_per_s};
 }
 

@@ -6,7 +6,7 @@
 // and no longer once one has.
 // The speed's error wanders: measurements take a part of it back in each sweep, and as much is made anew. In a tunnel
 // it is 0.4 m/s, and of another sign every 0.6 s.
-// On a weak stretch ahead (registration/look_ahead.hpp) the growth is assumed to be that of a simulated tunnel.
+// On a weak stretch ahead (road_ahead.hpp) the growth is assumed to be that of a simulated tunnel.
 // Cost: five medians of a few values a sweep.
 #pragma once
 
@@ -16,6 +16,7 @@
 
 #include "core/estimation/odometry_covariance.hpp"
 #include "core/integrity/covariance_growth.hpp"
+#include "core/integrity/road_ahead.hpp"
 #include "core/moving_median.hpp"
 #include "core/types/information_ahead.hpp"
 
@@ -60,11 +61,8 @@ class GrowthRate {
   /// The error of the last sweeps does not count yet.
   bool isBrieflyOpen() const { return increments_.isBrieflyOpen(); }
   /// What the sweep sees of the road ahead.
-  void lookAhead(const InformationAhead& ahead);
-  /// The median of what the last sweeps saw.
-  InformationAhead ahead() const;
-  /// Whether that is a fifth of what is reported as weak here: posts and trees beside the road are not counted ahead.
-  bool isWeakAhead(double min_information_ratio) const { return ahead().ratio < 0.2 * min_information_ratio; }
+  void lookAhead(const InformationAhead& ahead) { road_ahead_.add(ahead); }
+  const RoadAhead& roadAhead() const { return road_ahead_; }
 
   /// Sets the rates (zeros before the first sweep) and the weak stretch, if there is one.
   void describe(double min_information_ratio, CovarianceGrowth& growth) const;
@@ -76,7 +74,7 @@ class GrowthRate {
   MovingMedian speed_share_{kSweeps};      ///< DriftRate::speed_share
   MovingMedian speed_noise_{kSweeps};      ///< m^2/s^3
   MovingMedian speed_forgotten_{kSweeps};  ///< 1/s
-  MovingMedian ahead_ratio_{kSweeps}, ahead_distance_m_{kSweeps};
+  RoadAhead road_ahead_;
   MovingMedian weak_rate_{kSweeps}, weak_share_{kSweeps};  ///< of CovarianceGrowth::WeakStretch
 };
 

@@ -233,9 +233,9 @@ MonitorOutput FailAwareMonitor::update(const FilterState& state, const SweepCond
   output.t1_stamp_s = mark_.t1_stamp_s;
   output.sigma_yaw_rad = std::isfinite(state.sigma_yaw_rad) ? state.sigma_yaw_rad : -1.0;
   output.reasons = reasonsFor(state, condition);
-  if (growth_rate_.isWeakAhead(params_.min_information_ratio)) output.reasons |= kReasonWeakRoadAhead;
+  if (growth_rate_.roadAhead().isWeak(params_.min_information_ratio)) output.reasons |= kReasonWeakRoadAhead;
   if (isAfterGap(state.dt_s) || states_lost) output.reasons |= kReasonDroppedSweeps;
-  const InformationAhead ahead = growth_rate_.ahead();
+  const InformationAhead ahead = growth_rate_.roadAhead().ahead();
   output.min_information_ahead = ahead.ratio;
   output.information_ahead_distance_m = ahead.distance_m;
   output.eta = indicator_.eta();

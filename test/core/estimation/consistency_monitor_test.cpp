@@ -170,6 +170,24 @@ TEST(ConsistencyMonitor, AJumpThatOverrulesThePredictionMayBeWrong) {
   EXPECT_TRUE(jumped(true).unbelievable);
 }
 
+TEST(ConsistencyMonitor, AShortJumpThatFitsIsTheVehicles) {
+  const auto jumped = [](double jump_m, double rms_m, double fit) {
+    ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+    Sweep sweep = sound();
+    sweep.rms_residual_m = 0.02;
+    for (int i = 0; i < 6; ++i) monitor.add(sweep);
+    sweep.overruled = true;
+    sweep.innovation_m = jump_m;
+    sweep.rms_residual_m = rms_m;
+    sweep.inlier_ratio = fit * *sweep.inlier_ratio;
+    return monitor.add(sweep);
+  };
+  expectNone(jumped(0.15, 0.02, 1.0), "as close as before");
+  EXPECT_DOUBLE_EQ(jumped(0.15, 0.03, 1.0).doubt.sigma_m, 0.15) << "less close";
+  EXPECT_DOUBLE_EQ(jumped(0.15, 0.02, 0.8).doubt.sigma_m, 0.15) << "fewer points";
+  EXPECT_DOUBLE_EQ(jumped(0.4, 0.02, 1.0).doubt.sigma_m, 0.4) << "far enough to be the next tree";
+}
+
 Sweep oddInAll() { return {0.1, 0.25, 0.12, 10.0 * kDegree, 0.0}; }
 
 TEST(ConsistencyMonitor, ErrorsAddAsIndependent) {

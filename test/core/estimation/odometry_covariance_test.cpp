@@ -249,6 +249,26 @@ TEST(OdometryCovariance, ObservedJitterDoesNotAddUp) {
   EXPECT_NEAR(odometry.covariance()(0, 0), 1e-4, 1e-6) << "since the start, which is known exactly";
 }
 
+TEST(OdometryCovariance, AChangingMotionMakesThePoseJitter) {
+  const auto jitterAfter = [](double step_m, double turn_rad) {
+    OdometryCovariance odometry(independentDrift());
+    driveStraight(odometry, 20, Matrix6d::Identity(), 1e-12 * Matrix6d::Identity());
+    odometry.mark(planarPose(20.0, 0.0, 0.0));
+    OdometryIncrement increment;
+    increment.motion = Matrix6d::Identity();
+    increment.registration = 1e-12 * Matrix6d::Identity();
+    increment.confirmed = true;
+    increment.dt_s = 0.1;
+    odometry.propagate(planarPose(20.0, 0.0, 0.0), planarPose(20.0 + step_m, 0.0, turn_rad), increment);
+    const Vector6d sigmas = odometry.sinceMark().diagonal().cwiseSqrt();
+    return Eigen::Vector2d(sigmas[0], sigmas[5]);
+  };
+  EXPECT_LT(jitterAfter(1.0, 0.0).norm(), 1e-5) << "as before";
+  EXPECT_NEAR(jitterAfter(1.1, 0.0)[0], 0.01, 1e-5) << "a tenth of the change";
+  EXPECT_NEAR(jitterAfter(1.0, 0.01)[1], 0.06 * 0.01, 1e-5);
+  EXPECT_LT(jitterAfter(1.5, 0.1).norm(), 1e-5) << "a corrected prediction is no motion";
+}
+
 TEST(OdometryCovariance, SubsidingJitterDoesNotShrinkIt) {
   DriftModel drift = independentDrift();
   drift.map_length_m = 1e9;

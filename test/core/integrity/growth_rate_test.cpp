@@ -47,7 +47,7 @@ TEST(GrowthRate, KeptSpeedErrorGrowsByItsNoise) {
   EXPECT_NEAR(growth.speed_noise, 1.0, 1e-12);
 }
 
-TEST(GrowthRate, WeakStretchAheadIsOfMostSweeps) {
+TEST(GrowthRate, AWeakStretchAheadGrowsAsOne) {
   GrowthRate growth_rate(3.0);
   DriftRate rate = rateOf(0.01, 0.01);
   rate.on_weak_stretch = {2e-5, 0.05};
@@ -60,18 +60,14 @@ TEST(GrowthRate, WeakStretchAheadIsOfMostSweeps) {
     growth_rate.describe(kWeak, growth);
     return growth.weak_stretch;
   };
-  EXPECT_FALSE(stretchAfter(5, {}));
-  EXPECT_FALSE(stretchAfter(2, {0.001, 60.0})) << "two of five";
-  const auto weak = stretchAfter(1, {0.001, 50.0});
+  EXPECT_FALSE(stretchAfter(9, {}));
+  const auto weak = stretchAfter(9, {0.001, 50.0});
   ASSERT_TRUE(weak);
   EXPECT_EQ(weak->distance_m, 50.0);
   EXPECT_NEAR(weak->rate, 2e-4, 1e-12);
   EXPECT_EQ(weak->speed_share, 0.05);
   EXPECT_GT(weak->speed_variance, 0.0);
-  EXPECT_FALSE(stretchAfter(5, {0.003, 50.0})) << "more than a fifth of what is weak here";
-  EXPECT_EQ(growth_rate.ahead().ratio, 0.003);
-  EXPECT_FALSE(stretchAfter(5, {std::nan(""), 50.0}));
-  EXPECT_FALSE(growth_rate.ahead().known());
+  EXPECT_FALSE(stretchAfter(9, {0.003, 50.0}));
 }
 
 TEST(GrowthRate, OneBlindedSweepSaysNothingOfTheFuture) {
