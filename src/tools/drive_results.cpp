@@ -66,12 +66,14 @@ std::vector<std::string> DriveResults::warnings() const {
                     " times; the trajectories keep the order of the recording, the stamps of trajectory_tum.txt go "
                     "back there");
   }
-  if (withoutAnyPose()) return lines;  // what follows would only repeat that nothing could be used
+  // several sweeps of which none can be used have another cause than half revolutions: the first alone is left out
+  if (withoutAnyPose() && log_.sweeps() > 1) return lines;
   const std::vector<std::string> of_log = log_.warnings();
   lines.insert(lines.end(), of_log.begin(), of_log.end());
   if (motion_unknown_sweeps_ > 0) {
-    lines.push_back("no motion was observed in the last " + counted(motion_unknown_sweeps_, "sweep") +
-                    ": the state is UNKNOWN (MOTION_UNKNOWN), for a planner as FAILED");
+    lines.push_back("the state is UNKNOWN (MOTION_UNKNOWN) to the end, for " +
+                    counted(motion_unknown_sweeps_, "sweep") +
+                    ": no motion was observed; a planner must act as in FAILED");
   } else if (!t1_stamp_s_) {
     lines.push_back("the drive ended before --redundant-at: there is no t1, every state is UNKNOWN");
   }

@@ -40,9 +40,9 @@ class FirstPoints {
   /// For a drive of which no scan could be used; begins with ": ". Empty: no scan has points.
   std::string whyUnusable() const {
     if (points_ == 0) return {};
-    return ": of the " + std::to_string(points_) + " points of " + scan_ + " " + std::to_string(in_range_) +
-           " are within registration.cloud.min_range_m and max_range_m; a point must be x, y, z, intensity as float32, "
-           "in m";
+    const std::string found = ": of the " + std::to_string(points_) + " points of " + scan_ + " " +
+                              std::to_string(in_range_) + " are within registration.cloud.min_range_m and max_range_m";
+    return 2 * in_range_ < points_ ? found + "; a point must be x, y, z, intensity as float32, in m" : found;
   }
 
  private:

@@ -229,9 +229,10 @@ TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   tiny.write(folder_ / "short");
   run(CALIBRATE_NOISE, options("short"));
   EXPECT_EQ(result_.exit_code, 2);
-  expectOneErrorLine(result_, "calibrate_noise",
-                     "the runs are too short to calibrate the drift: 3 errors (5 s and more after starts 5 s apart), at "
-                     "least 10 are needed: give a run of 25 s");
+  expectOneErrorLine(
+      result_, "calibrate_noise",
+      "the runs are too short to calibrate the drift: 3 errors (5 s and more after starts 5 s apart), at "
+      "least 10 are needed: give a run of 25 s");
   run(CALIBRATE_NOISE, options("tiny") + " --set monitor.predictor.confidence=0.9");
   EXPECT_EQ(result_.exit_code, 2);
   expectOneErrorLine(result_, "calibrate_noise",

@@ -236,7 +236,7 @@ TEST_F(OfflineOdometry, AMotionThatIsUnknownToTheEndIsTold) {
   for (int number = 2; number < kScans; ++number) fs::resize_file(scan(drive, number), 0);
   run(drive, "--redundant-at 0.45");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  EXPECT_NE(result_.err.find("no motion was observed in the last 5 sweeps: the state is UNKNOWN (MOTION_UNKNOWN)"),
+  EXPECT_NE(result_.err.find("the state is UNKNOWN (MOTION_UNKNOWN) to the end, for 5 sweeps: no motion was observed"),
             std::string::npos)
       << result_.err;
 }
