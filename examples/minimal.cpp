@@ -14,9 +14,11 @@
 
 int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: minimal DIR\n"), 2;
-  const std::filesystem::directory_iterator folder(std::filesystem::path(argv[1]) / "velodyne");
+  std::error_code error;  // a folder that cannot be read has no scans
+  const std::filesystem::directory_iterator folder(std::filesystem::path(argv[1]) / "velodyne", error);
   const std::set<std::filesystem::path> scans(begin(folder), end(folder));  // sorted
-  fail_aware::Parameters parameters;                                        // profile default
+  if (scans.empty()) return std::fprintf(stderr, "minimal: error: no scans in %s/velodyne\n", argv[1]), 1;
+  fail_aware::Parameters parameters;  // profile default
   parameters.overrides["sensor.timing.stamp_reference"] = "mid";
   fail_aware::Odometry odometry(parameters);
   odometry.startRedundant();

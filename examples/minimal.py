@@ -12,10 +12,13 @@ import numpy
 
 
 def main(folder):
+    scans = sorted(pathlib.Path(folder, "velodyne").glob("*"))
+    if not scans:
+        sys.exit("minimal: error: no scans in %s/velodyne" % folder)
     odometry = fail_aware.Odometry(profile="default", parameters={"sensor.timing.stamp_reference": "mid"})
     odometry.start_redundant()
     stamp = 0.0
-    for path in sorted(pathlib.Path(folder, "velodyne").iterdir()):
+    for path in scans:
         points = numpy.fromfile(path, dtype=numpy.float32).reshape(-1, 4)[:, :3]  # x y z intensity
         result = odometry.step(points, stamp)
         print("%.3f s  x %.3f y %.3f z %.3f m  sigma %.3f %.3f m  %s  %.1f s" % (

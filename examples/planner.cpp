@@ -1,8 +1,8 @@
 // A planner that obeys the time to failure (doc/planner_contract.md). It publishes what the vehicle must do, 20 times a
 // second, on ~action: "drive", "slow down", "stop" (follow the pose), "stop blind" (do not use the pose), or
-// "own localisation" while the GPS is good. Inputs: ~gps_lost (std_msgs/Bool): true from the call of start_redundant
-// until the GPS is back; ~gps_pose (std_msgs/Header): the header of each good GPS pose; ~standing (std_msgs/Bool): the
-// vehicle stands, as its wheels tell.
+// "own localisation" while the GPS is good. Inputs: ~gps_lost (std_msgs/Bool): true from the loss of the GPS, when
+// start_redundant is called, until it is back; ~gps_pose (std_msgs/Header): the header of each good GPS pose; ~standing
+// (std_msgs/Bool): the vehicle stands, as its wheels tell.
 #include "fail_aware_lidar_odometry/TimeToFailure.h"
 #include <ros/ros.h>
 #include <std_msgs/Bool.h>

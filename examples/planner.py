@@ -3,8 +3,8 @@
 
 It publishes what the vehicle must do, 20 times a second, on ~action: "drive", "slow down", "stop" (follow the pose),
 "stop blind" (do not use the pose), or "own localisation" while the GPS is good. Inputs: ~gps_lost (std_msgs/Bool): true
-from the call of start_redundant until the GPS is back; ~gps_pose (std_msgs/Header): the header of each good GPS pose;
-~standing (std_msgs/Bool): the vehicle stands, as its wheels tell.
+from the loss of the GPS, when start_redundant is called, until it is back; ~gps_pose (std_msgs/Header): the header of
+each good GPS pose; ~standing (std_msgs/Bool): the vehicle stands, as its wheels tell.
 """
 import time
 

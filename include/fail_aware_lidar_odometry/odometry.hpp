@@ -34,8 +34,8 @@ class Odometry {
   /// an array is neither empty nor as long as the points.
   Result step(Sweep sweep);
 
-  /// t1: from the next sweep that is not before `from_stamp_s` and whose motion is observed, the odometry serves as the
-  /// localisation, and the time to failure counts the error since then.
+  /// t1: from the next sweep that is not before `from_stamp_s`, the odometry serves as the localisation, and the time to
+  /// failure counts the error since then. While no motion is measured yet, t1 is the first sweep that is observed.
   void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
   /// Another localisation serves again: no t1, no time to failure.
   void stopRedundant();

@@ -242,8 +242,8 @@ PoseFilter::Params fitIncrementNoise(const std::vector<IncrementSample>& samples
 DriftModel fitDrift(const std::vector<DriftRun>& runs, const DriftModel& others, const DriftFitOptions& options) {
   std::vector<DriftSample> samples = driftSamples(runs, options);
   if (samples.size() < kFewest) {
-    throw InputError("too few errors to calibrate the drift with: " + std::to_string(samples.size()) +
-                     " (5 s and more after starts 5 s apart), at least " + std::to_string(kFewest) +
+    throw InputError("the runs are too short to calibrate the drift: " + std::to_string(samples.size()) +
+                     " errors (5 s and more after starts 5 s apart), at least " + std::to_string(kFewest) +
                      " are needed: give a run of 25 s, or several of 15 s");
   }
   DriftModel begin = others;

@@ -239,9 +239,9 @@ PYBIND11_MODULE(fail_aware, module) {
             odometry.startRedundant(from_stamp);
           },
           py::arg("from_stamp") = std::numeric_limits<double>::lowest(),
-          "t1: from the next sweep that is not before from_stamp (s) and whose motion is observed, the odometry "
-          "serves as\n"
-          "the localisation, and the time to failure counts the error since then.")
+          "t1: from the next sweep that is not before from_stamp (s), the odometry serves as the localisation, and\n"
+          "the time to failure counts the error since then. While no motion is measured yet, t1 is the first sweep\n"
+          "that is observed.")
       .def("stop_redundant", &Odometry::stopRedundant,
            "Another localisation serves again: no t1; the state is UNKNOWN until start_redundant.")
       .def(

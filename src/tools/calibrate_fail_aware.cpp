@@ -118,9 +118,10 @@ class Calibration {
     } else if (count > 0 && count < startsNeeded(late_ratio)) {
       notes_.push_back(kConfidence + std::string(" left as it is: ") + fewFailures(count, late_ratio));
     } else {
-      confidence_ = add(kConfidence, confidenceForLateRatio(withConfidence, late_ratio),
-                        "no run fails, or only after a fault (give some that do), or predictions are late whatever it "
-                        "is (calibrate_noise first)");
+      const char* why_not = failed_ == 0 ? "no start fails: give runs that do"
+                            : count == 0 ? "starts fail only after a fault, and those do not count: give others that do"
+                                         : "predictions are late whatever it is: calibrate_noise first";
+      confidence_ = add(kConfidence, confidenceForLateRatio(withConfidence, late_ratio), why_not);
     }
   }
 
@@ -155,7 +156,7 @@ class Calibration {
     for (const std::string& note : notes_) std::cerr << kName << ": " << note << '\n';
     if (list_.empty()) return reportError(kName, "nothing could be fitted: give more runs", kExitFailed);
     reportFitted(kName, toList(runs_.front().params.profile), list_, options_.output,
-                 std::to_string(list_.size()) + " parameters fitted to " + std::to_string(as_is_.size()) + " starts, " +
+                 counted(list_.size(), "parameter") + " fitted to " + counted(as_is_.size(), "start") + ", " +
                      std::to_string(failed_) + " of which fail");
     return kExitDone;
   }

@@ -13,10 +13,11 @@ namespace fail_aware {
 void DriveResults::add(const ReadResult& read, const std::string& name, double stamp_s, std::size_t points_dropped,
                        const SweepResult& result) {
   if (!read.hasPoints()) bad_scans_.push_back({name, read.message});
+  if (read.status == ReadStatus::kSideFileUnusable && side_files_unusable_++ == 0) side_file_fault_ = read.message;
   if (!read.hasPoints() || result.status == SweepStatus::kNotStarted) ++unusable_;
   points_dropped_ += points_dropped;
-  motion_unknown_at_t1_ = motion_unknown_at_t1_ || (result.monitor.reasons & kReasonMotionUnknown) != 0;
-  if (!t1_stamp_s_ && result.monitor.t1_stamp_s >= 0.0) t1_stamp_s_ = result.monitor.t1_stamp_s;
+  motion_unknown_sweeps_ = (result.monitor.reasons & kReasonMotionUnknown) != 0 ? motion_unknown_sweeps_ + 1 : 0;
+  if (result.monitor.t1_stamp_s >= 0.0) t1_stamp_s_ = result.monitor.t1_stamp_s;
   log_.add(stamp_s, result);
   if (std::string fault = fail_aware::stampFault(params_.sensor.timing, result.timing); !fault.empty()) {
     stamp_fault_ = std::move(fault);
@@ -29,7 +30,8 @@ void DriveResults::add(const ReadResult& read, const std::string& name, double s
   if (!base_trajectory_.empty()) {
     const StampedPose& before = base_trajectory_.back();
     if (stamp_s <= before.stamp_s) ++set_back_;
-    distance_m_ += (result.T_odom_base.translation() - before.T.translation()).norm();
+    const bool driven = !result.pose_set.done;  // a pose that was set moves odom, not the vehicle
+    if (driven) distance_m_ += (result.T_odom_base.translation() - before.T.translation()).norm();
   }
   base_trajectory_.push_back({stamp_s, result.T_odom_base});
 }
@@ -45,8 +47,8 @@ std::vector<std::string> DriveResults::warnings() const {
     lines.push_back(bad.reason + "; carried on as over a dropped sweep");
   }
   if (const std::size_t unusable = log_.count(SweepStatus::kNotStarted)) {
-    lines.push_back("the odometry begins at the first sweep with usable points; " + std::to_string(unusable) +
-                    " sweeps without usable points (" + toString(SweepStatus::kNotStarted) +
+    lines.push_back("the odometry begins at the first sweep with usable points; " + counted(unusable, "sweep") +
+                    " without usable points (" + toString(SweepStatus::kNotStarted) +
                     " in per_sweep.csv) have no row in the trajectories");
   }
   if (const std::size_t refused = log_.count(SweepStatus::kStampNotAdvancing)) {
@@ -54,17 +56,26 @@ std::vector<std::string> DriveResults::warnings() const {
                     " sweeps were refused (duplicate, out of order, far ahead): " +
                     toString(SweepStatus::kStampNotAdvancing) + " in per_sweep.csv, no row in the trajectories");
   }
+  if (side_files_unusable_ > 0) {
+    lines.push_back("in " + std::to_string(side_files_unusable_) + " of " + std::to_string(log_.sweeps()) +
+                    " sweeps the file of the points' times or rings is not used, first " + side_file_fault_ + "; " +
+                    std::to_string(log_.timedAsBefore()) + " timed as those before");
+  }
   if (set_back_ > 0) {
     lines.push_back("the clock was set back " + std::to_string(set_back_) +
                     " times; the trajectories keep the order of the recording, the stamps of trajectory_tum.txt go "
                     "back there");
   }
+  // several sweeps of which none can be used have another cause than half revolutions: the first alone is left out
+  if (withoutAnyPose() && log_.sweeps() > 1) return lines;
   const std::vector<std::string> of_log = log_.warnings();
   lines.insert(lines.end(), of_log.begin(), of_log.end());
-  if (!t1_stamp_s_) {
-    lines.push_back(
-        std::string(motion_unknown_at_t1_ ? "no motion was observed" : "the drive ended before --redundant-at") +
-        ": there is no t1, every state is UNKNOWN");
+  if (motion_unknown_sweeps_ > 0) {
+    lines.push_back("the state is UNKNOWN (MOTION_UNKNOWN) to the end, for " +
+                    counted(motion_unknown_sweeps_, "sweep") +
+                    ": no motion was observed; a planner must act as in FAILED");
+  } else if (!t1_stamp_s_) {
+    lines.push_back("the drive ended before --redundant-at: there is no t1, every state is UNKNOWN");
   }
   return lines;
 }
@@ -114,8 +125,9 @@ std::string DriveResults::verdict() const {
   std::string reasons = reasonText(last_.monitor.reasons);
   if (!reasons.empty()) reasons = " (" + reasons + ")";
   char text[200];
-  std::snprintf(text, sizeof text, "%.1f m in %.1f s, %zu sweeps, %zu without usable points, %zu refused; final state ",
-                distance_m_, duration_s, log_.sweeps(), unusable_, log_.count(SweepStatus::kStampNotAdvancing));
+  std::snprintf(text, sizeof text, "%.1f m in %.1f s, %s, %zu without usable points, %zu refused; final state ",
+                distance_m_, duration_s, counted(log_.sweeps(), "sweep").c_str(), unusable_,
+                log_.count(SweepStatus::kStampNotAdvancing));
   return text + std::string(toString(last_.monitor.state)) + reasons;
 }
 

@@ -61,9 +61,10 @@ class DriveResults {
   Pose T_odom_lidar_first_ = Pose::Identity();
   double distance_m_ = 0.0;
   std::vector<BadScan> bad_scans_;
-  std::size_t points_dropped_ = 0, unusable_ = 0, set_back_ = 0;
-  std::optional<double> t1_stamp_s_;
-  bool motion_unknown_at_t1_ = false;
+  std::size_t points_dropped_ = 0, unusable_ = 0, set_back_ = 0, side_files_unusable_ = 0;
+  std::string side_file_fault_;            ///< of the first such sweep
+  std::optional<double> t1_stamp_s_;       ///< the last one: a pose that is set begins a new one
+  std::size_t motion_unknown_sweeps_ = 0;  ///< at the end
   std::string stamp_fault_;
   SweepResult last_;
 };

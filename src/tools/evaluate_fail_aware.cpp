@@ -99,7 +99,7 @@ std::vector<JudgedRun> readJudgedRuns(const std::vector<std::string>& files) {
 
 /// "16 starts, 7 fail; missed 14.3 %, concordance 0.829"; what does not exist for these runs is left out.
 std::string verdict(const Json& report) {
-  std::string text = std::to_string(report["episodes"].get<std::size_t>()) + " starts, " +
+  std::string text = counted(report["episodes"].get<std::size_t>(), "start") + ", " +
                      std::to_string(report["failing"].get<std::size_t>()) + " fail";
   if (report["episodes"] == 0) return text + ": the run is too short, or no motion was observed in it";
   char number[48];

@@ -264,6 +264,9 @@ int run(int argc, char** argv) {
   const fs::path folder = options.output;
   if (!folder.empty()) makeResultFolder(folder);
   const Trajectories in = load(options);
+  if (const std::string fault = extentFault(in.truth, in.estimate); !fault.empty()) {
+    std::cerr << kName << ": warning: " << fault << std::endl;
+  }
   const AbsoluteTrajectoryError ate =
       absoluteTrajectoryError(in.truth, in.estimate, firstPoseAlignment(in.truth, in.estimate));
   const AbsoluteTrajectoryError ate_aligned =

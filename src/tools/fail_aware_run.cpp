@@ -12,6 +12,7 @@
 #include "core/io/text_lines.hpp"
 #include "core/io/trajectory_io.hpp"
 #include "core/parameters/yaml_parameters.hpp"
+#include "evaluation/trajectory_pair.hpp"
 #include "run_folder.hpp"
 #include "tool_support.hpp"
 
@@ -29,14 +30,15 @@ std::vector<double> readFaultBegins(const fs::path& path) {
   skipByteOrderMark(file, path.string());
   std::string line;
   nextLine(file, line);  // the header
-  while (nextLine(file, line)) {
+  for (std::size_t number = 2; nextLine(file, line); ++number) {
     if (line.empty()) continue;
     try {
       number_table::Cells cells(line);
       cells.next();
       begins_s.push_back(number_table::numberFrom(cells.next()));
     } catch (const InputError& error) {
-      throw InputError(path.string() + ": " + error.what());
+      throw InputError(path.string() + ':' + std::to_string(number) + ": " + error.what() +
+                       "; a line is kind,start_s,duration_s,severity");
     }
   }
   return begins_s;
@@ -116,7 +118,14 @@ FailAwareRun loadRun(const std::string& folder, const std::string& ground_truth,
     throw InputError((path / "monitor_log.csv").string() + ": has row " + std::to_string(input.row) + " of " +
                      std::to_string(rows.scans) + " scans");
   }
-  for (const MonitorInput& input : run.log) run.truth.push_back(poses[first + input.row] * T_lidar_cog);
+  std::vector<Pose> estimate;
+  for (const MonitorInput& input : run.log) {
+    run.truth.push_back(poses[first + input.row] * T_lidar_cog);
+    estimate.push_back(input.state.T_odom_cog);
+  }
+  if (const std::string fault = extentFault(run.truth, estimate); !fault.empty()) {
+    std::cerr << options.tool << ": warning: " << ground_truth << ": " << fault << std::endl;
+  }
   return run;
 }
 

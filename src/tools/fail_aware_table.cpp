@@ -37,8 +37,18 @@ class Table {
   void percent(const std::string& label, const std::string& pointer, int digits) {
     value(label, pointer, digits, 100.0);
   }
+  /// Without data, where the number at `of` is 0, the cell is "-".
+  void percentOf(const std::string& of, const std::string& label, const std::string& pointer, int digits) {
+    valueOf(of, label, pointer, digits, 100.0);
+  }
   void value(const std::string& label, const std::string& pointer, int digits, double factor = 1.0) {
     line(label, [&](const std::string&, const Json& report) { return number(at(report, pointer), digits, factor); });
+  }
+  void valueOf(const std::string& of, const std::string& label, const std::string& pointer, int digits,
+               double factor = 1.0) {
+    line(label, [&](const std::string&, const Json& report) {
+      return at(report, of) == 0 ? std::string("-") : number(at(report, pointer), digits, factor);
+    });
   }
   void interval(const std::string& pointer, int digits, double factor) {
     line("  95 % interval", [&](const std::string&, const Json& report) {
@@ -83,12 +93,12 @@ class Table {
 void printAlarms(Table& table) {
   table.value("episodes", "/episodes", 0);
   table.value("  failing", "/failing", 0);
-  table.percent("  missed, %", "/missed_ratio", 1);
+  table.percentOf("/failing", "  missed, %", "/missed_ratio", 1);
   table.value("  true time to failure p50, s", "/failure_p50_s", 1);
   table.value("  eta at its threshold p50, s", "/eta_threshold_p50_s", 1);
-  table.percent("alarm up before the failure, % of time", "/alarm_ratio", 1);
-  table.percent("available, % of time", "/available_ratio", 1);
-  table.value("false alarms per hour", "/false_alarms_per_hour", 1);
+  table.percentOf("/watched_s", "alarm up before the failure, % of time", "/alarm_ratio", 1);
+  table.percentOf("/watched_s", "available, % of time", "/available_ratio", 1);
+  table.valueOf("/watched_s", "false alarms per hour", "/false_alarms_per_hour", 1);
   table.value("lead time p5, s", "/lead_p5_s", 1);
   table.value("lead time p50, s", "/lead_p50_s", 1);
   table.percent("  enough to stop at 2 m/s^2, %", "/stop_in_time_2mps2", 0);
@@ -128,15 +138,15 @@ void printPredictors(Table& table) {
   }
   for (const std::string& predictor : table.keys("/times")) {
     const std::string base = "/times/" + predictor;
-    table.percent("late " + predictor + ", %", base + "/late_ratio", 1);
-    table.percent("  of failing episodes, %", base + "/late_ratio_of_failing", 1);
-    table.percent("  changes over 50 % in 1 s, %", base + "/change_ratio", 1);
-    table.percent("  jumps over 50 % from what was expected, %", base + "/jump_ratio", 1);
-    table.value("  sign changes per minute", base + "/sign_changes_per_minute", 1);
+    table.percentOf(base + "/late_decided", "late " + predictor + ", %", base + "/late_ratio", 1);
+    table.percentOf("/failing", "  of failing episodes, %", base + "/late_ratio_of_failing", 1);
+    table.percentOf("/episodes", "  changes over 50 % in 1 s, %", base + "/change_ratio", 1);
+    table.percentOf("/episodes", "  jumps over 50 % from what was expected, %", base + "/jump_ratio", 1);
+    table.valueOf("/episodes", "  sign changes per minute", base + "/sign_changes_per_minute", 1);
   }
   for (std::size_t i = 0; i < kIntegrityRegions; ++i) {
     const std::string region = toString(static_cast<IntegrityRegion>(i));
-    table.percent("Stanford " + region + ", %", "/stanford/" + region, 2);
+    table.percentOf("/stanford/samples", "Stanford " + region + ", %", "/stanford/" + region, 2);
   }
 }
 

@@ -19,7 +19,7 @@
 #include "core/parameters/mounting.hpp"
 #include "core/parameters/yaml_parameters.hpp"
 #include "drive_results.hpp"
-#include "evaluation/quantile.hpp"
+#include "first_points.hpp"
 #include "json.hpp"
 #include "poses_from_outside.hpp"
 #include "run_folder.hpp"
@@ -65,7 +65,7 @@ void addOptions(CLI::App& app, Options& options) {
       ->needs(bag)
       ->capture_default_str();
 #else
-  kitti->required();
+  app.add_option("--bag", options.bags)->group("");  // not in the help, but refused by its cause
 #endif
   app.add_option("--lidar-in-base", options.lidar_in_base,
                  "X,Y,Z,ROLL,PITCH,YAW of the lidar in base_link, m and rad; overrides the transforms of a bag and the "
@@ -166,6 +166,8 @@ std::unique_ptr<SweepSource> openDrive(const Options& options, SensorParameters&
     return bag;
   }
 #endif
+  if (!options.bags.empty()) throw InputError("this build has no ROS and reads no bags; give a folder with --kitti");
+  if (options.kitti.empty()) throw InputError("--kitti is needed (see --help)");
   sensor.timing.useKittiStamps();
   return std::make_unique<KittiSweepSource>(options.kitti);
 }
@@ -181,22 +183,10 @@ std::optional<double> skipTo(std::size_t first, SweepSource& drive) {
   return sweep.stamp_s;
 }
 
-/// The coordinates of a lidar's points are at most some hundred metres.
-void warnOfMillimetres(const Sweep& sweep) {
-  constexpr double kFarthest_m = 1000.0;
-  std::vector<double> ranges_m;
-  for (const Eigen::Vector3f& point : sweep.points_lidar) ranges_m.push_back(static_cast<double>(point.norm()));
-  const double median_m = quantile(ranges_m, 0.5);
-  if (median_m <= kFarthest_m) return;
-  warn("the median range of the first sweep's points is " + std::to_string(std::lround(median_m)) +
-       " m, so their coordinates are probably in millimetres; metres are needed");
-}
-
 /// Returns the stamp of the run's first scan.
-double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, double redundant_at_s,
-               OdometryPipeline& pipeline, DriveResults& results) {
+double runOver(SweepSource& drive, std::size_t scans, FirstPoints& points, PosesFromOutside& poses,
+               double redundant_at_s, OdometryPipeline& pipeline, DriveResults& results) {
   double begin_stamp_s = 0.0;
-  bool side_file_told = false, range_checked = false;
   Sweep sweep;
   ProgressBar progress(scans);
   for (std::size_t i = 0; i < scans; ++i) {
@@ -205,12 +195,9 @@ double runOver(SweepSource& drive, std::size_t scans, PosesFromOutside& poses, d
       begin_stamp_s = sweep.stamp_s;
       pipeline.startRedundant(sweep.stamp_s + redundant_at_s - kStartTolerance_s);
     }
-    if (read.status == ReadStatus::kSideFileUnusable && !std::exchange(side_file_told, true)) {
-      warn(read.message + " (reported once)");
-    }
     const double stamp_s = sweep.stamp_s;
     const std::size_t points_dropped = sweep.points_dropped;
-    if (!sweep.empty() && !std::exchange(range_checked, true)) warnOfMillimetres(sweep);
+    if (const std::string fault = points.look(sweep, drive.name()); !fault.empty()) warn(fault);
     poses.offer(stamp_s);
     const SweepResult result = read.status == ReadStatus::kOtherFrame ? pipeline.refuse() : pipeline.step(sweep);
     if (!result.pose_set.refused.empty()) warn("--set-pose: refused: " + result.pose_set.refused);
@@ -249,7 +236,8 @@ int run(const Options& options) {
   DriveResults results(folder.unfinished(), params);
   if (!placeholder.empty()) warn(placeholder + ", or give --lidar-in-base");
   const std::optional<double> skipped_stamp_s = skipTo(static_cast<std::size_t>(options.scans.first), *drive);
-  const double first_stamp_s = runOver(*drive, static_cast<std::size_t>(last - options.scans.first), poses,
+  FirstPoints points(params.profile.registration.cloud);
+  const double first_stamp_s = runOver(*drive, static_cast<std::size_t>(last - options.scans.first), points, poses,
                                        options.redundant_at_s, pipeline, results);
   for (const std::string& warning : results.warnings()) warn(warning);
   for (const std::string& warning : poses.warnings()) warn(warning);
@@ -267,7 +255,7 @@ int run(const Options& options) {
   summary = folder.finish(std::move(summary));
   std::cout << summary.dump(2, ' ', false, Json::error_handler_t::replace) << std::endl;
   if (results.withoutAnyPose()) {
-    return reportError(kName, "no scan of " + drive_name + " could be used", kExitFailed);
+    return reportError(kName, "no scan of " + drive_name + " could be used" + points.whyUnusable(), kExitFailed);
   }
   reportVerdict(kName, results.verdict(), callOf("report") + " " + options.output);
   return kExitDone;

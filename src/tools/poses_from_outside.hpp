@@ -27,7 +27,7 @@ struct PoseFiles {
 /// Poses of a file, in the order of their stamps; each is taken once.
 class PoseQueue {
  public:
-  explicit PoseQueue(const std::string& path) : poses_(readExternalPoses(path)) {}
+  explicit PoseQueue(const std::string& path) : path_(path), poses_(readExternalPoses(path)) {}
 
   /// Takes the poses up to a stamp.
   template <class Take>
@@ -35,13 +35,21 @@ class PoseQueue {
     for (; next_ < poses_.size() && poses_[next_].stamp_s <= stamp_s; ++next_) take(poses_[next_]);
   }
 
-  /// Whether one of them has such a stamp.
-  bool isWithin(double first_s, double last_s) const {
-    return std::any_of(poses_.begin(), poses_.end(),
-                       [&](const ExternalPose& pose) { return pose.stamp_s >= first_s && pose.stamp_s <= last_s; });
+  /// Why no pose is within these times; empty: one is.
+  std::string whyNoneWithin(double first_s, double last_s) const {
+    if (poses_.empty()) return path_ + ": there is no pose in it";
+    const auto within = [&](const ExternalPose& pose) { return pose.stamp_s >= first_s && pose.stamp_s <= last_s; };
+    if (std::any_of(poses_.begin(), poses_.end(), within)) return {};
+    const auto span = [](double from_s, double to_s) {
+      return "are from " + std::to_string(from_s) + " to " + std::to_string(to_s) + " s";
+    };
+    return path_ + ": none of its poses has the stamp of a sweep; the stamps of the " + std::to_string(poses_.size()) +
+           " poses " + span(poses_.front().stamp_s, poses_.back().stamp_s) + ", those of the sweeps " +
+           span(first_s, last_s);
   }
 
  private:
+  std::string path_;
   std::vector<ExternalPose> poses_;
   std::size_t next_ = 0;
 };
@@ -92,17 +100,16 @@ class PosesFromOutside {
   /// For the user, at the end: files whose stamps are none of the drive's, and poses that the fusion refused.
   std::vector<std::string> warnings() const {
     std::vector<std::string> found;
-    const auto add = [&](const std::string& name, const PoseQueue& poses) {
-      if (poses.isWithin(first_stamp_s_ - tolerance_s_, last_stamp_s_ + tolerance_s_)) return;
-      found.push_back(name + ": no pose has the stamp of a sweep; the sweeps' are from " +
-                      std::to_string(first_stamp_s_) + " to " + std::to_string(last_stamp_s_) + " s");
+    const auto add = [&](const PoseQueue& poses) {
+      const std::string why = poses.whyNoneWithin(first_stamp_s_ - tolerance_s_, last_stamp_s_ + tolerance_s_);
+      if (!why.empty()) found.push_back(why);
     };
     for (const Source& source : sources_) {
-      add(source.name, source.poses);
+      add(source.poses);
       if (source.refused == 0) continue;
       found.push_back(source.name + ": " + std::to_string(source.refused) + " poses were not used; " + source.why);
     }
-    if (set_) add("--set-pose", *set_);
+    if (set_) add(*set_);
     return found;
   }
 

@@ -115,6 +115,11 @@ void SweepLog::logSweep(std::size_t row, const SweepResult& r) {
   }
 }
 
+std::size_t SweepLog::timedAsBefore() const {
+  const auto held = by_timing_.find(TimingSource::kHeld);
+  return held == by_timing_.end() ? 0 : held->second;
+}
+
 Json SweepLog::summary() const {
   Json json;
   const auto quantileOrZero = [&](double q) { return total_ms_.empty() ? 0.0 : quantile(total_ms_, q); };

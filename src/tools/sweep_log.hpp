@@ -30,6 +30,8 @@ class SweepLog {
   std::size_t sweeps() const { return total_ms_.size(); }
   /// Their rows in per_sweep.csv, counted from 0.
   const std::vector<std::size_t>& withoutPose() const { return without_pose_; }
+  /// Sweeps without point times of their own, timed as those before.
+  std::size_t timedAsBefore() const;
   std::size_t count(SweepStatus status) const { return by_status_[static_cast<std::size_t>(status)]; }
 
   /// mean_ms, median_ms, p95_ms, p99_ms, counts by status, and how the points were timed.

@@ -18,6 +18,10 @@
 
 namespace fail_aware {
 
+std::string counted(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + ' ' + noun + (count == 1 ? "" : "s");
+}
+
 int reportError(const std::string& name, std::string message, int exit_code) {
   while (!message.empty() && message.back() == '\n') message.pop_back();
   for (char& c : message) {
@@ -129,6 +133,10 @@ bool parseArguments(CLI::App& app, int argc, const char* const* argv) {
     std::cout << app.help() << std::flush;
     return false;
   } catch (const CLI::ParseError& error) {
+    // CLI11 misses a required option first, which may be the one that is misspelt
+    if (const std::vector<std::string> unknown = app.remaining(); !unknown.empty()) {
+      throw InputError(std::string(CLI::ExtrasError(unknown).what()) + " (see --help)");
+    }
     throw InputError(std::string(error.what()) + " (see --help)");
   }
 }

@@ -21,6 +21,9 @@ constexpr int kExitDone = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
 
+/// "1 sweep", "2 sweeps".
+std::string counted(std::size_t count, const std::string& noun);
+
 /// One line "NAME: error: MESSAGE" on stderr; line breaks in the message become spaces. Returns `exit_code`.
 int reportError(const std::string& name, std::string message, int exit_code);
 

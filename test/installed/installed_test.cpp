@@ -76,7 +76,9 @@ TEST_F(Installed, MinimalExampleRunsOverAFolder) {
       << minimal_.out;
   EXPECT_NEAR(std::stod(last[1]), 2.0, 0.1);
   EXPECT_EQ(runProgram(MINIMAL_EXAMPLE, "", folder()).exit_code, 2);
-  EXPECT_EQ(runProgram(MINIMAL_EXAMPLE, "/no/such/folder", folder()).exit_code, 1);
+  const ToolRun without_scans = runProgram(MINIMAL_EXAMPLE, "/no/such/folder", folder());
+  EXPECT_EQ(without_scans.exit_code, 1);
+  EXPECT_EQ(without_scans.err, "minimal: error: no scans in /no/such/folder/velodyne\n");
 }
 
 /// Configures a build without ROS, tests and simulator.

@@ -172,7 +172,7 @@ TEST_F(Calibrate, WithoutAFailureNothingIsSaidOfTheConfidence) {
   good.write(folder_ / "good");
   run(CALIBRATE_FAIL_AWARE, options("good"));
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  EXPECT_NE(result_.err.find("monitor.predictor.confidence left as it is: no run fails, or only after a fault"),
+  EXPECT_NE(result_.err.find("monitor.predictor.confidence left as it is: no start fails: give runs that do"),
             std::string::npos);
   const ProfileParameters fitted = fittedProfile();
   EXPECT_EQ(fitted.monitor.predictor.confidence, CovariancePredictor::Params().confidence);
@@ -229,9 +229,10 @@ TEST_F(Calibrate, UnusableInputIsRefusedInOneLine) {
   tiny.write(folder_ / "short");
   run(CALIBRATE_NOISE, options("short"));
   EXPECT_EQ(result_.exit_code, 2);
-  expectOneErrorLine(result_, "calibrate_noise",
-                     "calibrate the drift with: 3 (5 s and more after starts 5 s apart), at "
-                     "least 10 are needed: give a run of 25 s");
+  expectOneErrorLine(
+      result_, "calibrate_noise",
+      "the runs are too short to calibrate the drift: 3 errors (5 s and more after starts 5 s apart), at "
+      "least 10 are needed: give a run of 25 s");
   run(CALIBRATE_NOISE, options("tiny") + " --set monitor.predictor.confidence=0.9");
   EXPECT_EQ(result_.exit_code, 2);
   expectOneErrorLine(result_, "calibrate_noise",

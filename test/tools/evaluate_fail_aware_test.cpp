@@ -59,6 +59,18 @@ TEST_F(EvaluateFailAware, PosesOfTheCameraNeedTheirCalibration) {
   expectRefused(options("run"), "give --calib calib.txt");
 }
 
+TEST_F(EvaluateFailAware, ATruthThatIsNotInMetresIsTold) {
+  judgeShortRun("run");
+  EXPECT_EQ(result_.err.find("warning"), std::string::npos) << result_.err;
+  std::vector<Pose> truth = readKittiTrajectory((folder_ / "run" / "poses.txt").string());
+  for (Pose& pose : truth) pose.translation() *= 1000.0;
+  writeKittiTrajectory((folder_ / "run" / "poses.txt").string(), truth);
+  run(options("run") + " --resamples 1");
+  EXPECT_NE(result_.err.find("warning: "), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("the true poses reach 11"), std::string::npos) << result_.err;
+  EXPECT_NE(result_.err.find("the ground truth is another drive's or not in m"), std::string::npos) << result_.err;
+}
+
 TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   MadeUpRun good, bad;
   bad.drift_m = 0.0101;  // 0.606 m after 6.0 s: t1 at 0, 5, .. 30 s fail, that at 35 s is watched for 4.9 s
@@ -86,6 +98,9 @@ TEST_F(EvaluateFailAware, KnownDriftsGiveKnownEpisodes) {
   for (const char* name : {"combination", "eta", "covariance"}) EXPECT_TRUE(json["bad"]["times"].contains(name));
 
   EXPECT_NE(result_.out.find("concordance combination"), std::string::npos);
+  const std::size_t missed = result_.out.find("  missed, %");
+  ASSERT_NE(missed, std::string::npos);
+  EXPECT_EQ(result_.out.substr(missed + 38, 14), "             -") << "of good no start fails";
   EXPECT_EQ(result_.out.find("nan"), std::string::npos);
   const std::string csv = contentOf(folder_ / "result" / "predictions.csv");
   EXPECT_EQ(csv.rfind("run,begin_s,failed,since_start_s,remaining_s,", 0), 0u);
@@ -131,7 +146,7 @@ TEST_F(EvaluateFailAware, ThePlannersFigureOfAKnownDrift) {
       << "a horizon of 1 s: the time is never more than the stop takes";
   EXPECT_NEAR(hasty["time_or_state"]["used_ratio_of_failing"].get<double>(), 3.0 / 11.0, 0.01);
   std::ofstream(folder_ / "bad" / "faults.csv") << "kind,start_s\nhalf_sweep,soon\n";
-  expectRefused(options("bad"), "faults.csv: 'soon' is no number");
+  expectRefused(options("bad"), "faults.csv:2: 'soon' is no number; a line is kind,start_s,duration_s,severity");
 }
 
 TEST_F(EvaluateFailAware, TrueIncrementCovariancesHaveANeesOfOne) {

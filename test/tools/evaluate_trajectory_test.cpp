@@ -91,6 +91,14 @@ TEST_F(EvaluateTrajectory, ARunIsHeldAgainstTheTruthOfItsScans) {
   expectRefused(files, "trajectory_kitti.txt: not the file that run r0123456789abcdef of summary.json wrote");
 }
 
+TEST_F(EvaluateTrajectory, ATruthThatIsNotInMetresIsTold) {
+  run("--ground-truth " + straight("truth", 61, 1000.0) + " --estimate " + straight("estimate", 61, 1.0));
+  EXPECT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("warning: the true poses reach 60000 m from the first one, the estimated 60 m: "),
+            std::string::npos)
+      << result_.err;
+}
+
 TEST_F(EvaluateTrajectory, ReportsTheMetricOfAOnePercentScaleError) {
   const std::string truth = straight("truth", 301, 1.0 + 1e-9),
                     estimate = straight("estimate", 301, 1.01 * (1.0 + 1e-9));

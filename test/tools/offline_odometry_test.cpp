@@ -231,6 +231,27 @@ TEST_F(OfflineOdometry, AStartAfterTheDrivesEndIsSaid) {
   EXPECT_NE(result_.err.find("no motion was observed"), std::string::npos) << result_.err;
 }
 
+TEST_F(OfflineOdometry, AMotionThatIsUnknownToTheEndIsTold) {
+  const fs::path drive = copyOfDrive();
+  for (int number = 2; number < kScans; ++number) fs::resize_file(scan(drive, number), 0);
+  run(drive, "--redundant-at 0.45");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find("the state is UNKNOWN (MOTION_UNKNOWN) to the end, for 5 sweeps: no motion was observed"),
+            std::string::npos)
+      << result_.err;
+}
+
+TEST_F(OfflineOdometry, APoseThatIsSetBeginsT1AnewAndIsNoDistance) {
+  std::ofstream(folder_ / "set.csv")
+      << "stamp,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z,sigma_roll,sigma_pitch,sigma_yaw\n"
+         "0.5,1000,0,0,0,0,0,1,0.1,0.1,0.1,0.01,0.01,0.01\n";
+  run(base() / "drive", "--set-pose '" + (folder_ / "set.csv").string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NEAR(readTumTrajectory(out("trajectory_tum.txt").string()).back().T.translation().x(), 1005.6, 1.0);
+  EXPECT_NEAR(summary()["distance_m"].get<double>(), 12.6, 1.6) << "all but the step of the sweep at which it was set";
+  EXPECT_NEAR(summary()["run"]["t1_stamp_s"].get<double>(), 0.5, 0.11);
+}
+
 TEST_F(OfflineOdometry, PerSweepHasItsColumnsAndNumbersOnly) {
   run(base() / "drive", "--redundant-at 0.45");
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
@@ -483,6 +504,23 @@ TEST_F(OfflineOdometry, GoesOnOverScansThatCannotBeUsed) {
   EXPECT_NEAR(lidar.back().translation().x(), 12.6, 0.2);
 }
 
+TEST_F(OfflineOdometry, SweepsWithoutTheirRingsAreCounted) {
+  const fs::path drive = copyOfDrive();
+  fs::create_directory(drive / "rings");
+  for (int number = 0; number < kScans; ++number) {
+    if (number == 3 || number == 6) continue;
+    std::ofstream(drive / "rings" / (scan(drive, number).stem().string() + ".u16"), std::ios::binary)
+        << std::string(fs::file_size(scan(drive, number)) / 8, '\0');
+  }
+  run(drive);
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  const std::vector<std::string> warnings = warningsOf(result_.err);
+  ASSERT_EQ(warnings.size(), 1u) << result_.err;
+  EXPECT_NE(warnings[0].find("in 2 of 10 sweeps the file of the points' times or rings is not used, first "),
+            std::string::npos);
+  EXPECT_NE(warnings[0].find("000003.u16: missing or cannot be read; 0 timed as those before"), std::string::npos);
+}
+
 TEST_F(OfflineOdometry, NamesNeedNotBeUtf8) {
   const fs::path drive = folder_ /
                          "stra\xdf"
@@ -537,11 +575,31 @@ TEST_F(OfflineOdometry, FailsWhenNoScanCanBeUsed) {
   expectRows(3, 3);
 }
 
+TEST_F(OfflineOdometry, PointsInDoublePrecisionAreTold) {
+  const fs::path drive = folder_ / "drive";
+  fs::create_directories(drive / "velodyne");
+  for (int i = 0; i < 2; ++i) {
+    std::vector<double> values;
+    for (int k = 0; k < 4000; ++k) values.push_back(k % 4 == 3 ? 0.5 : 5.0 + 0.01 * k);
+    std::ofstream(scan(drive, i), std::ios::binary)
+        .write(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::streamsize>(values.size() * sizeof(double)));
+  }
+  run(drive);
+  EXPECT_EQ(result_.exit_code, 1);
+  EXPECT_NE(result_.err.find("a point must be x, y, z, intensity as float32, in m"), std::string::npos) << result_.err;
+  EXPECT_EQ(result_.err.find("min_azimuth_coverage"), std::string::npos) << result_.err;
+}
+
 TEST_F(OfflineOdometry, UnusableInputIsRefusedInOneLine) {
   const std::string drive = (base() / "drive").string(), output = (folder_ / "out").string();
   const std::string good = "--kitti '" + drive + "' --output '" + output + "' ";
   expectRefused("--output '" + output + "'", "--kitti");
   expectRefused("--kitti '" + drive + "'", "--output");
+  expectRefused("--kitti '" + drive + "' --outptu '" + output + "'", "--outptu (see --help)");
+#ifndef FAIL_AWARE_WITH_BAGS
+  expectRefused("--bag drive.bag --output '" + output + "'", "this build has no ROS and reads no bags; give");
+#endif
   expectRefused("--kitti /no/such/drive --output '" + output + "'", "/no/such/drive");
   fs::create_directories(folder_ / "bare" / "velodyne");
   expectRefused("--kitti '" + (folder_ / "bare").string() + "' --output '" + output + "'", "no scans");
@@ -632,6 +690,20 @@ TEST_F(OfflineOdometry, ExternalPosesThatTheFusionRefusesAreTold) {
   EXPECT_NE(result_.err.find(" poses were not used; first at stamp "), std::string::npos) << result_.err;
   EXPECT_NE(result_.err.find("beyond fusion.gate_sigma: check its frame"), std::string::npos) << result_.err;
   EXPECT_EQ(result_.err.find("warning: gps: "), std::string::npos) << result_.err;
+}
+
+TEST_F(OfflineOdometry, ExternalPosesOfAnotherTimeAreTold) {
+  const std::string columns = "stamp,x,y,z,qx,qy,qz,qw,sigma_x,sigma_y,sigma_z,sigma_roll,sigma_pitch,sigma_yaw\n";
+  const fs::path late = folder_ / "late.csv", empty = folder_ / "empty.csv";
+  std::ofstream(late) << columns << "70,0,0,0,0,0,0,1,1,1,1,0,0,0\n80,0,0,0,0,0,0,1,1,1,1,0,0,0\n";
+  std::ofstream(empty) << columns;
+  run(base() / "drive", "--count 3 --external-poses '" + late.string() + "' --external-poses '" + empty.string() + "'");
+  ASSERT_EQ(result_.exit_code, 0) << result_.err;
+  EXPECT_NE(result_.err.find(late.string() + ": none of its poses has the stamp of a sweep; the stamps of the 2 poses "
+                                             "are from 70.000000 to 80.000000 s, those of the sweeps are from "),
+            std::string::npos)
+      << result_.err;
+  EXPECT_NE(result_.err.find(empty.string() + ": there is no pose in it"), std::string::npos) << result_.err;
 }
 
 TEST_F(OfflineOdometry, UnwritableOutputIsRefusedFirst) {

@@ -54,6 +54,11 @@ TEST(ParseArguments, HelpAndBadOptions) {
   EXPECT_THROW(parse({"--stop", "4"}), InputError);
 }
 
+TEST(Counted, OneIsSingular) {
+  EXPECT_EQ(counted(1, "start"), "1 start");
+  EXPECT_EQ(counted(0, "start"), "0 starts");
+}
+
 TEST(ParseArguments, ANumberOutOfItsLimitsIsAnsweredWithThem) {
   long count = 0;
   double share = 0.0, period_s = 0.0;

@@ -89,11 +89,30 @@ InputError badLine(const fs::path& path, std::size_t i, const std::string& line,
   return InputError(path.string() + ", line " + std::to_string(i + 1) + ": '" + line + "' " + what);
 }
 
-std::vector<double> readScanTimes(const fs::path& path, std::size_t scan_count) {
+/// "; no scan has the number 20" for the first hole in the numbers; empty: there is none.
+std::string firstHole(const std::vector<std::uint64_t>& numbers) {
+  const auto hole =
+      std::adjacent_find(numbers.begin(), numbers.end(), [](std::uint64_t a, std::uint64_t b) { return b != a + 1; });
+  return hole == numbers.end() ? "" : "; no scan has the number " + std::to_string(*hole + 1);
+}
+
+/// Single stamps may go back; if most do, the lines are in another order than the scans.
+void requireRising(const fs::path& path, const std::vector<std::string>& lines, const std::vector<double>& times_s) {
+  std::size_t back = 0, first = 0;
+  for (std::size_t i = 1; i < times_s.size(); ++i) {
+    if (times_s[i] < times_s[i - 1] && back++ == 0) first = i;
+  }
+  if (2 * back + 1 > times_s.size()) {
+    throw badLine(path, first, lines[first], "is before the line above it, and so are most lines: times must rise");
+  }
+}
+
+std::vector<double> readScanTimes(const fs::path& path, std::size_t scan_count,
+                                  const std::vector<std::uint64_t>& numbers) {
   const std::vector<std::string> lines = readLines(path);
   if (lines.size() != scan_count) {
     throw InputError(path.string() + ": " + std::to_string(lines.size()) + " lines for " + std::to_string(scan_count) +
-                     " scans");
+                     " scans" + firstHole(numbers));
   }
 
   std::vector<double> times_s;
@@ -105,6 +124,7 @@ std::vector<double> readScanTimes(const fs::path& path, std::size_t scan_count) 
     times_s.push_back(wholeMicroseconds(time_s));
   }
   requireSeconds(path.string(), times_s);
+  requireRising(path, lines, times_s);
   return times_s;
 }
 
@@ -216,7 +236,7 @@ KittiDirectory KittiDirectory::open(const std::string& directory, double nominal
   for (const fs::path& scan : scans) kitti.scan_paths_.push_back(scan.string());
   const fs::path timestamps = root / "velodyne_points" / "timestamps.txt";
   if (fs::exists(root / "times.txt", error)) {
-    kitti.stamps_s_ = readScanTimes(root / "times.txt", scans.size());
+    kitti.stamps_s_ = readScanTimes(root / "times.txt", scans.size(), numbers);
   } else if (fs::equivalent(scans.front().parent_path(), timestamps.parent_path() / "data", error) &&
              fs::exists(timestamps, error)) {
     if (numbers.empty()) throw InputError(timestamps.string() + ": the scans in data/ must have numbers as names");

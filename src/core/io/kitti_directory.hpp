@@ -3,7 +3,7 @@
 //   DIR/velodyne/NNNNNN.bin                       float32 x y z intensity per point, sensor frame, m (required)
 //     or DIR/velodyne_points/data/NNNNNNNNNN.bin  (KITTI raw), or DIR/NNNNNN.bin
 //   DIR/times.txt                                 stamp of each scan, s, one per line; kept to the microsecond;
-//                                                 as recorded: it may repeat or go back
+//                                                 as recorded: some may repeat or go back
 //     or DIR/velodyne_points/timestamps.txt       (KITTI raw) date and time for each number, also of missing files;
 //                                                 stamps count from the first scan's
 //   DIR/stamps/NNNNNN.f32                         float32 per point: s from the sweep's start

@@ -188,9 +188,13 @@ TEST_F(KittiDirectoryTest, OpenNamesWhatIsWrong) {
     writeText("times.txt", std::string("0.0\n") + bad + "\n0.3\n");
     expectHas(openError(), "line 2: '" + std::string(bad) + "' is not a number of seconds");
   }
+  writeText("times.txt", "0.2\n0.1\n0.0\n");
+  expectHas(openError(), "line 2: '0.1' is before the line above it");
   writeText("times.txt", "0.0\n0.3\n-0.1\n");  // stamps that go back are data
   EXPECT_DOUBLE_EQ(KittiDirectory::open(root_.string()).stamps()[2], -0.1);
   EXPECT_THROW(KittiDirectory::open((root_ / "times.txt").string()), InputError);
+  fs::remove(root_ / "velodyne/000001.bin");
+  expectHas(openError(), "3 lines for 2 scans; no scan has the number 1");
 }
 
 TEST_F(KittiDirectoryTest, DropsPointsWithTheirStampsAndRings) {
