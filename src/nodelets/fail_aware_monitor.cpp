@@ -121,6 +121,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
 
   bool onStopRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     response.success = monitor_->stopServing();
+    if (response.success) output_ = MonitorOutput();  // in silence, too, t1 is 0
     response.message = response.success ? "does not serve as the localisation any more"
                                         : "it always serves: the parameter start_redundant is true";
     return true;

@@ -15,6 +15,7 @@ constexpr double kLongestDriven_s = 3.0;
 constexpr double kWidestDriven_rad = 0.25;
 // Gaps of 8 and 12 s on eight simulated country roads: errors of 7 to 57 m and of 28 to 120 m.
 constexpr double kTurnedInAGap_rad = 0.4;
+constexpr double kCrawl_mps = 0.5;
 
 /// The largest sigma of a measurement that corrects the motion. None over a gap: even an uncertain mean is nearer to
 /// the motion at its end than what the motion before it becomes with a constant acceleration.
@@ -24,6 +25,16 @@ double largestSigma(double of_one_sweep, double dt_s) {
 
 Eigen::Matrix4d fromSigmas(double along_m, double across_m, double yaw_rad) {
   return Eigen::Vector4d(along_m, across_m, 0.0, yaw_rad).cwiseAbs2().asDiagonal();
+}
+
+/// Who brakes stops: an acceleration does not change the speed's sign, and at a crawl it does not go on. Otherwise a
+/// vehicle that stops in a tunnel would be driven backwards.
+void stopAtStandstill(double speed_before_mps, MotionDerivatives& motion) {
+  double& speed_mps = motion.velocity_body_mps.x();
+  const bool reverses = speed_before_mps * speed_mps < 0.0;
+  if (!reverses && std::abs(speed_before_mps) >= kCrawl_mps) return;
+  speed_mps = reverses ? 0.0 : speed_before_mps;
+  motion.acceleration_body_mps2.x() = 0.0;
 }
 
 }  // namespace
@@ -92,6 +103,7 @@ MotionDerivatives DeadReckoning::predict(const MotionDerivatives& before, double
   MotionDerivatives motion = before;
   motion.velocity_body_mps += dt_s * before.acceleration_body_mps2;
   motion.acceleration_body_mps2 *= kept;
+  if (active_) stopAtStandstill(before.velocity_body_mps.x(), motion);
   motion.rpy_rates_rad_s.z() += dt_s * before.rpy_accelerations_rad_s2.z();
   motion.rpy_accelerations_rad_s2.z() *= yaw_kept;
   return motion;

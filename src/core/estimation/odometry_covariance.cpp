@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/estimation/observed_directions.hpp"
 #include "core/geometry/decompositions.hpp"
 #include "core/geometry/rotation.hpp"
 
@@ -28,13 +29,7 @@ bool isUsable(const OdometryIncrement& increment) {
          std::isfinite(increment.speed_error.kept);
 }
 
-/// A registration with a smaller standard deviation counts as it is, with a larger one not at all: it has hardly left
-/// its guess. Between them less and less.
-struct Observed {
-  double surely, hardly;
-};
-constexpr Observed kObserved_m = {0.3, 0.5}, kObserved_rad = {0.01, 0.02};
-constexpr double kLargestOpenVariance = 1e8;
+constexpr ObservedLimit kObserved_m = {0.3, 0.5}, kObserved_rad = {0.01, 0.02};
 constexpr int kConfirmedAlone = 20;             // registered sweeps in a row: what only one source measures
 constexpr int kMaxUnconfirmedSweeps = 100;      // then the map from before is out of sight
 constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well settle elsewhere
@@ -46,18 +41,6 @@ constexpr double kWeakStretch_m = 0.5;
 constexpr double kBentTurn = 0.06, kBentWay = 0.1;
 constexpr double kMostTurn_rad = 0.05, kMostWay_m = 0.2;  // in a sweep; a larger change is no motion
 constexpr double kLeastReplaced = 1e-4;                   // at standstill the rate is that of a very slow drive
-
-void openUnobserved(const Observed& limit, Eigen::Ref<Eigen::Matrix3d> block) {
-  const auto eigen = symmetricEigen(Eigen::Matrix3d(block));
-  for (int i = 0; i < 3; ++i) {
-    const double variance = eigen.eigenvalues()[i], sigma = std::sqrt(std::max(variance, 0.0));
-    const double open = std::clamp((sigma - limit.surely) / (limit.hardly - limit.surely), 0.0, 1.0);
-    if (open == 0.0) continue;
-    const double left = open < 1.0 ? std::min(variance / (1.0 - open), kLargestOpenVariance) : kLargestOpenVariance;
-    const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
-    block += std::max(left - variance, 0.0) * axis * axis.transpose();
-  }
-}
 
 // The jitter of a pose whose sweep was corrected with a motion that changed meanwhile.
 Matrix6d bentSweep(const DriftStep& before, const DriftStep& now) {

@@ -6,6 +6,7 @@
 
 #include "core/estimation/doubtful_standstill.hpp"
 #include "core/estimation/increment_covariance.hpp"
+#include "core/estimation/observed_directions.hpp"
 #include "core/estimation/prediction_noise.hpp"
 #include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
@@ -14,6 +15,8 @@
 namespace fail_aware {
 
 namespace {
+
+constexpr ObservedLimit kCorrecting_m = {1.0, 2.0};
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
@@ -143,7 +146,9 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const Vector6d predicted = ukf_.state();
   next.fusion = fusion_.fuse(predicted, ukf_.covariance(), inputs, next.fusion);
   if (next.fusion.has_measurement) {
-    next.measurement_applied = ukf_.correct(next.fusion.z, next.fusion.R);
+    Matrix6d R = next.fusion.R;
+    openUnobserved(kCorrecting_m, R.topLeftCorner<3, 3>());
+    next.measurement_applied = ukf_.correct(next.fusion.z, R);
     next.filter_nis = ukf_.nis();
   }
   next.clock_jump = doubted && next.measurement_applied;

@@ -2,7 +2,7 @@
 //
 // One sweep sees a stretch by some dozen points, and between two rails the ratio of a sweep is 0.0001 or 0.04 by chance.
 // So the last nine sweeps count together, each up to the limit for a weak sweep: behind a mouth all of them are weak. On
-// 44 simulated drives without a tunnel (highway to town, with faults; `fail_aware_benchmark --seeds 80501` to 80504) no
+// 52 simulated drives without a tunnel (highway to town, with faults; `fail_aware_benchmark --seeds 80501` to 80504) no
 // sweep is then called weak ahead, with the median of five 43 are. Four mouths are noticed 0.2 to 0.5 s later.
 // Cost: none to speak of.
 #pragma once

@@ -154,6 +154,28 @@ TEST(DeadReckoning, AnAccelerationThatNothingObservesDiesOut) {
   EXPECT_NEAR(motion.acceleration_body_mps2.x(), 0.0, 0.01);
 }
 
+TEST(DeadReckoning, WhoBrakesStopsAndDoesNotReverse) {
+  for (const double direction : {1.0, -1.0}) {
+    DeadReckoning dead_reckoning = lastObserved();
+    MotionDerivatives motion = motionOf(direction * 5.0);
+    motion.acceleration_body_mps2.x() = -direction * 5.0;
+    for (int i = 0; i < 30; ++i) {
+      motion = dead_reckoning.filter(motion, kDt_s, nullptr);
+      ASSERT_GE(direction * motion.velocity_body_mps.x(), 0.0) << i;
+    }
+    EXPECT_LT(std::abs(motion.velocity_body_mps.x()), 0.5);
+    EXPECT_EQ(motion.acceleration_body_mps2.x(), 0.0);
+  }
+}
+
+TEST(DeadReckoning, AtACrawlNoBrakingGoesOn) {
+  DeadReckoning dead_reckoning = lastObserved();
+  MotionDerivatives motion = motionOf(-0.05);  // stands, as the last sweep measured it
+  motion.acceleration_body_mps2.x() = -7.0;
+  for (int i = 0; i < 30; ++i) motion = dead_reckoning.filter(motion, kDt_s, nullptr);
+  EXPECT_DOUBLE_EQ(motion.velocity_body_mps.x(), -0.05);
+}
+
 TEST(DeadReckoning, WhatTakesBackAPositionsErrorIsNoSpeed) {
   DeadReckoning after_a_second = lastObserved();
   const DeadReckoning::Measured useless = measured(10.0, 3.0);
