@@ -17,7 +17,7 @@ void CovariancePredictor::Params::checkRules() const {
   requireParameter(std::isfinite(confidence) && confidence > 0.0 && confidence < 1.0, "confidence", confidence,
                    "in (0, 1)");
   requireParameter(alarm_confidence > 0.0 && alarm_confidence <= confidence, "alarm_confidence", alarm_confidence,
-                   "in (0, confidence]");
+                   "> 0 and <= confidence", confidence);
   requireParameter(degrees_of_freedom == 0.0 || (degrees_of_freedom >= 1.0 && degrees_of_freedom <= 1e6),
                    "degrees_of_freedom", degrees_of_freedom, "0 or in [1, 1e6]");
   requireParameter(horizon_s / step_s <= kMaxSteps, "horizon_s", horizon_s, "at most 100000 steps of step_s");

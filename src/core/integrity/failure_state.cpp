@@ -21,7 +21,7 @@ int severity(FailAwareState state) {
 
 void FailureThresholds::checkRules() const {
   requireParameter(std::isfinite(degraded_s) && degraded_s >= failing_s, "degraded_s", degraded_s,
-                   "finite and >= failing_s");
+                   "finite and >= failing_s", failing_s);
   requireWithin("degraded_s", degraded_s, failing_s, kLargestParameter);
 }
 

@@ -22,9 +22,9 @@ bool isSamePlace(const Pose& a, const Pose& b) {
 
 void MonitorParameters::checkRules() const {
   requireParameter(predictor.horizon_s == indicator.horizon_s, "predictor.horizon_s", predictor.horizon_s,
-                   "indicator.horizon_s: one horizon is published for both");
+                   "the same as indicator.horizon_s", indicator.horizon_s);
   requireParameter(thresholds.degraded_s < predictor.horizon_s, "thresholds.degraded_s", thresholds.degraded_s,
-                   "< predictor.horizon_s, or the state would be DEGRADED for ever");
+                   "< predictor.horizon_s", predictor.horizon_s);
 }
 
 FailAwareMonitor::FailAwareMonitor(const MonitorParameters& params)

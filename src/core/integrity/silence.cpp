@@ -5,7 +5,7 @@
 namespace fail_aware {
 
 void SilenceParams::checkRules() const {
-  requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s");
+  requireParameter(max_period_s >= min_period_s, "max_period_s", max_period_s, "at least min_period_s", min_period_s);
   requireWithin("max_period_s", max_period_s, min_period_s, kLongestPeriod_s);
 }
 

@@ -25,6 +25,15 @@ void requireParameter(bool holds, const char* name, const T& value, const char* 
   throw ParameterError(text.str());
 }
 
+/// A rule between two keys: `other_value` is that of the key that the rule names last.
+template <class T, class Other>
+void requireParameter(bool holds, const char* name, const T& value, const std::string& rule, const Other& other_value) {
+  if (holds) return;
+  std::ostringstream text;
+  text << rule << ", which is " << other_value;
+  requireParameter(false, name, value, text.str().c_str());
+}
+
 inline void requireWithin(const char* name, double value, double low, double high) {
   if (std::isfinite(value) && value >= low && value <= high) return;
   std::ostringstream rule;

@@ -61,9 +61,9 @@ void RegistrationCloud::redeskew(const Vector6d& delta_twist_cog, double still_s
 void RegistrationCloudBuilder::Params::checkRules() const {
   requireParameter(max_range_m > min_range_m && max_range_m <= 1000.0, "max_range_m", max_range_m,
                    "> min_range_m and <= 1000");
-  requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m");
+  requireParameter(plane_voxel_m >= map_voxel_m, "plane_voxel_m", plane_voxel_m, ">= map_voxel_m", map_voxel_m);
   requireWithin("plane_voxel_m", plane_voxel_m, map_voxel_m, 100.0);
-  requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m");
+  requireParameter(point_voxel_m >= map_voxel_m, "point_voxel_m", point_voxel_m, ">= map_voxel_m", map_voxel_m);
   requireWithin("point_voxel_m", point_voxel_m, map_voxel_m, 100.0);
 }
 

@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "../parameters/error_of.hpp"
 #include "core/parameters/check.hpp"
 #include "core/parameters/validate.hpp"
 
@@ -118,6 +119,11 @@ TEST(FailureState, ParametersAreChecked) {
   EXPECT_THROW(validate(FailureThresholds{2.0, -1.0, 4.0}), ParameterError);
   EXPECT_THROW(validate(FailureThresholds{0.0, 4.0, 4.0}), ParameterError);
   EXPECT_NO_THROW((validate(FailureThresholds{2.0, 4.0, 4.0})));
+  EXPECT_EQ(errorOf([] {
+              validate(FailureThresholds{2.0, 5.0, 4.0});
+            }),
+            "degraded_s = 4: must be finite and >= failing_s, which is 5")
+      << "the other key may be the wrong one";
 }
 
 }  // namespace

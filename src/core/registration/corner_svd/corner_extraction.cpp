@@ -77,7 +77,7 @@ std::vector<Corner> withoutNeighbours(std::vector<Corner> corners, double distan
 
 void CornerExtractor::Params::checkRules() const {
   requireParameter(std::isfinite(max_range_m) && max_range_m > min_range_m, "max_range_m", max_range_m,
-                   "finite and > min_range_m");
+                   "finite and > min_range_m", min_range_m);
   requireWithin("max_range_m", max_range_m, min_range_m, 1000.0);
   requireParameter(max_range_m / cell_m <= 5000.0, "cell_m", cell_m, ">= max_range_m / 5000");
 }
