@@ -76,7 +76,7 @@ struct MonitorOutput {
   TimeToFailure time_to_failure_covariance;  ///< from the covariance's growth
   double eta = 0.0;                          ///< integrity/indicator.hpp, rad
   double eta_rate_per_s = -1.0;              ///< -1: unknown
-  double sigma_yaw_rad = 0.0;                ///< the filter's; -1: unknown
+  double sigma_yaw_rad = -1.0;               ///< the filter's; -1: unknown
   double sigma_x_m = 0.0;                    ///< accumulated since t1, in the frame at t1
   double sigma_y_m = 0.0;
   /// What sigma_x_m, sigma_y_m are of; in result.hpp's order.

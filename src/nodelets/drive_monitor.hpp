@@ -25,7 +25,7 @@ class DriveMonitor {
     return monitor_.update(state, condition);
   }
 
-  /// The odometry serves as the localisation from the next sweep with observed motion on.
+  /// The odometry serves as the localisation from the next sweep on (FailAwareMonitor::start).
   void serve() {
     monitor_.start();
     asked_ = true;

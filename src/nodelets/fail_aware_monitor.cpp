@@ -111,8 +111,10 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     marker_publisher_.publish(visualization_msgs::MarkerArrayConstPtr(markers));
   }
 
+  // Both end an earlier t1 and its state: what is published in silence says so, too.
   bool onStartRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     monitor_->serve();
+    output_ = MonitorOutput();
     response.success = true;
     response.message =
         "serves as the localisation from the next sweep on (if no motion is known: the first whose motion is observed)";
@@ -121,7 +123,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
 
   bool onStopRedundant(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
     response.success = monitor_->stopServing();
-    if (response.success) output_ = MonitorOutput();  // in silence, too, t1 is 0
+    if (response.success) output_ = MonitorOutput();
     response.message = response.success ? "does not serve as the localisation any more"
                                         : "it always serves: the parameter start_redundant is true";
     return true;

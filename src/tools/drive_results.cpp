@@ -16,7 +16,9 @@ void DriveResults::add(const ReadResult& read, const std::string& name, double s
   if (read.status == ReadStatus::kSideFileUnusable && side_files_unusable_++ == 0) side_file_fault_ = read.message;
   if (!read.hasPoints() || result.status == SweepStatus::kNotStarted) ++unusable_;
   points_dropped_ += points_dropped;
-  motion_unknown_sweeps_ = (result.monitor.reasons & kReasonMotionUnknown) != 0 ? motion_unknown_sweeps_ + 1 : 0;
+  const bool is_unknown = result.monitor.state == FailAwareState::kUnknown;
+  const bool motion_unknown = is_unknown && (result.monitor.reasons & kReasonMotionUnknown) != 0;
+  motion_unknown_sweeps_ = motion_unknown ? motion_unknown_sweeps_ + 1 : 0;
   if (result.monitor.t1_stamp_s >= 0.0) t1_stamp_s_ = result.monitor.t1_stamp_s;
   log_.add(stamp_s, result);
   if (std::string fault = fail_aware::stampFault(params_.sensor.timing, result.timing); !fault.empty()) {

@@ -203,6 +203,7 @@ TEST_F(Faults, ResetEndsTheServiceUntilAskedAgain) {
   };
   EXPECT_TRUE(driveUntilServing());
   ASSERT_TRUE(call("fail_aware_monitor/stop_redundant"));
+  EXPECT_TRUE(waitFor([&] { return has(last().reasons, Reason::REASON_STALE) && last().t1.isZero(); })) << "in silence";
   drive();
   EXPECT_TRUE(last().t1.isZero());
   EXPECT_EQ(last().state, Reason::UNKNOWN);

@@ -18,7 +18,7 @@ constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from
 // addition 0.043, with a noise of 0.05 m less than this, of 0.12 m 0.06, of 0.2 m 0.07.
 constexpr double kNoisyResidual_m = 0.05;
 
-// A jump of less than this that the map bears out is the vehicle's: what a scene repeats is farther apart.
+// A jump of less than this that the map confirms is the vehicle's: what a scene repeats is farther apart.
 constexpr double kShortJump_m = 0.3;
 constexpr double kAsClose = 1.2, kAsMuch = 0.9;  // ratios to the sweeps before
 
@@ -52,12 +52,13 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   innovation_m_.add(innovation_m);
   without_planes_s_ += sweep.dt_s;
   if (without_planes_s_ > kForgetFit_s) recent_fit_.clear();
+  double fit = 0.0;
   bool fits_not = false;
   if (sweep.inlier_ratio) {
     without_planes_s_ = 0.0;
     residual_m_.add(sweep.rms_residual_m);
     if (++sweeps_in_map_ > kYoungMap) {
-      const double fit = fitting_ratio_.add(*sweep.inlier_ratio, sweep.inliers);
+      fit = fitting_ratio_.add(*sweep.inlier_ratio, sweep.inliers);
       fits_not = fit < params_.fitting_ratio;
       recent_fit_.add(fit);
     }
@@ -68,7 +69,7 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
   const double found_m = fitted_ && sweep.inlier_ratio && !recent_fit_.isFull() ? sweep.disagreement_m : 0.0;
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
-  const double jump_m = sweep.overruled && !isBorneOut(sweep) ? innovation_m : 0.0;
+  const double jump_m = sweep.overruled && !mapConfirms(sweep, fit) ? innovation_m : 0.0;
   Inflation inflation;
   const double noisy = residual_m_.isFull() ? noisyRatio(residual_m_.median()) : 0.0;
   inflation.doubt.sigma_m =
@@ -85,11 +86,10 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   return inflation;
 }
 
-// The map bears out a jump where the points fit it as closely, and as many of them, as in the sweeps before.
-bool ConsistencyMonitor::isBorneOut(const Sweep& sweep) const {
-  return sweep.innovation_m < kShortJump_m && sweep.inlier_ratio && residual_m_.isFull() && recent_fit_.isFull() &&
-         sweep.rms_residual_m <= kAsClose * residual_m_.median() &&
-         *sweep.inlier_ratio >= kAsMuch * recent_fit_.median();
+// The points fit as closely, and as many of them, as in the sweeps before.
+bool ConsistencyMonitor::mapConfirms(const Sweep& jump, double fit) const {
+  return jump.innovation_m < kShortJump_m && jump.inlier_ratio && residual_m_.isFull() && recent_fit_.isFull() &&
+         jump.rms_residual_m <= kAsClose * residual_m_.median() && fit >= kAsMuch * recent_fit_.median();
 }
 
 double ConsistencyMonitor::persistentInnovation_m(double dt_s) const {

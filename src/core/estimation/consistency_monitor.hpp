@@ -13,7 +13,7 @@
 // - The heading jumps. A vehicle does not turn that fast by itself (the sensor was hit, or the pose is wrong), so a
 //   fraction of the jump may be an error.
 // - The position jumps: most measurements that agree are outside the gate. Sources that share the map can all settle in
-//   the same wrong place, so the whole jump may be an error, unless it is short and the map bears it out.
+//   the same wrong place, so the whole jump may be an error, unless it is short and the map confirms it.
 // - Measurements disagree in the first two sweeps after a gap of a second or more. Little of the scenery was in view
 //   before the gap, so the pose may settle half a metre off, and the next sweeps that enter the map keep this error.
 //   Where it is right, the measurements agree within centimetres, however little fits.
@@ -86,7 +86,7 @@ class ConsistencyMonitor {
 
  private:
   void forgetSweeps();
-  bool isBorneOut(const Sweep& sweep) const;
+  bool mapConfirms(const Sweep& jump, double fit) const;
   double persistentInnovation_m(double dt_s) const;
   double unfitting_m() const;
 

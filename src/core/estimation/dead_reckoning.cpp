@@ -27,8 +27,8 @@ Eigen::Matrix4d fromSigmas(double along_m, double across_m, double yaw_rad) {
   return Eigen::Vector4d(along_m, across_m, 0.0, yaw_rad).cwiseAbs2().asDiagonal();
 }
 
-/// Who brakes stops: an acceleration does not change the speed's sign, and at a crawl it does not go on. Otherwise a
-/// vehicle that stops in a tunnel would be driven backwards.
+/// A vehicle that brakes stops: an acceleration does not change the speed's sign, and at a crawl it does not go on.
+/// Otherwise a vehicle that stops in a tunnel would be driven backwards.
 void stopAtStandstill(double speed_before_mps, MotionDerivatives& motion) {
   double& speed_mps = motion.velocity_body_mps.x();
   const bool reverses = speed_before_mps * speed_mps < 0.0;

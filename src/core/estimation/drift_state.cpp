@@ -55,7 +55,7 @@ void correctDrift(const DriftStep& step, const Eigen::Matrix3d& R, DriftState& s
   state.foldIntoMap(step.replaced);
   state.C.topLeftCorner<6, 6>() += symmetric(rotateCovariance(step.to_map, R));
   state.C = symmetric(state.C);
-  state.transient = symmetric(rotateCovariance(step.transient, R));
+  state.transient = symmetric(rotateCovariance(step.transient + step.bent, R));
 }
 
 }  // namespace fail_aware

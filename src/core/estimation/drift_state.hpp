@@ -38,7 +38,8 @@ struct DriftStep {
   Matrix6d lasting = Matrix6d::Zero();       ///< what each sweep like it adds to m beside d
   Matrix6d to_map = Matrix6d::Zero();        ///< what m gets beside d
   double replaced = 0.0;                     ///< ratio of the map that the sweep replaces
-  Matrix6d transient = Matrix6d::Zero();
+  Matrix6d transient = Matrix6d::Zero();     ///< the pose's jitter about the map
+  Matrix6d bent = Matrix6d::Zero();          ///< likewise, of this sweep alone: by a change of the motion
 };
 
 /// The sweep's motion. R_start_previous: the previous body's axes in the state's.

@@ -20,4 +20,13 @@ void openUnobserved(const ObservedLimit& limit, Eigen::Ref<Eigen::Matrix3d> bloc
   }
 }
 
+Matrix6d covarianceForFilter(const FusionResult& fusion, const std::vector<FusionInput>& inputs) {
+  Matrix6d R = fusion.R;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    if (inputs[i].kind == FusionInput::Kind::kExternal && fusion.weights[i] > 0.0) return R;
+  }
+  openUnobserved({1.0, 2.0}, R.topLeftCorner<3, 3>());
+  return R;
+}
+
 }  // namespace fail_aware

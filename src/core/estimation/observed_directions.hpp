@@ -4,6 +4,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
+
+#include "core/geometry/pose.hpp"
+#include "core/types/fusion_input.hpp"
+#include "core/types/fusion_result.hpp"
 
 namespace fail_aware {
 
@@ -15,5 +20,9 @@ struct ObservedLimit {
 
 /// Opens the directions of a covariance of position or rotation that do not count.
 void openUnobserved(const ObservedLimit& limit, Eigen::Ref<Eigen::Matrix3d> block);
+
+/// The fused R as the filter uses it: directions of the position with more than 1 to 2 m are open, unless a pose from
+/// elsewhere is part of it, which measures in all directions.
+Matrix6d covarianceForFilter(const FusionResult& fusion, const std::vector<FusionInput>& inputs);
 
 }  // namespace fail_aware

@@ -38,20 +38,21 @@ constexpr double kMaxUnconfirmedSigma_m = 5.0;  // beyond it the search may well
 constexpr double kWeakStretch_m = 0.5;
 // A sweep is corrected as if its speed and turn rate were constant. Where they change from one sweep to the next, the
 // pose jitters by these ratios of the change, taken over a sweep: surrogate drives, rms.
-constexpr double kBentTurn = 0.06, kBentWay = 0.1;
-constexpr double kMostTurn_rad = 0.05, kMostWay_m = 0.2;  // in a sweep; a larger change is no motion
-constexpr double kLeastReplaced = 1e-4;                   // at standstill the rate is that of a very slow drive
+constexpr double kBentTurn = 0.06, kBentDistance = 0.1;
+constexpr double kMostTurn_rps2 = 5.0, kMost_mps2 = 20.0;  // a larger change is no motion
+constexpr double kLeastReplaced = 1e-4;                    // at standstill the rate is that of a very slow drive
 
 // The jitter of a pose whose sweep was corrected with a motion that changed meanwhile.
 Matrix6d bentSweep(const DriftStep& before, const DriftStep& now) {
   Matrix6d jitter = Matrix6d::Zero();
   const double sweep_s = std::min(before.dt_s, now.dt_s);
   if (!(sweep_s > 0.0)) return jitter;
-  const double turn_rad = sweep_s * std::abs(now.turn_rad / now.dt_s - before.turn_rad / before.dt_s);
-  const double way_m = sweep_s * (now.step_m / now.dt_s - before.step_m / before.dt_s).head<2>().norm();
-  if (turn_rad > kMostTurn_rad || way_m > kMostWay_m) return jitter;
-  jitter(0, 0) = jitter(1, 1) = kBentWay * kBentWay * way_m * way_m;
-  jitter(5, 5) = kBentTurn * kBentTurn * turn_rad * turn_rad;
+  const double rate_rps = std::abs(now.turn_rad / now.dt_s - before.turn_rad / before.dt_s);
+  const double speed_mps = (now.step_m / now.dt_s - before.step_m / before.dt_s).head<2>().norm();
+  if (rate_rps > kMostTurn_rps2 * sweep_s || speed_mps > kMost_mps2 * sweep_s) return jitter;
+  const double sigma_m = kBentDistance * sweep_s * speed_mps, sigma_rad = kBentTurn * sweep_s * rate_rps;
+  jitter(0, 0) = jitter(1, 1) = sigma_m * sigma_m;
+  jitter(5, 5) = sigma_rad * sigma_rad;
   return jitter;
 }
 
@@ -120,7 +121,8 @@ OdometryCovariance::Confirmation OdometryCovariance::takeRegistration(const Odom
     const Matrix6d K = solutionOf(D + R, D).transpose();
     step.left -= K;
     step.registration = symmetric(K * R * K.transpose());
-    step.transient = drift_.transient(step.registration) + bentSweep(last_step_, step);
+    step.transient = drift_.transient(step.registration);
+    step.bent = bentSweep(last_step_, step);
   }
   const bool too_wide = !(D.diagonal().head<2>().maxCoeff() < kMaxUnconfirmedSigma_m * kMaxUnconfirmedSigma_m);
   const bool out_of_sight = next.open_sweeps > kMaxUnconfirmedSweeps || (next.open_sweeps != kConfirmed && too_wide);

@@ -16,8 +16,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr ObservedLimit kCorrecting_m = {1.0, 2.0};
-
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
 constexpr int kSpeedKnown = -1;
@@ -146,8 +144,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const Vector6d predicted = ukf_.state();
   next.fusion = fusion_.fuse(predicted, ukf_.covariance(), inputs, next.fusion);
   if (next.fusion.has_measurement) {
-    Matrix6d R = next.fusion.R;
-    openUnobserved(kCorrecting_m, R.topLeftCorner<3, 3>());
+    const Matrix6d R = fusion_.literal ? next.fusion.R : covarianceForFilter(next.fusion, inputs);
     next.measurement_applied = ukf_.correct(next.fusion.z, R);
     next.filter_nis = ukf_.nis();
   }

@@ -8,8 +8,8 @@ void RoadAhead::add(const InformationAhead& ahead) {
   const InformationAhead seen = ahead.isValid() ? ahead : InformationAhead();
   ratio_.add(seen.ratio);
   distance_m_.add(seen.distance_m);
-  last_ratios_.push_back(seen.ratio);
-  if (last_ratios_.size() > kWeakSweeps) last_ratios_.pop_front();
+  last_.push_back(seen);
+  if (last_.size() > kWeakSweeps) last_.pop_front();
 }
 
 InformationAhead RoadAhead::ahead() const {
@@ -19,10 +19,15 @@ InformationAhead RoadAhead::ahead() const {
 
 bool RoadAhead::isWeak(double min_information_ratio) const {
   constexpr double kWeak = 0.2;
-  if (last_ratios_.size() < kWeakSweeps) return false;
   double sum = 0.0;
-  for (const double ratio : last_ratios_) sum += std::min(ratio, min_information_ratio);
-  return sum < kWeak * min_information_ratio * kWeakSweeps;
+  std::size_t known = 0;
+  for (const InformationAhead& seen : last_) {
+    if (!seen.known()) continue;
+    sum += std::min(seen.ratio, min_information_ratio);
+    ++known;
+  }
+  const bool enough = last_.size() == kWeakSweeps && known >= kFewestKnown;
+  return enough && sum < kWeak * min_information_ratio * static_cast<double>(known);
 }
 
 }  // namespace fail_aware

@@ -154,7 +154,7 @@ TEST(DeadReckoning, AnAccelerationThatNothingObservesDiesOut) {
   EXPECT_NEAR(motion.acceleration_body_mps2.x(), 0.0, 0.01);
 }
 
-TEST(DeadReckoning, WhoBrakesStopsAndDoesNotReverse) {
+TEST(DeadReckoning, AVehicleThatBrakesDoesNotReverse) {
   for (const double direction : {1.0, -1.0}) {
     DeadReckoning dead_reckoning = lastObserved();
     MotionDerivatives motion = motionOf(direction * 5.0);

@@ -25,6 +25,18 @@ TEST(ObservedDirections, CountAsTheyAreLessOrNotAtAll) {
   EXPECT_NEAR(variances[2], 1e6, 1.0) << "not at all";
 }
 
+TEST(ObservedDirections, APoseFromElsewhereMeasuresInAll) {
+  Measurement gps;
+  gps.status = MeasurementStatus::kOk;
+  FusionResult fusion;
+  fusion.R = 4.0 * Matrix6d::Identity();
+  for (const double weight : {0.0, 0.5}) {
+    fusion.weights = {weight};
+    const Matrix6d R = covarianceForFilter(fusion, {{"gps", &gps, FusionInput::Kind::kExternal}});
+    EXPECT_EQ(R.isApprox(fusion.R), weight > 0.0) << weight;
+  }
+}
+
 // A tunnel of 60 s: a registration leaves the pose along it at the prediction, ten times a second.
 TEST(ObservedDirections, OpenTheyLeaveTheFilterUncertain) {
   const double step_sigma_m = 0.06, weak_m = ObservabilityParams().weak_sigma_m;

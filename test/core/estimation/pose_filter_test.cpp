@@ -449,6 +449,24 @@ TEST(PoseFilter, UnobservedSpeedIsHeld) {
   EXPECT_NEAR(filter.state().T_previous_now.translation().x(), 1.3, 0.01);
 }
 
+// A tunnel: along the road a registration stays at the prediction, and says so.
+TEST(PoseFilter, WhereNothingObservesThePoseItsCovarianceGrows) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  driveMeasured(filter, drive, 15);
+  Vector6d sigmas;
+  sigmas << 3.0, 0.01, 0.01, 1e-3, 1e-3, 1e-3;
+  double variance_after_50 = 0.0;
+  for (int i = 1; i <= 200; ++i) {
+    SweepPrediction prediction;
+    ASSERT_TRUE(filter.predict(drive.stamp(15 + i), prediction));
+    const Measurement m = measured(prediction.T_odom_cog, sigmas.cwiseAbs2().asDiagonal());
+    const FilterState state = filter.correct({{"m", &m}});
+    if (i == 50) variance_after_50 = state.covariance(0, 0);
+  }
+  EXPECT_GT(filter.state().covariance(0, 0), 3.0 * variance_after_50);
+}
+
 TEST(PoseFilter, IncrementCovarianceIsOneKalmanStep) {
   PoseFilter::Params params;
   params.increment_floor_m = 0.0;

@@ -23,6 +23,11 @@ TEST(RoadAhead, IsWeakWhereNineSweepsSeeIt) {
   EXPECT_FALSE(after({0.003, 0.003, 0.003, 0.003, 0.003, 0.003, 0.003, 0.003, 0.003}).isWeak(kWeak));
 }
 
+TEST(RoadAhead, ASweepThatSeesNothingDoesNotCount) {
+  EXPECT_TRUE(after({0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0}).isWeak(kWeak)) << "six see a tunnel";
+  EXPECT_FALSE(after({0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0}).isWeak(kWeak)) << "four are too few";
+}
+
 // A simulated highway (seed 80504, half sweeps), where the median of five sweeps is below a fifth of the limit.
 TEST(RoadAhead, ChanceBetweenRailsIsNoTunnel) {
   EXPECT_FALSE(after({0.0054, 0.0337, 0.0, 0.0018, 0.0057, 0.0006, 0.0, 0.0305, 0.0073}).isWeak(kWeak));
