@@ -203,7 +203,10 @@ TEST_F(Faults, ResetEndsTheServiceUntilAskedAgain) {
   };
   EXPECT_TRUE(driveUntilServing());
   ASSERT_TRUE(call("fail_aware_monitor/stop_redundant"));
-  EXPECT_TRUE(waitFor([&] { return has(last().reasons, Reason::REASON_STALE) && last().t1.isZero(); })) << "in silence";
+  messages::TimeToFailureConstPtr said;
+  ros::Subscriber listener = graph_.node().subscribe<messages::TimeToFailure>(
+      "time_to_failure", 10, [&](const messages::TimeToFailureConstPtr& message) { said = message; });
+  EXPECT_TRUE(waitFor([&] { return said && has(said->reasons, Reason::REASON_STALE) && said->t1.isZero(); }));
   drive();
   EXPECT_TRUE(last().t1.isZero());
   EXPECT_EQ(last().state, Reason::UNKNOWN);
