@@ -66,9 +66,9 @@ void Estimator::noteRefused(const std::vector<FusionInput>& inputs) {
   refused_.clear();
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (inputs[i].kind != FusionInput::Kind::kExternal || !inputs[i].measurement) continue;
-    const Eigen::Vector3d offset =
-        inputs[i].measurement->T_odom_cog.translation() - prediction_.T_odom_cog.translation();
-    const std::string why = refusalOf(filter_.state().fusion, i, offset.head<2>().norm());
+    const Vector6d off =
+        stateDifference(vectorFromPose(inputs[i].measurement->T_odom_cog), vectorFromPose(prediction_.T_odom_cog));
+    const std::string why = refusalOf(filter_.state().fusion, i, off);
     if (!why.empty()) refused_.push_back({inputs[i].name, why});
   }
 }

@@ -67,15 +67,15 @@ Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const 
   return measurement;
 }
 
-std::string refusalOf(const FusionResult& fusion, std::size_t input, double distance_m) {
+std::string refusalOf(const FusionResult& fusion, std::size_t input, const Vector6d& off) {
   const double sigmas = fusion.weights[input] > 0.0 ? 0.0 : fusion.refused_sigmas[input];
   if (sigmas == 0.0) return "";
-  char text[200] = "its pose or its covariance cannot be used: check that they are in m and rad";
+  char text[250] = "its pose or its covariance cannot be used: check that they are in m and rad";
   if (std::isfinite(sigmas)) {
     std::snprintf(text, sizeof text,
-                  "its pose is %.1f m (%.1f sigma) from the prediction, beyond fusion.gate_sigma: check its frame, its "
-                  "stamps and its covariance",
-                  distance_m, sigmas);
+                  "its pose is %.1f m, in height %.1f m, in yaw %.1f deg from the prediction (%.1f sigma), beyond "
+                  "fusion.gate_sigma: check its frame, the datum of its height, its stamps and its covariance",
+                  off.head<2>().norm(), std::abs(off[2]), std::abs(off[5]) / kDegree, sigmas);
   }
   return text;
 }

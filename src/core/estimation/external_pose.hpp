@@ -42,8 +42,8 @@ struct RefusedPose {
 };
 
 /// Why the fusion did not use the measurement of an external source, one line for the user; empty: it was used, or was
-/// absent, or too vague to count. `distance_m`: horizontal, from the prediction.
-std::string refusalOf(const FusionResult& fusion, std::size_t input, double distance_m);
+/// absent, or too vague to count. `off`: its state less the predicted one.
+std::string refusalOf(const FusionResult& fusion, std::size_t input, const Vector6d& off);
 
 /// One source of such poses: its last few, by stamp; the oldest give way.
 class ExternalPoseSource {

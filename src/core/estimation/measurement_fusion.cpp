@@ -125,6 +125,14 @@ bool addsNothing(const Candidate& c, const std::vector<Candidate>& candidates, c
   });
 }
 
+// The gate of a registration is horizontal: it starts at the prediction, so its height and yaw are near it. A pose from
+// elsewhere may have another datum of height, or a compass of its own.
+double externalSigmas(const Vector6d& d, const Matrix6d& covariance) {
+  constexpr double kDatum_m = 1.0;  // odom's height drifts, and datums differ by that much
+  return std::max(std::abs(d[2]) / std::sqrt(covariance(2, 2) + kDatum_m * kDatum_m),
+                  std::abs(d[5]) / std::sqrt(covariance(5, 5)));
+}
+
 void weigh(const MeasurementFusion& params, const std::vector<Candidate>& candidates, const Vector6d& predicted_state,
            const Matrix6d& P, FusionResult* result) {
   for (const Candidate& c : candidates) {
@@ -133,7 +141,8 @@ void weigh(const MeasurementFusion& params, const std::vector<Candidate>& candid
     const Eigen::Matrix2d P_xy = P.topLeftCorner<2, 2>();
     const Eigen::Matrix2d gate = params.literal ? Eigen::Matrix2d(P_xy.diagonal().asDiagonal())
                                                 : Eigen::Matrix2d(P_xy + c.R.topLeftCorner<2, 2>());
-    const double sigmas = mahalanobis2d(d.head<2>(), gate);
+    double sigmas = mahalanobis2d(d.head<2>(), gate);
+    if (c.external && !params.literal) sigmas = std::max(sigmas, externalSigmas(d, P + c.R));
     const double w = 1.0 - sigmas / params.gate_sigma;
     const bool inside = w > 0.0 && (params.literal || w >= params.min_weight);
     (inside ? result->weights : result->refused_sigmas)[c.input] = inside ? w : sigmas;

@@ -24,8 +24,8 @@ struct FusionResult {
   std::vector<double> weights;              ///< per input, 0..1 before normalisation; 0: gated out or absent
   /// Per input, against P~ + R_i (a motion: Q + R_i), 6 degrees of freedom; -1: absent.
   std::vector<double> nis;
-  /// Per input: the horizontal distance in standard deviations at which the gate refused it; infinity: it is ok(), but
-  /// not usable; 0: neither.
+  /// Per input: the distance in standard deviations at which the gate refused it (horizontal; of an external pose the
+  /// largest of this, height and yaw); infinity: it is ok(), but not usable; 0: neither.
   std::vector<double> refused_sigmas;
   bool all_gated_out = false;  ///< there were usable measurements, but none within the gate
   /// A group that agrees was used though most of it was outside the gate, or a measurement that contradicts the

@@ -125,14 +125,27 @@ TEST(ExternalPose, ARefusalIsToldInMetresAndSigmas) {
                                               Vector6d::Zero(), Pose::Identity());
     const FusionResult fused =
         MeasurementFusion().fuse(Vector6d::Zero(), P, {{"gps", &m, FusionInput::Kind::kExternal}});
-    return refusalOf(fused, 0, x_m);
+    return refusalOf(fused, 0, stateDifference(vectorFromPose(m.T_odom_cog), Vector6d::Zero()));
   };
   EXPECT_EQ(refusal(1.0, 0.5), "") << "within 3 sigma";
-  EXPECT_NE(refusal(5.0, 0.5).find("5.0 m (10.0 sigma) from the prediction, beyond fusion.gate_sigma"),
+  EXPECT_NE(refusal(5.0, 0.5).find("5.0 m, in height 0.0 m, in yaw 0.0 deg from the prediction (10.0 sigma), beyond"),
             std::string::npos)
       << refusal(5.0, 0.5);
   EXPECT_NE(refusal(2e5, 0.5).find("cannot be used"), std::string::npos) << "farther than any car drives in an hour";
   EXPECT_EQ(refusal(5.0, 0.5, Matrix6d::Constant(std::nan(""))), "") << "the prediction is what cannot be used";
+}
+
+TEST(ExternalPose, AHeightOrYawFarFromThePredictionIsRefused) {
+  const auto weight = [](double z_m, double yaw_rad, FusionInput::Kind kind) {
+    const Measurement m = externalMeasurement(gps(1.0, pose(0, 0, z_m, 0, 0, yaw_rad), 0.05, 0.002), 1.0,
+                                              Pose::Identity(), Vector6d::Zero(), Pose::Identity());
+    return MeasurementFusion().fuse(Vector6d::Zero(), 1e-6 * Matrix6d::Identity(), {{"gps", &m, kind}}).weights[0];
+  };
+  EXPECT_GT(weight(0.0, 0.0, FusionInput::Kind::kExternal), 0.9);
+  EXPECT_GT(weight(1.0, 0.004, FusionInput::Kind::kExternal), 0.0) << "datums differ";
+  EXPECT_EQ(weight(47.0, 0.0, FusionInput::Kind::kExternal), 0.0) << "a height above another datum";
+  EXPECT_EQ(weight(0.0, -0.05, FusionInput::Kind::kExternal), 0.0) << "a compass that is turned";
+  EXPECT_GT(weight(0.0, -0.05, FusionInput::Kind::kPose), 0.0);
 }
 
 TEST(ExternalPose, HasNoVoteAgainstWhatItsCovarianceBearsOut) {
