@@ -20,12 +20,24 @@ constexpr double kNoisyResidual_m = 0.05;
 
 // A jump of less than this that the map confirms is the vehicle's: what a scene repeats is farther apart.
 constexpr double kShortJump_m = 0.3;
+constexpr double kOffWholeSweeps = 0.1;          // of the distance per sweep
+constexpr double kMostLost = 5.0;                // sweeps
 constexpr double kAsClose = 1.2, kAsMuch = 0.9;  // ratios to the sweeps before
 
 // Whether the points are noisy: 0 to 1, by degrees.
 double noisyRatio(double rms_residual_m) {
   const double ratio = rms_residual_m / kNoisyResidual_m;
   return std::sqrt(std::clamp(ratio * ratio - 1.0, 0.0, 1.0));
+}
+
+// Whether the jump is what sweeps that were lost, and that the stamps do not count, leave: ahead by whole sweeps. A jump
+// back is what repeated points leave.
+bool isOfLostSweeps(const ConsistencyMonitor::Sweep& jump) {
+  if (jump.per_period_m < kShortJump_m) return false;
+  const double lost = std::round(jump.ahead_m / jump.per_period_m);
+  const double aside_m = std::sqrt(std::max(0.0, jump.innovation_m * jump.innovation_m - jump.ahead_m * jump.ahead_m));
+  const double off_m = std::hypot(jump.ahead_m - lost * jump.per_period_m, aside_m);
+  return lost >= 1.0 && lost <= kMostLost && off_m <= kOffWholeSweeps * jump.per_period_m;
 }
 
 }  // namespace
@@ -69,8 +81,10 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
   const double found_m = fitted_ && sweep.inlier_ratio && !recent_fit_.isFull() ? sweep.disagreement_m : 0.0;
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
-  const double jump_m = sweep.overruled && !mapConfirms(sweep, fit) ? innovation_m : 0.0;
+  const bool confirmed = mapConfirms(sweep, fit);
+  const double jump_m = sweep.overruled && !confirmed ? innovation_m : 0.0;
   Inflation inflation;
+  inflation.sweeps_lost = sweep.overruled && confirmed && isOfLostSweeps(sweep);
   const double noisy = residual_m_.isFull() ? noisyRatio(residual_m_.median()) : 0.0;
   inflation.doubt.sigma_m =
       std::hypot(std::hypot(apart_m, persistent_m, jump_m), std::hypot(found_m, noisy * sweep.increment_sigma_m));
@@ -88,8 +102,9 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
 
 // The points fit as closely, and as many of them, as in the sweeps before.
 bool ConsistencyMonitor::mapConfirms(const Sweep& jump, double fit) const {
-  return jump.innovation_m < kShortJump_m && jump.inlier_ratio && residual_m_.isFull() && recent_fit_.isFull() &&
-         jump.rms_residual_m <= kAsClose * residual_m_.median() && fit >= kAsMuch * recent_fit_.median();
+  return (jump.innovation_m < kShortJump_m || isOfLostSweeps(jump)) && jump.inlier_ratio && residual_m_.isFull() &&
+         recent_fit_.isFull() && jump.rms_residual_m <= kAsClose * residual_m_.median() &&
+         fit >= kAsMuch * recent_fit_.median();
 }
 
 double ConsistencyMonitor::persistentInnovation_m(double dt_s) const {

@@ -13,7 +13,8 @@
 // - The heading jumps. A vehicle does not turn that fast by itself (the sensor was hit, or the pose is wrong), so a
 //   fraction of the jump may be an error.
 // - The position jumps: most measurements that agree are outside the gate. Sources that share the map can all settle in
-//   the same wrong place, so the whole jump may be an error, unless it is short and the map confirms it.
+//   the same wrong place, so the whole jump may be an error, unless the map confirms it and it is short or whole sweeps
+//   ahead: then sweeps are lost which the stamps do not count.
 // - Measurements disagree in the first two sweeps after a gap of a second or more. Little of the scenery was in view
 //   before the gap, so the pose may settle half a metre off, and the next sweeps that enter the map keep this error.
 //   Where it is right, the measurements agree within centimetres, however little fits.
@@ -67,6 +68,8 @@ class ConsistencyMonitor {
     bool dead_reckoned = false;   ///< the speed before this sweep was not observed
     double time_sigma_m = 0.0;    ///< sigma of the prediction due to the uncertain interval between sweeps
     bool overruled = false;       ///< FusionResult::prediction_overruled
+    double ahead_m = 0.0;         ///< part of the innovation along the vehicle; positive: farther than predicted
+    double per_period_m = 0.0;    ///< distance that the prediction assumes per sweep; 0: not known
   };
 
   struct Inflation {
@@ -74,6 +77,7 @@ class ConsistencyMonitor {
     bool unbelievable = false;  ///< agreement between the measurements confirms nothing in this sweep
     /// Almost nothing fits the map, although it did before: the measurement only repeats the prediction.
     bool velocity_unobservable = false;
+    bool sweeps_lost = false;  ///< that the stamps do not count: the increment is not a motion over the interval
     bool motion_lost = false;  ///< the map is useless after dead reckoning (lost_motion.hpp)
   };
 

@@ -164,6 +164,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
                              next.dt_s <= kLongInterval_s && (motion_.lastMeasured() || motion_.previousMeasured());
     const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
     inflation = addInflation(inputs, innovation, next);
+    next.clock_jump = next.clock_jump || inflation.sweeps_lost;
     motion_.setVelocityUnobservable(inflation.velocity_unobservable, next.measurement_applied);
   }
   if (!next.started) {
@@ -272,6 +273,8 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   sweep.undecided_m = state.fusion.undecided_m;
   sweep.disagreement_m = state.fusion.disagreement_m;
   sweep.innovation_m = motion_.deadReckoning().active() ? 0.0 : innovation.head<2>().norm();
+  sweep.ahead_m = state.T_odom_cog.linear().col(0).head<2>().dot(innovation.head<2>());
+  sweep.per_period_m = motion_.motion().velocity_body_mps.x() * prediction_.period_s;
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
   sweep.overruled = state.fusion.prediction_overruled;

@@ -188,6 +188,33 @@ TEST(ConsistencyMonitor, AShortJumpThatFitsIsTheVehicles) {
   EXPECT_DOUBLE_EQ(jumped(0.4, 0.02, 1.0).doubt.sigma_m, 0.4) << "far enough to be the next tree";
 }
 
+TEST(ConsistencyMonitor, AJumpAheadByWholeSweepsIsOfLostSweeps) {
+  const auto jumped = [](double ahead_m, double aside_m, double rms_m = 0.02, bool overruled = true) {
+    ConsistencyMonitor monitor{ConsistencyMonitor::Params()};
+    Sweep sweep = sound();
+    sweep.rms_residual_m = 0.02;
+    sweep.per_period_m = 1.3;
+    for (int i = 0; i < 6; ++i) monitor.add(sweep);
+    sweep.overruled = overruled;
+    sweep.ahead_m = ahead_m;
+    sweep.innovation_m = std::hypot(ahead_m, aside_m);
+    sweep.rms_residual_m = rms_m;
+    return monitor.add(sweep);
+  };
+  for (const double ahead_m : {1.3, 1.25, 2.65}) {
+    EXPECT_TRUE(jumped(ahead_m, 0.05).sweeps_lost) << ahead_m;
+    EXPECT_EQ(jumped(ahead_m, 0.05).doubt.sigma_m, 0.0) << ahead_m;
+  }
+  const auto isDoubted = [](const Inflation& inflation) {
+    return !inflation.sweeps_lost && inflation.doubt.sigma_m > 1.0;
+  };
+  EXPECT_TRUE(isDoubted(jumped(-1.3, 0.0))) << "back: repeated points";
+  EXPECT_TRUE(isDoubted(jumped(1.9, 0.0))) << "one and a half";
+  EXPECT_TRUE(isDoubted(jumped(1.3, 0.3))) << "aside";
+  EXPECT_TRUE(isDoubted(jumped(1.3, 0.0, 0.03))) << "the map does not confirm it";
+  EXPECT_FALSE(jumped(1.3, 0.0, 0.02, false).sweeps_lost) << "within the gate";
+}
+
 Sweep oddInAll() { return {0.1, 0.25, 0.12, 10.0 * kDegree, 0.0}; }
 
 TEST(ConsistencyMonitor, ErrorsAddAsIndependent) {

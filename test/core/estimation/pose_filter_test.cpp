@@ -103,6 +103,29 @@ double worstPredictionInBraking(double middle_s, double told_middle_s) {
   return worst_m;
 }
 
+TEST(PoseFilter, ALostSweepThatTheStampsDoNotCountIsNoMotion) {
+  PoseFilter filter = makeFilter();
+  const Drive drive;
+  FilterState state;
+  for (int i = 0; i <= 24; ++i) {
+    const int driven = i + (i >= 20 ? 1 : 0);
+    Measurement measurement = measured(drive.at(driven));
+    measurement.inliers = 1000;
+    measurement.rms_residual_m = 0.02;
+    SweepTime time(drive.stamp(i));
+    time.period_s = kDt_s;
+    SweepPrediction prediction;
+    ASSERT_TRUE(filter.predict(time, prediction));
+    const double off_m = distance(prediction.T_odom_cog, drive.at(driven));
+    const Measurement* given = i > 0 ? &measurement : nullptr;
+    state = filter.correct({{kIcpPointToPoint, given}, {kIcpPointToPlane, given}});
+    EXPECT_EQ(state.clock_jump, i == 20) << i;
+    EXPECT_TRUE(i < 20 || state.doubt.sigma_m == 0.0) << i;
+    EXPECT_TRUE(i <= 20 || off_m < 0.1) << i << ": the speed is as before";
+  }
+  EXPECT_LT(distance(state.T_odom_cog, drive.at(25)), 0.05);
+}
+
 TEST(PoseFilter, SpeedErrorDoesNotFeedBack) {
   for (const double middle_s : {-0.05, 0.0, 0.05}) {
     EXPECT_LT(worstPredictionInBraking(middle_s, middle_s), 1e-3) << middle_s;
