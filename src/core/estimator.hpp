@@ -48,7 +48,7 @@ class Estimator {
   double sinceNewest_s(double stamp_s) const;
   void setMaxReorder(double max_reorder_s) { stamps_.setMaxReorder(max_reorder_s); }
 
-  /// False if the sweep's time is not after the last estimate's; then nothing changes.
+  /// False if the sweep's time is not after the last estimate's; then the estimate stays.
   bool predict(double stamp_s, double set_back_s, SweepPrediction& prediction);
 
   /// Finishes the sweep of the last predict(). `middle_s`, `revolution_s`, `tilt_moment`: from SweepCorrectorReport.

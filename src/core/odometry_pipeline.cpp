@@ -154,6 +154,7 @@ void OdometryPipeline::beginDrive() {
   registration_.reset();
   corner_svd_.reset();
   monitor_.reset();
+  last_output_ = MonitorOutput();
 }
 
 std::optional<SweepPrediction> OdometryPipeline::predict(double stamp_s) {

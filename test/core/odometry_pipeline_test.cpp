@@ -457,6 +457,20 @@ TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   EXPECT_TRUE(results.back().monitor.time_to_failure.isKnown()) << "it keeps serving";
 }
 
+TEST(OdometryPipeline, ASweepRefusedAfterAResetTellsNothingOfTheLastDrive) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  pipeline.startRedundant();
+  const std::vector<SweepResult> before =
+      run(pipeline, std::vector<Sweep>(driveSweeps().begin(), driveSweeps().begin() + 4));
+  ASSERT_GT(before.back().monitor.t1_stamp_s, 0.0);
+  pipeline.reset();
+  Sweep unusable = driveSweeps()[5];
+  unusable.stamp_s = std::numeric_limits<double>::quiet_NaN();
+  const SweepResult refused = pipeline.step(unusable);
+  EXPECT_EQ(refused.status, SweepStatus::kStampNotAdvancing);
+  EXPECT_EQ(refused.monitor.t1_stamp_s, -1.0);
+}
+
 TEST(OdometryPipeline, AResetKeepsTheStampOfARequest) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant(driveSweeps()[6].stamp_s - 0.02);
