@@ -68,11 +68,11 @@ Matrix6d observed(const Matrix6d& registration) {
 
 OdometryCovariance::OdometryCovariance(const DriftModel& drift) : drift_(drift) { reset(); }
 
-bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now,
+bool OdometryCovariance::propagate(const Pose& T_odom_cog_previous, const Pose& T_odom_cog_now,
                                    const OdometryIncrement& increment) {
-  if (!isFinite(T_odom_base_previous) || !isFinite(T_odom_base_now) || !isUsable(increment)) return false;
-  const Pose T_previous_now = T_odom_base_previous.inverse() * T_odom_base_now;
-  const Eigen::Matrix3d R_odom = T_odom_base_previous.linear();
+  if (!isFinite(T_odom_cog_previous) || !isFinite(T_odom_cog_now) || !isUsable(increment)) return false;
+  const Pose T_previous_now = T_odom_cog_previous.inverse() * T_odom_cog_now;
+  const Eigen::Matrix3d R_odom = T_odom_cog_previous.linear();
   const Eigen::Matrix3d R_mark = T_odom_mark_.value_or(Pose::Identity()).linear().transpose() * R_odom;
   DriftStep step;
   step.step_m = T_previous_now.translation();
@@ -86,7 +86,7 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
 
   const Confirmation confirmation =
       takeRegistration(increment, rotateCovariance(since_start.inMap(), R_odom.transpose()), step);
-  const MapDistance map_distance = extendMap(increment, T_odom_base_previous, T_odom_base_now, step);
+  const MapDistance map_distance = extendMap(increment, T_odom_cog_previous, T_odom_cog_now, step);
   correctDrift(step, R_odom, since_start);
   if (T_odom_mark_) correctDrift(step, R_mark, since_mark);
   if (!since_start.C.allFinite() || !since_mark.C.allFinite() || !step.transient.allFinite()) return false;
@@ -97,11 +97,11 @@ bool OdometryCovariance::propagate(const Pose& T_odom_base_previous, const Pose&
   since_mark_ = since_mark;
   last_step_ = step;
   if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
-  transient_base_ = rotateCovariance(step.transient, T_previous_now.linear().transpose());
-  largest_transient_base_ += positiveSemidefinite(transient_base_ - largest_transient_base_);
-  vertical_.advance(T_odom_base_now.translation() - T_odom_base_previous.translation(), increment.tilt_moment);
+  transient_cog_ = rotateCovariance(step.transient, T_previous_now.linear().transpose());
+  largest_transient_cog_ += positiveSemidefinite(transient_cog_ - largest_transient_cog_);
+  vertical_.advance(T_odom_cog_now.translation() - T_odom_cog_previous.translation(), increment.tilt_moment);
   covariance_ = since_start_.accumulated() +
-                symmetric(rotateCovariance(largest_transient_base_, T_odom_base_now.linear())) + vertical_.covariance();
+                symmetric(rotateCovariance(largest_transient_cog_, T_odom_cog_now.linear())) + vertical_.covariance();
   return true;
 }
 
@@ -138,12 +138,12 @@ OdometryCovariance::Confirmation OdometryCovariance::takeRegistration(const Odom
 
 // What the map gets beside the pose's error.
 OdometryCovariance::MapDistance OdometryCovariance::extendMap(const OdometryIncrement& increment,
-                                                              const Pose& T_odom_base_previous,
-                                                              const Pose& T_odom_base_now, DriftStep& step) const {
+                                                              const Pose& T_odom_cog_previous,
+                                                              const Pose& T_odom_cog_now, DriftStep& step) const {
   const bool is_new = !map_distance_ || increment.map_update == MapUpdate::kRestart;
-  MapDistance way = is_new ? MapDistance{T_odom_base_previous.translation(), 0.0} : *map_distance_;
+  MapDistance way = is_new ? MapDistance{T_odom_cog_previous.translation(), 0.0} : *map_distance_;
   const double farthest_before_m = way.farthest_m;
-  way.farthest_m = std::max(way.farthest_m, (T_odom_base_now.translation() - way.begin_odom).norm());
+  way.farthest_m = std::max(way.farthest_m, (T_odom_cog_now.translation() - way.begin_odom).norm());
   step.lasting = drift_.registration_ratio * step.replaced * step.registration + covarianceOf(increment.doubt);
   step.lasting.diagonal() += drift_.walkVariances(step.step_m.norm());
   step.to_map = step.lasting;
@@ -180,8 +180,8 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   if (start_covariance.allFinite()) since_start_.C.topLeftCorner<6, 6>() = positiveSemidefinite(start_covariance);
   since_start_.C.diagonal().segment<2>(DriftState::kHeadingBias) = biases;
   covariance_ = since_start_.pose();
-  transient_base_.setZero();
-  largest_transient_base_.setZero();
+  transient_cog_.setZero();
+  largest_transient_cog_.setZero();
   confirmation_ = Confirmation();
   last_step_ = DriftStep();
   map_distance_.reset();
@@ -221,7 +221,7 @@ void OdometryCovariance::mark(const Pose& T_odom_mark) {
   C.row(kSpeed) = C.col(kSpeed).transpose();
   C(kSpeed, kSpeed) = since_start_.speedVariance();
   // The jitter of the mark itself stays: all that follows is seen from there.
-  C.block<6, 6>(kMap, kMap) += transient_base_;
+  C.block<6, 6>(kMap, kMap) += transient_cog_;
   C.diagonal().segment<2>(DriftState::kHeadingBias) = drift_.biasVariances();
 }
 

@@ -49,9 +49,9 @@ class OdometryCovariance {
   explicit OdometryCovariance(const DriftModel& drift);
 
   /// Negative eigenvalues of the increment's covariances count as zero.
-  bool propagate(const Pose& T_odom_base_previous, const Pose& T_odom_base_now, const OdometryIncrement& increment);
+  bool propagate(const Pose& T_odom_cog_previous, const Pose& T_odom_cog_now, const OdometryIncrement& increment);
 
-  /// Of T_odom_base, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
+  /// Of T_odom_cog, about odom's axes. The jitter in it is the largest so far: it does not shrink with the way.
   const Matrix6d& covariance() const { return covariance_; }
   /// Of the error of the speed, m^2/s^2; 0 where it is observed.
   double speedVariance() const { return since_start_.speedVariance(); }
@@ -62,7 +62,7 @@ class OdometryCovariance {
   /// The vehicle was set to another pose in odom, and a new map begins there. Covariances stay.
   void enterOdom();
 
-  /// From here on (the monitor's t1) sinceMark() is the covariance of T_mark_base, about the mark's axes.
+  /// From here on (the monitor's t1) sinceMark() is the covariance of T_mark_cog, about the mark's axes.
   void mark(const Pose& T_odom_mark);
   const Matrix6d& sinceMark() const { return since_mark_covariance_; }
   /// The same with all that will make it grow.
@@ -83,8 +83,8 @@ class OdometryCovariance {
   };
 
   Confirmation takeRegistration(const OdometryIncrement& increment, const Matrix6d& in_map, DriftStep& step) const;
-  MapDistance extendMap(const OdometryIncrement& increment, const Pose& T_odom_base_previous,
-                        const Pose& T_odom_base_now, DriftStep& step) const;
+  MapDistance extendMap(const OdometryIncrement& increment, const Pose& T_odom_cog_previous, const Pose& T_odom_cog_now,
+                        DriftStep& step) const;
   DriftRate::Along rateOnWeakStretch() const;
 
   DriftModel drift_;
@@ -92,8 +92,8 @@ class OdometryCovariance {
   VerticalDrift vertical_;  ///< since the start, in addition; nothing that is horizontal depends on it
   Matrix6d covariance_ = Matrix6d::Zero();
   Matrix6d since_mark_covariance_ = Matrix6d::Zero();
-  Matrix6d transient_base_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
-  Matrix6d largest_transient_base_ = Matrix6d::Zero();  ///< no less than any so far
+  Matrix6d transient_cog_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
+  Matrix6d largest_transient_cog_ = Matrix6d::Zero();  ///< no less than any so far
   std::optional<Pose> T_odom_mark_;
   std::optional<MapDistance> map_distance_;
   Confirmation confirmation_;
