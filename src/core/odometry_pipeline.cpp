@@ -78,31 +78,29 @@ OdometryPipeline::OdometryPipeline(const PipelineParameters& params, int threads
 
 OdometryPipeline::~OdometryPipeline() = default;
 
-/// A new source: a line here, last (files name the sources by their place), and its header above. Kinds: FusionInput. A
-/// kPose that is ok counts as measured, so without anything to tell return a status; with dt_s 0 a drive begins: forget
-/// what came before and return kNoReference. In the live graph: nodelets/measurement_sources.cpp.
-std::vector<OdometryPipeline::Source> OdometryPipeline::makeSources() {
+/// In the order of kBuiltInSources. A new source: its name in types/measurement.hpp, a line at the end of kBuiltInSources
+/// and one here; live, the nodelet that measures it. A kPose that is ok counts as measured, so without a measurement
+/// return another status. With dt_s 0 a drive begins: forget what came before and return kNoReference.
+std::array<OdometryPipeline::Source, kBuiltInSources.size()> OdometryPipeline::makeSources() {
   const RegistrationParameters& use = params_.profile.registration;
-  using Kind = FusionInput::Kind;
-  return {
-      {kIcpPointToPoint, use.use_icp_point_to_point, Kind::kPose, true,
-       [this, icp = IcpPointToPoint(use.icp_point_to_point)](const SweepPrediction&) {
-         return registration_.align(icp);
-       }},
-      {kIcpPointToPlane, use.use_icp_point_to_plane, Kind::kPose, true,
-       [this, icp = IcpPointToPlane(use.icp_point_to_plane)](const SweepPrediction& p) {
-         return registration_.align(icp, p.sigma_yaw_rad);
-       }},
-      {kCornerSvd, use.use_corner_svd, Kind::kPose, false,
-       [this](const SweepPrediction& p) { return corner_svd_.measure(corrected_, p, T_cog_lidar_); }},
-      {kRoadProfile, true, Kind::kMotion, true, [this](const SweepPrediction&) { return registration_.roadProfile(); }},
-      {kAboveGround, true, Kind::kPartial, true,
-       [this](const SweepPrediction&) { return registration_.aboveGround(); }},
-  };
+  return {{{use.use_icp_point_to_point, true,
+            [this, icp = IcpPointToPoint(use.icp_point_to_point)](const SweepPrediction&) {
+              return registration_.align(icp);
+            }},
+           {use.use_icp_point_to_plane, true,
+            [this, icp = IcpPointToPlane(use.icp_point_to_plane)](const SweepPrediction& p) {
+              return registration_.align(icp, p.sigma_yaw_rad);
+            }},
+           {use.use_corner_svd, false,
+            [this](const SweepPrediction& p) { return corner_svd_.measure(corrected_, p, T_cog_lidar_); }},
+           {true, true, [this](const SweepPrediction&) { return registration_.roadProfile(); }},
+           {true, true, [this](const SweepPrediction&) { return registration_.aboveGround(); }}}};
 }
 
 void OdometryPipeline::measure(const SweepPrediction& prediction, SweepResult& result) {
-  for (const Source& source : sources_) result.sources.push_back({source.name, source.kind, source.used, {}, 0.0});
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    result.sources.push_back({kBuiltInSources[i].name, kBuiltInSources[i].kind, sources_[i].used, {}, 0.0});
+  }
   const auto measureThose = [&](bool needs_scan) {
     inParallelFor(sources_.size(), [&](std::size_t i) {
       if (!sources_[i].used || sources_[i].needs_scan != needs_scan) return;

@@ -9,6 +9,7 @@
 // first sweep with usable points on, every sweep whose stamp advances has a pose.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -105,14 +106,12 @@ class OdometryPipeline {
 
  private:
   struct Source {
-    const char* name;
     bool used;
-    FusionInput::Kind kind;
     bool needs_scan;  ///< measures after LocalMapRegistration::prepare()
     std::function<Measurement(const SweepPrediction&)> measure;
   };
 
-  std::vector<Source> makeSources();
+  std::array<Source, kBuiltInSources.size()> makeSources();
   Pose T_cog_base() const { return params_.vehicle.T_base_cog().inverse(); }
   std::optional<SweepPrediction> predict(double stamp_s);
   SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
@@ -131,9 +130,9 @@ class OdometryPipeline {
   LocalMapRegistration registration_;
   CornerSvd corner_svd_;
   FailAwareMonitor monitor_;
-  struct Arena;                   ///< TBB's: who includes this header does not need TBB
-  std::unique_ptr<Arena> arena_;  ///< the threads of the measurements
-  std::vector<Source> sources_;   ///< in the order of the fusion's inputs
+  struct Arena;                                         ///< TBB's: who includes this header does not need TBB
+  std::unique_ptr<Arena> arena_;                        ///< the threads of the measurements
+  std::array<Source, kBuiltInSources.size()> sources_;  ///< in the order of the fusion's inputs
   CorrectedSweep corrected_;
   MonitorOutput last_output_;
   int refused_sweeps_ = 0;                    ///< since the last accepted sweep

@@ -17,15 +17,6 @@ namespace {
 constexpr std::size_t kSweepsKept = 100;
 constexpr const char* kPoseMeasurement = "PoseMeasurement";
 constexpr const char* kPoseWithCovariance = "PoseWithCovarianceStamped";
-struct BuiltIn {
-  const char* name;
-  FusionInput::Kind kind;
-};
-constexpr BuiltIn kBuiltIn[] = {{kIcpPointToPoint, FusionInput::Kind::kPose},
-                                {kIcpPointToPlane, FusionInput::Kind::kPose},
-                                {kCornerSvd, FusionInput::Kind::kPose},
-                                {kRoadProfile, FusionInput::Kind::kMotion},
-                                {kAboveGround, FusionInput::Kind::kPartial}};
 
 }  // namespace
 
@@ -46,7 +37,8 @@ std::map<std::string, ExtraSourceParams> readExtraSources(const ros::NodeHandle&
   std::map<std::string, ExtraSourceParams> sources;
   for (const auto& [name, values] : groups) {
     try {
-      if (std::any_of(std::begin(kBuiltIn), std::end(kBuiltIn), [&](const BuiltIn& own) { return own.name == name; })) {
+      if (std::any_of(kBuiltInSources.begin(), kBuiltInSources.end(),
+                      [&](const auto& own) { return own.name == name; })) {
         throw ParameterError("is the name of one of the package's own measurements");
       }
       fromMap(sources[name], values, MissingKeys::kKeep);
@@ -63,7 +55,7 @@ MeasurementSources::MeasurementSources(const ros::NodeHandle& node,
                                        const std::string& odom_frame, Estimator& estimator,
                                        std::function<void()> answered)
     : node_(node), odom_frame_(withoutSlash(odom_frame)), estimator_(estimator), answered_(std::move(answered)) {
-  for (const BuiltIn& own : kBuiltIn) {
+  for (const BuiltInSource& own : kBuiltInSources) {
     Source& source = add(own.name);
     source.built_in = true;
     source.kind = own.kind;

@@ -32,7 +32,6 @@ using Predicted = std::optional<double>;
 constexpr double kIntervalLevel = 0.95;
 constexpr double kCoverageEdges_s[] = {0.0, 5.0, 20.0, std::numeric_limits<double>::infinity()};  // since t1
 const std::vector<double> kReliabilityEdges_s = {0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 60.0};
-constexpr const char* kSources[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
 
 struct Predictor {
   const char* name;
@@ -266,8 +265,6 @@ void addIfKnown(std::vector<double>& list, const Eigen::VectorXd& error, const M
   if (const std::optional<double> squared = normalisedErrorSquared(error, covariance)) list.push_back(*squared);
 }
 
-static_assert(std::size(kSources) == std::tuple_size_v<ConsistencySamples::PerSource>);
-
 /// Of what each measurement said of the motion since the last estimate.
 void addMeasurementErrors(const FailAwareRun& run, ConsistencySamples::PerSource& squared) {
   std::size_t i = 0;
@@ -337,7 +334,7 @@ Json consistencyReport(const std::vector<const ConsistencySamples*>& runs,
   for (const ConsistencySamples* run : runs) {
     append(all.increments, run->increments);
     append(all.horizontal_increments, run->horizontal_increments);
-    for (std::size_t m = 0; m < std::size(kSources); ++m) {
+    for (std::size_t m = 0; m < all.innovations.size(); ++m) {
       append(all.innovations[m], run->innovations[m]);
       append(all.measured[m], run->measured[m]);
     }
@@ -368,10 +365,11 @@ Json consistencyReport(const std::vector<const ConsistencySamples*>& runs,
     json["accumulated_position_since_t1"].push_back(
         {{"from_s", kCoverageEdges_s[e]}, {"consistency", consistencyJson(squared, 2)}});
   }
-  for (std::size_t m = 0; m < std::size(kSources); ++m) {
+  for (std::size_t m = 0; m < all.innovations.size(); ++m) {
     // nlohmann's null has no value; moving it is fine
-    json["nis"][kSources[m]] = consistencyJson(all.innovations[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
-    json["measurement"][kSources[m]] =
+    json["nis"][kBuiltInSources[m].name] =
+        consistencyJson(all.innovations[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
+    json["measurement"][kBuiltInSources[m].name] =
         consistencyJson(all.measured[m], 6);  // NOLINT(clang-analyzer-core.CallAndMessage)
   }
   return json;

@@ -28,7 +28,7 @@ Json plannerReport(const std::vector<FailAwareEpisode>& episodes, const ReportOp
 
 /// Squared errors of one run, sweep by sweep, in units of their standard deviations.
 struct ConsistencySamples {
-  using PerSource = std::array<std::vector<double>, 3>;
+  using PerSource = std::array<std::vector<double>, 3>;  ///< the whole poses of kBuiltInSources
   std::vector<double> increments, horizontal_increments;
   PerSource innovations;  ///< NIS of each measurement
   PerSource measured;     ///< what each measurement said of the motion since the last estimate, against the truth

@@ -18,8 +18,17 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kStatuses = 5;
-constexpr const char* kWhole[] = {kIcpPointToPoint, kIcpPointToPlane, kCornerSvd};
-constexpr const char* kPartial[] = {kRoadProfile, kAboveGround};
+
+/// Names of the sources that measure a whole pose, or of the others.
+std::vector<const char*> sourcesThatMeasure(bool whole_pose) {
+  std::vector<const char*> names;
+  for (const BuiltInSource& source : kBuiltInSources) {
+    if (FusionInput::isPartial(source.kind) != whole_pose) names.push_back(source.name);
+  }
+  return names;
+}
+
+const std::vector<const char*> kWhole = sourcesThatMeasure(true), kPartial = sourcesThatMeasure(false);
 
 void writeMeasurement(std::ostream& out, const Measurement& m) {
   out << ',' << toString(m.status) << ',' << m.iterations << ',' << m.inlier_ratio << ',' << m.rms_residual_m << ','
@@ -51,9 +60,12 @@ SweepLog::SweepLog(const std::filesystem::path& folder)
   measurement_log_ << measurementLogHeader() << '\n';
   out_
       << "stamp,status,state,reasons,time_to_failure,time_to_failure_indicator,time_to_failure_covariance,eta,eta_rate,"
-         "sigma_yaw,sigma_x,sigma_y,protection_level,weight_icp_point_to_point,weight_icp_point_to_plane,"
-         "weight_corner_svd,nis_icp_point_to_point,nis_icp_point_to_plane,nis_corner_svd,nis_fused,"
-         "ms_total,ms_correction,ms_icp_point_to_point,ms_icp_point_to_plane,ms_corner_svd,ms_fusion,ms_reference";
+         "sigma_yaw,sigma_x,sigma_y,protection_level";
+  for (const char* name : kWhole) out_ << ",weight_" << name;
+  for (const char* name : kWhole) out_ << ",nis_" << name;
+  out_ << ",nis_fused,ms_total,ms_correction";
+  for (const char* name : kWhole) out_ << ",ms_" << name;
+  out_ << ",ms_fusion,ms_reference";
   for (const char* name : kWhole) {
     for (const char* column : {"status", "iterations", "inlier_ratio", "rms_m", "degenerate_directions"}) {
       out_ << ',' << name << '_' << column;

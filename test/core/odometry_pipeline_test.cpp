@@ -457,6 +457,20 @@ TEST(OdometryPipeline, AfterAResetTheNextSweepIsTheFirst) {
   EXPECT_TRUE(results.back().monitor.time_to_failure.isKnown()) << "it keeps serving";
 }
 
+TEST(OdometryPipeline, SourcesAreThoseOfTheList) {
+  OdometryPipeline pipeline(streetParameters(), 1);
+  const SweepResult result = run(pipeline, {driveSweeps()[0], driveSweeps()[1]}).back();
+  ASSERT_EQ(result.sources.size(), kBuiltInSources.size());
+  for (std::size_t i = 0; i < kBuiltInSources.size(); ++i) {
+    EXPECT_EQ(result.sources[i].name, kBuiltInSources[i].name);
+    EXPECT_EQ(result.sources[i].kind, kBuiltInSources[i].kind);
+  }
+  for (const char* icp : {kIcpPointToPoint, kIcpPointToPlane}) {
+    EXPECT_GT(result.of(icp).measurement.inliers, 0u) << icp;
+    EXPECT_EQ(result.of(icp).measurement.seed_spread_m > 0.0, icp == std::string(kIcpPointToPoint)) << icp;
+  }
+}
+
 TEST(OdometryPipeline, ASweepRefusedAfterAResetTellsNothingOfTheLastDrive) {
   OdometryPipeline pipeline(streetParameters(), 1);
   pipeline.startRedundant();

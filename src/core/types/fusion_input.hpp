@@ -1,6 +1,8 @@
-// One input of the fusion (estimation/measurement_fusion.hpp): a measurement and the name of its source.
+// One input of the fusion (estimation/measurement_fusion.hpp): a measurement and the name of its source; and the list of
+// the package's own sources.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "core/types/measurement.hpp"
@@ -23,5 +25,18 @@ struct FusionInput {
   const Measurement* measurement = nullptr;  ///< null or not ok(): absent. Not owned
   Kind kind = Kind::kPose;
 };
+
+struct BuiltInSource {
+  const char* name;
+  FusionInput::Kind kind;
+};
+
+/// In the order of filter states and files, whole poses first. The pipeline (odometry_pipeline.cpp) measures them offline,
+/// the measurement nodelets live.
+inline constexpr std::array<BuiltInSource, 5> kBuiltInSources{{{kIcpPointToPoint, FusionInput::Kind::kPose},
+                                                               {kIcpPointToPlane, FusionInput::Kind::kPose},
+                                                               {kCornerSvd, FusionInput::Kind::kPose},
+                                                               {kRoadProfile, FusionInput::Kind::kMotion},
+                                                               {kAboveGround, FusionInput::Kind::kPartial}}};
 
 }  // namespace fail_aware
