@@ -114,11 +114,7 @@ double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& poi
                                          const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   const std::size_t stride = 1 + points_cog.size() / kLookedAt;
   PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad, stride);
-  NormalEquations equations;
-  pairs.forEach(T_odom_cog_predicted, planes_.initial_kernel_m, kAsCorrected,
-                [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
-  equations.H = equations.H.selfadjointView<Eigen::Lower>();
-  return horizontalRatios(equations).strongest;
+  return horizontalRatios(pairs.linearize(T_odom_cog_predicted, planes_.initial_kernel_m)).strongest;
 }
 
 // The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.

@@ -123,6 +123,14 @@ class PlanePairs {
     }
   }
 
+  /// Of points that keep their deskew.
+  NormalEquations linearize(const Pose& T_odom_cog, double kernel_m) {
+    NormalEquations equations;
+    forEach(T_odom_cog, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
+    equations.H = equations.H.selfadjointView<Eigen::Lower>();
+    return equations;
+  }
+
  private:
   /// What a tilt of the patch about its longest extent may do to the residual, m^2. The points of one scan line have
   /// errors in common (scan_line_sigma_m), so the tilt is known to scan_line_sigma_m / sqrt(spread), rad; of a single
