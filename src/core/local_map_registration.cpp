@@ -61,10 +61,10 @@ void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const Sweep
 
 void LocalMapRegistration::applyGuess() {
   const double middle_s = scan_.cloud.middle_s;
-  if (guess_.twist_found == InitialGuess::Found::kTurn) scan_.redeskew(guess_.twist_cog, middle_s);
+  if (guess_.twist_found == InitialGuess::Found::kTurn) scan_.redeskewTo(guess_.twist_cog, middle_s);
   if (guess_.twist_found == InitialGuess::Found::kFirstMotion) {
-    if (!scan_.cloud.compensated) scan_.redeskew(guess_.twist_cog, 0.0);
-    if (params_.refine_deskew) map_.redeskewFirst(guess_.twist_cog, middle_s);
+    if (!scan_.cloud.compensated) scan_.redeskewTo(guess_.twist_cog, 0.0);
+    if (params_.refine_deskew) map_.redeskewFirstTo(guess_.twist_cog, middle_s);
   }
   if (guess_.clock_jump_suspected) {  // the road profile depends on the stamps
     road_profile_aid_.clear();
@@ -142,7 +142,7 @@ void LocalMapRegistration::refine(const EstimateTrack::Increment& increment) {
   Vector6d twist_cog = *increment.twist_cog;
   // with another turn rate than that of the measurement, map and measurement would amplify each other's errors
   if (guess_.twist_found == InitialGuess::Found::kTurn) twist_cog.tail<3>() = scan_.twist_cog.tail<3>();
-  scan_.redeskew(twist_cog, scan_.cloud.middle_s);
+  scan_.redeskewTo(twist_cog, scan_.cloud.middle_s);
 }
 
 void LocalMapRegistration::skip(const FilterState& state) {

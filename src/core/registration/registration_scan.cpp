@@ -2,8 +2,8 @@
 
 namespace fail_aware {
 
-void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s) {
-  cloud.redeskew(other_twist_cog - twist_cog, still_s);
+void RegistrationScan::redeskewTo(const Vector6d& other_twist_cog, double still_s) {
+  cloud.redeskewBy(other_twist_cog - twist_cog, still_s);
   twist_cog = other_twist_cog;
 }
 
