@@ -83,7 +83,7 @@ Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<
   if (readiness() != MeasurementStatus::kOk) return Measurement{readiness()};
   Measurement measurement =
       icp.align(scan_.cloud.point_points_cog, map(), T_odom_cog_start(), guess_.covariance, tracks);
-  describeGuess(measurement);
+  applyGuessUncertainty(measurement);
   return measurement;
 }
 
@@ -94,7 +94,7 @@ Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma
     measurement.ahead =
         lookAhead(icp.params(), scan_.cloud.plane_points_cog, map(), measurement.T_odom_cog, guess_.twist_cog);
   }
-  describeGuess(measurement);
+  applyGuessUncertainty(measurement);
   return measurement;
 }
 
@@ -115,7 +115,7 @@ MeasurementStatus LocalMapRegistration::readiness() const {
   return guess_.lost ? MeasurementStatus::kNotConverged : MeasurementStatus::kOk;
 }
 
-void LocalMapRegistration::describeGuess(Measurement& measurement) const {
+void LocalMapRegistration::applyGuessUncertainty(Measurement& measurement) const {
   measurement.clock_jump_suspected = guess_.clock_jump_suspected;
   addSearchedMotion(guess_, measurement);
   if (!track_.speedWasObserved()) inflateAlongTrack(guess_, params_.initialization, measurement);

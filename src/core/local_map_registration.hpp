@@ -70,8 +70,9 @@ class LocalMapRegistration {
   void findOpenCountry(const SweepPrediction& prediction);
   void refine(const EstimateTrack::Increment& increment);
   MeasurementStatus readiness() const;
-  /// Adds what the guess tells of the measurement: its first motion, its doubts, open country.
-  void describeGuess(Measurement& measurement) const;
+  /// Adds the position from the search for the first motion. Inflates the covariance while the speed is unknown, and in
+  /// open country.
+  void applyGuessUncertainty(Measurement& measurement) const;
 
   RegistrationParameters params_;
   RegistrationScanBuilder builder_;
