@@ -66,7 +66,7 @@ class FailAwareIndicator {
   void stop() { *this = FailAwareIndicator(params_); }
   bool started() const { return start_stamp_s_.has_value(); }
 
-  void update(double stamp_s, double sigma_yaw_rad, double speed_mps = 0.0);
+  void update(double stamp_s, double sigma_yaw_rad, double speed_mps);
 
   double eta() const { return eta_; }     ///< rad; 0 until three samples came
   std::optional<double> etaRate() const;  ///< rad/s, >= 0; nothing: unknown

@@ -90,7 +90,6 @@ class VerticalReference {
     double curvature_deg_per_m = 0.0;
   };
 
-  VerticalReference() : VerticalReference(Params()) {}
   /// sigma_elevation_deg: initial sigma of the error that the elevations have in common.
   explicit VerticalReference(const Params& params,
                              double sigma_elevation_deg = VerticalAngleCorrectionParams().sigma_deg);
