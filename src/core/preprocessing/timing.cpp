@@ -15,7 +15,6 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kShortestPeriod_s = 0.02;  // 50 Hz: no known head rotates faster
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
 constexpr int kMostBackward = 100;  // sweeps in a row; then the head turns that way, whatever the parameters say
 constexpr double kFieldLimitPeriods = 2.5;           // the field still times two revolutions in one cloud
