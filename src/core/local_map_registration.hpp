@@ -33,7 +33,7 @@ namespace fail_aware {
 
 class LocalMapRegistration {
  public:
-  /// timing: SensorParameters::correctedTiming(); tells whether sweeps come compensated, and how the head rotates.
+  /// timing: SensorParameters::correctedTiming(); says whether sweeps come compensated, and how the head rotates.
   explicit LocalMapRegistration(const RegistrationParameters& params, const SweepTimingParams& timing);
 
   /// Thins the sweep. False: too few points in range; the sweep cannot be registered and will not be inserted.

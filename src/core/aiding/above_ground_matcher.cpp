@@ -16,7 +16,7 @@ constexpr std::size_t kMatched = 1000;  // points, about
 constexpr double kWideKernel = 2.0;     // of the search, in kernels
 constexpr int kIterations = 8;
 constexpr double kLeastWindow_m = 0.4;   // however little was driven
-constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' share
+constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' ratio
 
 Pose movedAlong(const Pose& T_odom_cog, double distance_m) {
   Pose moved = T_odom_cog;
@@ -74,7 +74,7 @@ Fit fitted(const AboveGroundPoints& above_ground, const std::vector<bool>& has_v
   return fit;
 }
 
-// The best place along the way; who has a vote.
+// The best place along the path, and which places have a vote.
 std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const AboveGroundPoints& above_ground,
                                 const AboveGroundReference& reference, const Pose& T_odom_cog_predicted,
                                 std::vector<bool>& has_vote) {
