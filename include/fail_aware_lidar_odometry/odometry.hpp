@@ -34,16 +34,16 @@ class Odometry {
   /// an array is neither empty nor as long as the points.
   Result step(Sweep sweep);
 
-  /// t1: from the next sweep that is not before `from_stamp_s`, the odometry serves as the localisation, and the time to
-  /// failure counts the error since then. While no motion is measured yet, t1 is the first sweep that is observed.
+  /// t1: from the next sweep that is not before `from_stamp_s`, the odometry serves as the localisation, and the time
+  /// to failure counts the error since then. While no motion is measured yet, t1 is the first sweep that is observed.
   void startRedundant(double from_stamp_s = std::numeric_limits<double>::lowest());
   /// Another localisation serves again: no t1, no time to failure.
   void stopRedundant();
 
-  /// Everything anew; the next sweep is the first.
+  /// Starts again as a new object does; the next sweep is the first.
   void reset();
 
-  /// base_link is there: taken with the next sweep. Returns why it is refused; empty: it is not. See
+  /// Sets the pose of base_link in odom with the next sweep. Returns the reason of a refusal; empty: accepted. See
   /// Result::pose_set_refused.
   std::string setPose(const ExternalPose& pose);
 

@@ -30,7 +30,7 @@ struct SweepTask {
   Pose T_cog_lidar = Pose::Identity();
   std::string lidar_frame;  ///< frame of the sweep's cloud; empty: any
 
-  bool first() const { return prediction.dt_s <= 0.0; }
+  bool first() const { return prediction.isFirst(); }
 };
 
 /// `header`: stamp of the sweep, frame of the odometry.

@@ -9,6 +9,7 @@
 // corner reference                       grey lines of 1 m: the corners that the sweep's corners are aligned with
 // uncertainty          FailAwareMonitor  ellipses of 1, 2, 3 sigma: horizontal, accumulated since t1, at base_link
 // alert limit                            a red circle: the error that counts as failure
+// road ahead                             an orange line across the road: where the weak stretch ahead begins
 // time to failure                        text over the vehicle: state, time, reasons
 //
 // Every marker has the given header (odometry frame, stamp of the sweep) and a fixed id, so it replaces the previous

@@ -239,9 +239,7 @@ void writePoints(const std::vector<Eigen::Vector3d>& points_odom, const Pose& T_
 
 CloudReadResult readCorrectedCloud(const sensor_msgs::PointCloud2& cloud, CorrectedSweep& sweep) {
   sweep.stamp_s = cloud.header.stamp.toSec();
-  sweep.points_lidar.clear();
-  sweep.times_s.clear();
-  sweep.rings.clear();
+  sweep.clear();
   const Layout layout(cloud);
   if (!layout.result().ok()) return layout.result();
   const CloudField time = layout.times.empty() ? CloudField() : layout.times.front();

@@ -61,10 +61,10 @@ void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const Sweep
 
 void LocalMapRegistration::applyGuess() {
   const double middle_s = scan_.cloud.middle_s;
-  if (guess_.twist_found == InitialGuess::Found::kTurn) scan_.redeskew(guess_.twist_cog, middle_s);
+  if (guess_.twist_found == InitialGuess::Found::kTurn) scan_.redeskewTo(guess_.twist_cog, middle_s);
   if (guess_.twist_found == InitialGuess::Found::kFirstMotion) {
-    if (!scan_.cloud.compensated) scan_.redeskew(guess_.twist_cog, 0.0);
-    if (params_.refine_deskew) map_.redeskewFirst(guess_.twist_cog, middle_s);
+    if (!scan_.cloud.compensated) scan_.redeskewTo(guess_.twist_cog, 0.0);
+    if (params_.refine_deskew) map_.redeskewFirstTo(guess_.twist_cog, middle_s);
   }
   if (guess_.clock_jump_suspected) {  // the road profile depends on the stamps
     road_profile_aid_.clear();
@@ -83,7 +83,7 @@ Measurement LocalMapRegistration::align(const IcpPointToPoint& icp, std::vector<
   if (readiness() != MeasurementStatus::kOk) return Measurement{readiness()};
   Measurement measurement =
       icp.align(scan_.cloud.point_points_cog, map(), T_odom_cog_start(), guess_.covariance, tracks);
-  describeGuess(measurement);
+  applyGuessUncertainty(measurement);
   return measurement;
 }
 
@@ -94,7 +94,7 @@ Measurement LocalMapRegistration::align(const IcpPointToPlane& icp, double sigma
     measurement.ahead =
         lookAhead(icp.params(), scan_.cloud.plane_points_cog, map(), measurement.T_odom_cog, guess_.twist_cog);
   }
-  describeGuess(measurement);
+  applyGuessUncertainty(measurement);
   return measurement;
 }
 
@@ -115,7 +115,7 @@ MeasurementStatus LocalMapRegistration::readiness() const {
   return guess_.lost ? MeasurementStatus::kNotConverged : MeasurementStatus::kOk;
 }
 
-void LocalMapRegistration::describeGuess(Measurement& measurement) const {
+void LocalMapRegistration::applyGuessUncertainty(Measurement& measurement) const {
   measurement.clock_jump_suspected = guess_.clock_jump_suspected;
   addSearchedMotion(guess_, measurement);
   if (!track_.speedWasObserved()) inflateAlongTrack(guess_, params_.initialization, measurement);
@@ -142,7 +142,7 @@ void LocalMapRegistration::refine(const EstimateTrack::Increment& increment) {
   Vector6d twist_cog = *increment.twist_cog;
   // with another turn rate than that of the measurement, map and measurement would amplify each other's errors
   if (guess_.twist_found == InitialGuess::Found::kTurn) twist_cog.tail<3>() = scan_.twist_cog.tail<3>();
-  scan_.redeskew(twist_cog, scan_.cloud.middle_s);
+  scan_.redeskewTo(twist_cog, scan_.cloud.middle_s);
 }
 
 void LocalMapRegistration::skip(const FilterState& state) {

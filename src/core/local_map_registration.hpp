@@ -33,7 +33,7 @@ namespace fail_aware {
 
 class LocalMapRegistration {
  public:
-  /// timing: SensorParameters::correctedTiming(); tells whether sweeps come compensated, and how the head rotates.
+  /// timing: SensorParameters::correctedTiming(); says whether sweeps come compensated, and how the head rotates.
   explicit LocalMapRegistration(const RegistrationParameters& params, const SweepTimingParams& timing);
 
   /// Thins the sweep. False: too few points in range; the sweep cannot be registered and will not be inserted.
@@ -70,8 +70,9 @@ class LocalMapRegistration {
   void findOpenCountry(const SweepPrediction& prediction);
   void refine(const EstimateTrack::Increment& increment);
   MeasurementStatus readiness() const;
-  /// Adds what the guess tells of the measurement: its first motion, its doubts, open country.
-  void describeGuess(Measurement& measurement) const;
+  /// Adds the position from the search for the first motion. Inflates the covariance while the speed is unknown, and in
+  /// open country.
+  void applyGuessUncertainty(Measurement& measurement) const;
 
   RegistrationParameters params_;
   RegistrationScanBuilder builder_;

@@ -18,7 +18,10 @@ inline constexpr double kStampTolerance_s = 1e-6;
 /// Period of a spinning lidar until its stamps give a better value.
 inline constexpr double kUsualPeriod_s = 0.1;
 
-/// Longest period of a sweep: no known head turns slower.
+/// Shortest period of a sweep: no known head rotates faster than 50 Hz.
+inline constexpr double kShortestPeriod_s = 0.02;
+
+/// Longest period of a sweep: no known head rotates slower.
 inline constexpr double kLongestPeriod_s = 1.0;
 
 /// Number of intervals whose median is the usual interval.

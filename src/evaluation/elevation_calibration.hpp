@@ -6,7 +6,7 @@
 // the drives is weighted by 1 / sigma^2. Where they differ by more than their sigmas say, the sigma grows by that
 // ratio.
 //
-// deg. Cost: none to speak of.
+// deg. Cost: negligible.
 #pragma once
 
 #include <optional>

@@ -6,8 +6,7 @@
 // overloaded nodelet drops sweeps and continues with the newest.
 // Algorithm: Algorithm(node, const PipelineParameters&), static name(), Config and Tuning (reconfiguration.hpp) with
 // tuning() and tune(tuning), measure(corrected, task), partials() of the measured sweep, place(state), skip(state),
-// reset(),
-// and show(prediction), which publishes its rviz data after the measurement is published.
+// reset(), and show(prediction), which publishes its rviz data after the measurement is published.
 #pragma once
 
 #include <ros/ros.h>

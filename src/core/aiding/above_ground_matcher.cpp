@@ -16,7 +16,7 @@ constexpr std::size_t kMatched = 1000;  // points, about
 constexpr double kWideKernel = 2.0;     // of the search, in kernels
 constexpr int kIterations = 8;
 constexpr double kLeastWindow_m = 0.4;   // however little was driven
-constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' share
+constexpr std::size_t kLookedAt = 2000;  // points, about, for the planes' ratio
 
 Pose movedAlong(const Pose& T_odom_cog, double distance_m) {
   Pose moved = T_odom_cog;
@@ -74,7 +74,7 @@ Fit fitted(const AboveGroundPoints& above_ground, const std::vector<bool>& has_v
   return fit;
 }
 
-// The best place along the way; who has a vote.
+// The best place along the path, and which places have a vote.
 std::optional<Pose> searchAlong(const AboveGroundMatcher::Params& params, const AboveGroundPoints& above_ground,
                                 const AboveGroundReference& reference, const Pose& T_odom_cog_predicted,
                                 std::vector<bool>& has_vote) {
@@ -114,11 +114,7 @@ double AboveGroundMatcher::ratioOfPlanes(const std::vector<Eigen::Vector3f>& poi
                                          const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const {
   const std::size_t stride = 1 + points_cog.size() / kLookedAt;
   PlanePairs pairs(planes_, points_cog, map, T_odom_cog_predicted, sigma_yaw_rad, stride);
-  NormalEquations equations;
-  pairs.forEach(T_odom_cog_predicted, planes_.initial_kernel_m, kAsCorrected,
-                [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
-  equations.H = equations.H.selfadjointView<Eigen::Lower>();
-  return horizontalRatios(equations).strongest;
+  return horizontalRatios(pairs.linearize(T_odom_cog_predicted, planes_.initial_kernel_m)).strongest;
 }
 
 // The kept sweep reaches farther on all sides: where a fence is cut off is not where it ends.

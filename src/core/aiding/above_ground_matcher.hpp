@@ -1,19 +1,18 @@
 // Where the vehicle is by what stands around it, for open country (not in the paper).
 //
-// In a field the ground is nearly all that surfaces tell of, and it misleads: its scan lines travel with the sensor,
-// and a map of sweeps that were placed at a wrong speed fits the next one at the same wrong speed. A few bushes and
-// posts know better but are outnumbered. In open country horizontal position and heading are
-// therefore taken from the standing points alone (above_ground_points.hpp). They are matched with those of one sweep
-// that is kept for some metres (above_ground_reference.hpp), a vote each place: a search along the way, then
-// Gauss-Newton over x, y and heading. Open country is where planes observe both horizontal directions poorly
-// (`max_information_ratio`) and few points stand (`max_above_ground_ratio`). A motorway is none: its rails observe the
-// direction across.
+// In a field nearly all surfaces are ground, and ground misleads: its scan lines travel with the sensor, and a map of
+// sweeps that were placed at a wrong speed fits the next one at the same wrong speed. A few bushes and posts fit the
+// right speed only, but are outnumbered. In open country horizontal position and heading are therefore taken from the
+// standing points alone (above_ground_points.hpp). They are matched with those of one sweep that is kept for some
+// metres (above_ground_reference.hpp), one vote per place: a search along the path, then Gauss-Newton over x, y and
+// heading. Open country is where planes observe both horizontal directions poorly (`max_information_ratio`) and few
+// points stand (`max_above_ground_ratio`). A motorway is none: its rails observe the direction across.
 //
 // The match allows for the near sides that move around what stands while the vehicle passes (near_side.hpp).
 //
 // A place that fits everywhere nearly as well as at its best (a fence along the road) has no vote. What keeps its
-// distance ahead is outside of the window, which is at most half of the way driven since the sweep was kept (but
-// 0.4 m).
+// distance ahead is outside of the window, which is at most half of the distance driven since the sweep was kept (at
+// least 0.4 m).
 //
 // Frames: points of the centre of gravity; poses odom. Failure: nothing. Cost: the planes' equations once, of some of
 // the points (0.6 ms); in open country 1 to 2 ms more.
@@ -32,7 +31,7 @@
 namespace fail_aware {
 
 struct AboveGroundPose {
-  Pose T_odom_cog;             ///< roll and pitch as predicted, z too but for the way along the vehicle's axis
+  Pose T_odom_cog;             ///< roll and pitch as predicted, z too, except for the motion along the vehicle's axis
   Eigen::Matrix3d covariance;  ///< x, y, m, and yaw, rad, odom's axes
 };
 
@@ -68,7 +67,7 @@ class AboveGroundMatcher {
   double ratioOfPlanes(const std::vector<Eigen::Vector3f>& points_cog, const VoxelMap& map,
                        const Pose& T_odom_cog_predicted, double sigma_yaw_rad) const;
 
-  /// What stands within range, less the way that a kept sweep may lie behind.
+  /// What stands within range, less the distance that a kept sweep may lie behind.
   AboveGroundPoints select(const std::vector<Eigen::Vector3f>& points_cog) const;
 
   std::optional<AboveGroundPose> find(const AboveGroundPoints& above_ground_cog, const AboveGroundReference& reference,

@@ -97,7 +97,6 @@ class RoadProfileOdometry {
 
   void clear();
 
-  std::size_t sweeps() const { return window_.size(); }
   const Params& params() const { return params_; }
 
  private:

@@ -1,6 +1,6 @@
 // Inflates the covariance of a sweep's increment when the measurements' R is not plausible. Not in the paper.
 //
-// Seven signs. The first three must persist (median over the last sweeps):
+// Seven signs. The first three and the last must persist (medians over the last sweeps):
 // - Measurements disagree. One of them is wrong, and the fused measurement may be wrong by the same distance. A single
 //   disagreement can be chance; a lasting one leads the odometry astray. An outvoted measurement does not count, an
 //   outnumbered one counts by its weight (FusionResult::undecided_m).

@@ -58,7 +58,7 @@ bool DeadReckoning::observes(const Measured& measured) const {
          measured.yaw_variance <= max_sigma_rad * max_sigma_rad;
 }
 
-// R and the yaw's variance are those of a way, from which the motion follows as way / dt_s.
+// R and the yaw's variance are those of the displacement; the motion is the displacement / dt_s.
 void DeadReckoning::widenForGap(double dt_s, Measured& measured) const {
   const double lever_s2 = 0.5 * dt_s * dt_s;
   const double along_m = params_.acceleration_mps2 * lever_s2, across_m = params_.lateral_acceleration_mps2 * lever_s2;

@@ -1,9 +1,9 @@
 // Whether the ICPs doubt a standstill that was found as the first motion. Not in the paper.
 //
-// Amid vehicles that travel along on a highway nothing seems to move. While the speed was never observed, both ICPs say
-// so (initial_guess/first_motion.hpp): they leave the way along the road open. The corners of those vehicles do not:
-// they fit to centimetres, and must not be what ends the doubt.
-// Failure: none. Cost: none to speak of.
+// Between vehicles of the same speed the clouds look as if the vehicle stood. Then neither ICP measures the
+// position along the road, until the speed is observed (initial_guess/first_motion.hpp). The corners of those
+// vehicles fit to centimetres, so without this rule they would confirm the standstill.
+// Failure: none. Cost: negligible.
 #pragma once
 
 #include <algorithm>

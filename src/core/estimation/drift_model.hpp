@@ -10,7 +10,7 @@
 //     Unknown and constant; they make the error grow with distance squared and distance. Each head has its own (0.1 to
 //     0.5 m per km of scale in ten simulated ones), so that one head's errors are alike on all its drives.
 //   - what a new map costs: it holds the points of one sweep, between whose beams the pose settles 1 to 4 cm off within
-//     the first 0.1 m of the way (five simulated standing starts), and tilted by 0.1 to 0.25 deg (moving starts)
+//     the first 0.1 m (five simulated standing starts), and tilted by 0.1 to 0.25 deg (moving starts)
 //
 // The jitter at t1 stays: a heading that is off by 0.01 deg there moves the position by 7 cm in 400 m. Over 0.5 s the
 // poses of 79 drives (town to open field, 64 beams) jitter by 0.7 of the registration's standard deviation in heading
@@ -20,7 +20,7 @@
 // calibrate_noise fits registration_ratio, position_ and heading_per_root_metre, heading_bias and scale_bias; map
 // length, tilt and new_map_m are chosen by hand.
 //
-// Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: none to speak of.
+// Units m, rad unless the name says otherwise; covariances about the previous body's axes. Cost: negligible.
 #pragma once
 
 #include "core/geometry/pose.hpp"
@@ -29,14 +29,14 @@
 namespace fail_aware {
 
 struct DriftModel {
-  double map_length_m = 65.0;       ///< way on which the map around the vehicle is replaced; 0: with each sweep
+  double map_length_m = 65.0;       ///< distance over which the map around the vehicle is replaced; 0: with each sweep
   double registration_ratio = 0.3;  ///< of a registration's variance: what a map's worth of sweeps has in common
   double position_per_root_metre_m = 0.0;
   double tilt_per_root_metre_deg = 0.0065;
   double heading_per_root_metre_deg = 0.0003;
   double heading_bias_deg_per_m = 0.00002;  ///< standard deviation of the constant
   double scale_bias = 0.0001;               ///< likewise: metres per metre
-  double transient_ratio = 0.25;  ///< of a registration's variance: what the pose jitters by about the map: position
+  double transient_ratio = 0.25;  ///< of a registration's variance: the jitter of the pose about the map: position
   double transient_rotation_ratio = 0.5;  ///< likewise rotation
   double new_map_m = 0.02;                ///< standard deviation that the first 0.1 m in a new map add; tilt: 0.1 deg
 
@@ -54,14 +54,15 @@ struct DriftModel {
     v("new_map_m", self.new_map_m, requireNotNegative);
   }
 
-  /// Variances that the way of one sweep adds to the pose and to the map alike.
+  /// Variances that the distance of one sweep adds to the pose and to the map alike.
   Vector6d walkVariances(double distance_m) const;
   /// Ratio of the map around the vehicle that one sweep replaces, 0..1.
   double mapReplaced(double distance_m) const;
   /// The pose's jitter about the map. `registration`: what a sweep's registration adds to the pose's covariance.
   Matrix6d transient(const Matrix6d& registration) const;
 
-  /// What the way from `from_m` to `to_m`, from where the map begins, adds for good: variances of position and tilt.
+  /// Variances of position and tilt that the distance from `from_m` to `to_m`, counted from where the map begins, adds
+  /// for good.
   Vector6d newMapVariances(double from_m, double to_m) const;
 
   /// Variances of the two constants: heading (rad^2/m^2) and scale.

@@ -3,8 +3,8 @@
 // The one nearest to the sweep's stamp within a tolerance is moved there by the vehicle's twist and becomes a
 // measurement of the centre of gravity. Each is used for one sweep at most. Nothing waits for them.
 // Inputs: base_link in odom; covariance in geometry/pose.hpp's convention (m, rad). A rotation block that is all zero
-// means "rotation not measured". Failure is data: a pose that is not finite, or whose covariance is none, or that is
-// out of all proportion (beyond 1e9 m, a variance above 1e12), has a reason.
+// means "rotation not measured". Failure is data: a pose that is not finite, whose covariance is not valid, or that
+// is absurdly large (beyond 1e9 m, a variance above 1e12) has a reason.
 // Cost: microseconds.
 #pragma once
 
@@ -31,7 +31,7 @@ std::string unusableReason(const Matrix6d& covariance);
 
 /// The centre of gravity at stamp_s, the vehicle moving on with this twist (m/s, rad/s; of the centre of gravity, in
 /// its own axes); the motion between counts as known to a tenth of its length. A rotation that was not measured is
-/// the predicted one, with a variance that no fusion listens to.
+/// the predicted one, with a variance so large that it does not count.
 Measurement externalMeasurement(const ExternalPose& pose, double stamp_s, const Pose& T_odom_cog_predicted,
                                 const Vector6d& twist_cog, const Pose& T_base_cog);
 
@@ -45,7 +45,7 @@ struct RefusedPose {
 /// absent, or too vague to count. `off`: its state less the predicted one.
 std::string refusalOf(const FusionResult& fusion, std::size_t input, const Vector6d& off);
 
-/// One source of such poses: its last few, by stamp; the oldest give way.
+/// One source of such poses: its last few, by stamp; the oldest are dropped.
 class ExternalPoseSource {
  public:
   explicit ExternalPoseSource(double tolerance_s = 0.1) : tolerance_s_(tolerance_s) {}

@@ -18,8 +18,8 @@ namespace fail_aware {
 
 class LostMotion {
  public:
-  /// `believed_ratio`: below this inlier ratio the few inliers only repeat the prediction, and tell nothing of the map
-  /// (ConsistencyMonitor::Params::fitting_ratio). 0: the motion is never lost.
+  /// `believed_ratio`: below this inlier ratio the few inliers only repeat the prediction, and say nothing about the
+  /// map (ConsistencyMonitor::Params::fitting_ratio). 0: the motion is never lost.
   explicit LostMotion(double believed_ratio) : believed_ratio_(believed_ratio) {}
 
   /// `dead_reckoned`: the speed before this sweep was not observed. `inlier_ratio`: of point-to-plane; none:

@@ -12,12 +12,12 @@ constexpr int kMaxSkippedSweeps = 10;  // consecutive; one more means that the r
 constexpr int kAfterGapSweeps = 2;     // the second is deskewed with the motion that the first one gives
 constexpr int kMaxHeldSweeps = 10;     // consecutive; the last one restarts the reference
 
-// One of the package's own, which register against the references.
+// A pose measured by one of the package's own sources, which register against the references.
 bool isThere(const FusionInput& input) {
   return input.measurement != nullptr && input.kind == FusionInput::Kind::kPose;
 }
 
-bool isOfAnIcp(const FusionInput& input) { return isThere(input) && input.isOfAnIcp(); }
+bool isAnswerOfAnIcp(const FusionInput& input) { return isThere(input) && input.isOfAnIcp(); }
 
 // There are measurements of that kind, and none of them had a reference.
 bool haveNoReference(const std::vector<FusionInput>& inputs, bool (*isOfThose)(const FusionInput&)) {
@@ -40,7 +40,7 @@ bool wasSought(const FusionInput& input) {
 bool showsOtherThings(const std::vector<FusionInput>& inputs) {
   bool any = false;
   for (const FusionInput& input : inputs) {
-    if (!isOfAnIcp(input)) continue;
+    if (!isAnswerOfAnIcp(input)) continue;
     const Measurement& measurement = *input.measurement;
     if (measurement.status != MeasurementStatus::kTooFewPoints || measurement.iterations != 1) return false;
     any = true;
@@ -52,7 +52,7 @@ bool showsOtherThings(const std::vector<FusionInput>& inputs) {
 
 bool canBegin(const std::vector<FusionInput>& measurements) {
   const auto has_points = [](const FusionInput& input) {
-    return isOfAnIcp(input) && input.measurement->status != MeasurementStatus::kTooFewPoints;
+    return isAnswerOfAnIcp(input) && input.measurement->status != MeasurementStatus::kTooFewPoints;
   };
   const auto isAnIcp = [](const FusionInput& input) { return input.isOfAnIcp(); };
   return std::none_of(measurements.begin(), measurements.end(), isAnIcp) ||
@@ -87,7 +87,7 @@ MapUpdatePolicy::Decision MapUpdatePolicy::add(const std::vector<FusionInput>& m
   } else if (sweep.measured) {
     ++held_sweeps_;
   }
-  const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isOfAnIcp);
+  const bool icps_began = sweep.motion_known && !pose_set_ && haveNoReference(measurements, isAnswerOfAnIcp);
   const bool spoilt = held_sweeps_ >= kMaxHeldSweeps;
   if (spoilt || icps_began) held_sweeps_ = 0;
   if (decision.out_of_sight || spoilt || icps_began || sweep.motion_lost) decision.update = MapUpdate::kRestart;

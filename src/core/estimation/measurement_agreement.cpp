@@ -52,10 +52,10 @@ std::vector<Distance> distancesBetween(const std::vector<FusionCandidate>& candi
       const Vector6d apart = stateDifference(a.z, b.z);
       const bool external = a.external || b.external;
       const Eigen::Matrix2d R_xy = a.R.topLeftCorner<2, 2>() + b.R.topLeftCorner<2, 2>();
-      const bool borne_out = mahalanobis2d(apart.head<2>(), R_xy) <= kDisagreementSigmas;
+      const bool explained_by_covariance = mahalanobis2d(apart.head<2>(), R_xy) <= kDisagreementSigmas;
       const bool known = R_xy.trace() <= agreement_distance_m * agreement_distance_m;
-      distances.push_back({a.input, b.input, apart.head<2>().norm(), std::abs(apart[5]), external && borne_out,
-                           borne_out && known, external && !known});
+      distances.push_back({a.input, b.input, apart.head<2>().norm(), std::abs(apart[5]),
+                           external && explained_by_covariance, explained_by_covariance && known, external && !known});
     }
   }
   return distances;
@@ -87,7 +87,7 @@ void judgeDisagreement(const std::vector<FusionCandidate>& candidates, double ag
 
 double mahalanobis2d(const Eigen::Vector2d& d, const Eigen::Matrix2d& C) {
   const auto eigen = symmetricEigen(C);
-  const Eigen::Vector2d sigmas = eigen.eigenvalues().cwiseMax(kSmallestVariance).cwiseSqrt();
+  const Eigen::Vector2d sigmas = eigen.eigenvalues().cwiseMax(kSmallestFusedVariance).cwiseSqrt();
   return (eigen.eigenvectors().transpose() * d).cwiseQuotient(sigmas).norm();
 }
 

@@ -30,7 +30,7 @@ Matrix6d withBoundedVariances(const Matrix6d& C) {
 // harmless. Nothing if C is not a covariance.
 std::optional<Matrix6d> inverseOfCovariance(const Matrix6d& C) {
   if (!C.allFinite() || C.diagonal().minCoeff() < 0.0) return std::nullopt;
-  const Vector6d scale = C.diagonal().cwiseMax(kSmallestVariance).cwiseSqrt();
+  const Vector6d scale = C.diagonal().cwiseMax(kSmallestFusedVariance).cwiseSqrt();
   const Vector6d inverse_scale = scale.cwiseInverse();
   Matrix6d correlation = inverse_scale.asDiagonal() * (0.5 * C + 0.5 * C.transpose()) * inverse_scale.asDiagonal();
   correlation.diagonal().setOnes();
@@ -82,7 +82,7 @@ void fuseLiteral(const std::vector<Candidate>& candidates, const Vector6d& predi
     variances += w * c.R.diagonal();
   }
   result->z = predicted_state + d / total;
-  result->R = (variances / total).cwiseMax(kSmallestVariance).asDiagonal();
+  result->R = (variances / total).cwiseMax(kSmallestFusedVariance).asDiagonal();
   result->has_measurement = true;
 }
 
@@ -164,16 +164,25 @@ void overrule(const MeasurementFusion& params, const std::vector<Candidate>& can
   for (const std::size_t member : group) result->weights[candidates[member].input] = 1.0;
 }
 
+/// The weight of a motion or a partial measurement; nullopt outside the gate (distance to the prediction under P + R).
+/// Sets the input's NIS.
+std::optional<double> weightInGate(const MeasurementFusion& params, const Candidate& c, const Vector6d& predicted_state,
+                                   const Matrix6d& P, FusionResult* result) {
+  const double nis = result->nis[c.input] = nisOf(c, predicted_state, P);
+  const double w = 1.0 - std::sqrt(std::max(0.0, nis)) / params.gate_sigma;
+  if (nis < 0.0 || w < params.min_weight) return std::nullopt;
+  return w;
+}
+
 void addPartial(const MeasurementFusion& params, const std::vector<Candidate>& partial, const Vector6d& predicted_state,
                 const Matrix6d& P, FusionResult* result) {
   for (const Candidate& c : partial) {
-    result->nis[c.input] = nisOf(c, predicted_state, P);
-    const double w = 1.0 - std::sqrt(std::max(0.0, result->nis[c.input])) / params.gate_sigma;
+    const std::optional<double> w = weightInGate(params, c, predicted_state, P, result);
     const std::optional<Matrix6d> fused = inverseOfCovariance(result->R);
-    if (!fused || result->nis[c.input] < 0.0 || w < params.min_weight) continue;
+    if (!fused || !w) continue;
     const std::optional<Matrix6d> R = inverseOfCovariance(*fused + c.information);
     if (!R) continue;
-    result->weights[c.input] = w;
+    result->weights[c.input] = *w;
     result->z += *R * c.information * stateDifference(c.z, result->z);
     result->R = *R;
   }
@@ -204,10 +213,9 @@ FusionResult MeasurementFusion::fuseMotion(const Vector6d& predicted_state, cons
       continue;
     }
     ++result.valid_inputs;
-    result.nis[i] = nisOf(*c, predicted_state, Q);
-    const double w = 1.0 - std::sqrt(std::max(0.0, result.nis[i])) / gate_sigma;
-    if (result.nis[i] < 0.0 || w < min_weight) continue;
-    result.weights[i] = w;
+    const std::optional<double> w = weightInGate(*this, *c, predicted_state, Q, &result);
+    if (!w) continue;
+    result.weights[i] = *w;
     information += c->information;
     information_d += c->information * stateDifference(c->z, predicted_state);
   }

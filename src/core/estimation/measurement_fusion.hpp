@@ -10,16 +10,16 @@
 //   R = (sum v_i R_i^-1)^-1,  z = R sum v_i R_i^-1 z_i     (covariance intersection)
 // Since sum v_i = 1, measurements that share a sweep's errors do not shrink R, and a direction that a measurement does
 // not observe (huge variance) is left to the others. One whose standard deviations are all a hundred times those of
-// another gets no weight: its share would only make R larger. Where two or more measurements outside their gates agree
+// another gets no weight: it would only make R larger. Where two or more measurements outside their gates agree
 // with each other, and with the fewer that are inside, the prediction is what is wrong: the largest group that agrees
 // is fused with equal weights, flagged.
 //
-// Disagreement. One that is gated out is outvoted, and its disagreement decides nothing, if more of those that are used
-// speak against it than measurements stand by it: itself and what else was gated out within agreement_distance_m of it.
-// One inside its gate that is outnumbered in this way, by those of greater weight, counts by its weight.
-// Nor does a distance that both covariances (3 sigma) expect, if they are of measurements that know where they are:
-// their sigmas together within agreement_distance_m. An input with a very large sigma confirms no other.
-// A disagreement with an external one does not count while its covariance explains the distance.
+// Disagreement. A measurement outside its gate is not fused. It is outvoted, and its disagreement does not count, if
+// the fused measurements outnumber it together with the other gated-out ones within agreement_distance_m of it. A
+// measurement inside its gate that is outnumbered in this way by those of greater weight counts by its weight. A
+// distance within 3 sigma of both covariances does not count if both measurements are precise: their sigmas together
+// within agreement_distance_m. An input with a very large sigma cannot confirm another one. A disagreement with an
+// external one does not count while its covariance explains the distance.
 //
 // Partial measurements (FusionInput::Kind::kPartial) come after the others: inside their gate (the distance to the
 // prediction under P~ + R) each adds its whole information to R and z. Without another measurement they are not used.

@@ -157,9 +157,9 @@ DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
 void MotionTracker::updateMotion(const Sweep& sweep) {
   const FilterState& state = sweep.state;
   const MotionDerivatives last = state.dt_s > kLongInterval_s ? fading(motion_, state.dt_s) : motion_;
-  const bool told =
+  const bool motion_measured =
       state.measurement_applied && !state.clock_jump && !velocity_unobservable_ && !velocity_was_unobservable_;
-  if (told) {
+  if (motion_measured) {
     motion_ = historyDerivatives();
   } else {
     motion_.rpy_accelerations_rad_s2.setZero();
@@ -175,7 +175,7 @@ void MotionTracker::updateMotion(const Sweep& sweep) {
       steady.acceleration_body_mps2.setZero();
       const DeadReckoning::Measured turn = measuredTurn(sweep);
       filterVelocity(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
-    } else if (told) {
+    } else if (motion_measured) {
       DeadReckoning::Measured measured = measuredMotion(sweep);
       addMotion(sweep, measured);
       const MotionDerivatives of_poses = motion_;

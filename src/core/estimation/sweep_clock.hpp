@@ -58,7 +58,7 @@ class SweepClock {
   SweepTime next(double stamp_s, double set_back_s = 0.0);
 
   /// The time of one revolution from the last sweep's point times; 0: unknown. A cloud may hold a part of a revolution,
-  /// or several: the stamps tell how many.
+  /// or several: the stamps show how many.
   void observeRevolution(double revolution_s);
 
   /// Standard deviation of the stamps; nullopt: not known yet.

@@ -72,7 +72,7 @@ class SweepScheduler {
   void lose(std::size_t& cause);
 
   Params params_;
-  std::size_t may_wait_ = 3;  ///< current limit of the queue
+  std::size_t may_wait_ = params_.queue_size;  ///< current limit of the queue
   std::deque<Sweep> waiting_;
   std::optional<Sweep> open_;
   double opened_s_ = 0.0;

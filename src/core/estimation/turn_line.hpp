@@ -11,12 +11,14 @@
 #include <deque>
 #include <optional>
 
+#include "core/stamp_difference.hpp"
+
 namespace fail_aware {
 
 class TurnLine {
  public:
-  static constexpr double kShortestTurn_s = 0.02;  ///< 50 Hz: no head rotates faster,
-  static constexpr double kLongestTurn_s = 0.22;   ///< or slower than 5 Hz: a longer interval holds a gap
+  static constexpr double kShortestTurn_s = kShortestPeriod_s;
+  static constexpr double kLongestTurn_s = 0.22;  ///< heads rotate at 5 Hz or faster: a longer interval holds a gap
 
   /// Forgets the stamps. `sigma_s`: standard deviation of `period_s`.
   void restart(double period_s, double sigma_s);

@@ -7,7 +7,7 @@
 //   d(sigma_z) = sqrt(v^T M v),  v = (step_y, -step_x)
 // Horizontal parts of the covariance stay as they are: on level road a tilt moves the vehicle up or down only.
 //
-// Frame: odom's axes; m, rad. Failure: a matrix that is not finite is left out. Cost: none to speak of.
+// Frame: odom's axes; m, rad. Failure: a matrix that is not finite is left out. Cost: negligible.
 #pragma once
 
 #include <Eigen/Core>

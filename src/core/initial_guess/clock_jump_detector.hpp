@@ -9,7 +9,7 @@
 // points that fit and that inform on the weakest horizontal direction. It compares this pose with the one from the
 // stamps and with the usual values. If both starts converge to the same pose, the start nearer to that pose is right.
 //
-// If the poses cannot be told apart (tunnels, open country), the stamps are believed. A jump of less than half an
+// If the poses cannot be distinguished (tunnels, open country), the stamps are believed. A jump of less than half an
 // interval is not detected: registration tolerates it. If the sweep after the unusual interval was not measured (empty,
 // or too late), the next sweeps are tested: they follow the last inserted pose by several intervals, and any of these
 // may be wrong. If the sweep fits badly, sweeps may have been lost while the clock was set: all poses up to 15 m ahead

@@ -36,7 +36,7 @@ struct CorrelativeSearchParams {
   }
 };
 
-/// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw); it sets the search range. False: too few points
+/// `covariance`: of the predicted pose (SweepPrediction::covariance); it sets the search range. False: too few points
 /// above the ground.
 bool findByCorrelation(const CorrelativeSearchParams& params, const std::vector<Eigen::Vector3f>& points_cog,
                        const VoxelMap& map, const Pose& T_odom_cog_predicted, const Matrix6d& covariance,

@@ -11,8 +11,8 @@ namespace fail_aware {
 
 namespace {
 
-// Part of a revolution tells rate and pose apart badly: half sweeps of a highway turned the heading by 0.04 deg in 10
-// s. Whole revolutions have 0.78 (a tunnel) to 1.
+// With a part of a revolution, rate and pose are hard to distinguish: half sweeps of a highway turned the heading by
+// 0.04 deg in 10 s. Whole revolutions have 0.78 (a tunnel) to 1.
 constexpr double kMinAzimuthCoverage = 0.75;
 // None of 2000 sweeps (town, country, highway, field, real roads) is beyond. A larger rate is another minimum, and the
 // map keeps the bent sweep.

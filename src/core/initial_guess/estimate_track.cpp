@@ -26,7 +26,7 @@ EstimateTrack::Increment EstimateTrack::add(const FilterState& state) {
   if (increment.between_measured && !clock_jump_suspected && state.dt_s > 0.0) {
     increment.twist_cog = logSe3(state.T_previous_now) / state.dt_s;
   }
-  if (increment.twist_cog || (state.inMap() && !clock_jump_suspected)) placed_twist_cog_ = increment.twist_cog;
+  if (state.inMap() && !clock_jump_suspected) placed_twist_cog_ = increment.twist_cog;
   return increment;
 }
 

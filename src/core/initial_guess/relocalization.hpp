@@ -47,12 +47,12 @@ class Relocalization {
   /// `usual`: parameters of the multiplex ICP; used where no wider value applies.
   Relocalization(const Params& params, const IcpPointToPoint::Params& usual);
 
-  /// `covariance`: of the predicted state (x, y, z, roll, pitch, yaw).
+  /// `covariance`: of the predicted pose (SweepPrediction::covariance).
   bool isNeeded(const Matrix6d& covariance) const;
   std::optional<Pose> find(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog_predicted,
                            const Matrix6d& covariance, const Gap& gap) const;
 
-  /// Registers from one pose; the inlier ratio tells one pose from another. Not ok() below `min_inlier_ratio`.
+  /// Registers from one pose; the inlier ratio distinguishes the poses. Not ok() below `min_inlier_ratio`.
   Measurement fit(const RegistrationCloud& cloud, const VoxelMap& map, const Pose& T_odom_cog,
                   const Matrix6d& covariance) const {
     return strict_.align(cloud.point_points_cog, map, T_odom_cog, covariance);

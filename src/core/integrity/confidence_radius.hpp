@@ -27,7 +27,7 @@ class ConfidenceRadius {
   std::array<double, kTable + 1> sigmas_{};  ///< by the ratio of the smaller sigma to the larger
 };
 
-/// Where `below` ends between 0 and `high`, by bisection: the upper end of the last interval.
+/// The value between 0 and `high` up to which `below` is true, by bisection: the upper end of the last interval.
 template <class Below>
 double endOf(const Below& below, double high) {
   double low = 0.0;

@@ -29,7 +29,7 @@ class IncrementRate {
 
   /// `increment_covariance`: of one sweep's motion, about the previous body's axes. False: ignored (not a covariance,
   /// or dt not > 0). `open`: DriftRate::open.
-  bool update(const Matrix6d& increment_covariance, double dt_s, bool open = false);
+  bool update(const Matrix6d& increment_covariance, double dt_s, bool open);
   /// (x, y, yaw) about the body's axes: m^2/s, m rad/s, rad^2/s. Nothing before the first increment.
   std::optional<Eigen::Matrix3d> rate() const;
   /// The newest increments are open, and too few to count.

@@ -19,9 +19,10 @@
 // eta_rate = (eta_k - eta_k-n) / (t_k - t_k-n), n = rate_window_samples (article: 1); time to failure =
 // (threshold - eta) / eta_rate. Three samples after t1 are needed; before: unknown. eta >= threshold: reached.
 // eta_rate = 0: beyond the horizon.
-// Failure: ignored is a sample before t1 or start(), one that is not min_interval_s after the last (start anew if time
-// jumped back), and one with a value that is not finite, a negative sigma or an absurd one (> 1e6 rad). After more than
-// max_gap_s a sample is a first one again: eta is kept, the rate is unknown. eta never falls and is never NaN.
+// Failure: a sample is ignored if it comes before t1 or start(), if it is not min_interval_s after the last one (after
+// a jump back in time, call start() again), or if a value is not finite, negative (sigma) or absurd (sigma > 1e6 rad).
+// After more than max_gap_s a sample counts as the first: eta is kept, the rate is unknown. eta never falls and is
+// never NaN.
 // Cost: O(1).
 #pragma once
 
@@ -66,7 +67,7 @@ class FailAwareIndicator {
   void stop() { *this = FailAwareIndicator(params_); }
   bool started() const { return start_stamp_s_.has_value(); }
 
-  void update(double stamp_s, double sigma_yaw_rad, double speed_mps = 0.0);
+  void update(double stamp_s, double sigma_yaw_rad, double speed_mps);
 
   double eta() const { return eta_; }     ///< rad; 0 until three samples came
   std::optional<double> etaRate() const;  ///< rad/s, >= 0; nothing: unknown

@@ -3,7 +3,7 @@
 // Where the scenery changes from sweep to sweep, so does the prediction: a niche in a tunnel's wall, seen for a second,
 // makes it jump up and, behind the niche, down again. A planner needs the fall without delay; a rise can wait. With
 // three seconds the time jumps more often, with seven it is no calmer (58 drives).
-// Unknown: passed on, and the times before it do not count. Cost: none to speak of.
+// Unknown: passed on, and the times before it do not count. Cost: negligible.
 #pragma once
 
 #include <algorithm>

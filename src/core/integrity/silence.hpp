@@ -24,12 +24,12 @@ struct SilenceParams {
   void checkRules() const;
 };
 
-/// `period_s`: from the last filter state but one to the last.
+/// `period_s`: between the last two filter states.
 double staleAfter_s(const SilenceParams& params, double period_s);
 
-/// What is said from then on, until the next filter state: failed, now; the two times that it is made of are unknown,
-/// since nobody computes them, as is the protection level. Eta and the sigmas stay those of `last`, what was said of
-/// the last filter state.
+/// The output from then on, until the next filter state: FAILED, and the time to failure is 0. The two times that it is
+/// made of and the protection level are unknown, because nothing computes them. Eta and the sigmas stay those of
+/// `last`, the output of the last filter state.
 MonitorOutput staleOutput(MonitorOutput last);
 
 }  // namespace fail_aware

@@ -1,8 +1,8 @@
-// A sweep's points that stand above the ground: what is upright gives a horizontal motion away, at any distance, where
-// ground does not (its scan lines travel with the sensor). Not in the article.
+// A sweep's points that stand above the ground: what is upright shows a horizontal motion at any distance, and ground
+// does not (its scan lines travel with the sensor). Not in the article.
 //
 // A point stands if it is `min_height_m` above the lowest of its column. Each carries its place, a cell of the
-// horizontal plane: what counts places, not points, is not led by the one thing that is near.
+// horizontal plane: a sum over places, not points, is not dominated by a single near object.
 // Frames: all points in the frame of the input, z up. Cost: two hash probes a point.
 #pragma once
 

@@ -48,13 +48,13 @@ void LocalMap::add(const std::vector<Eigen::Vector3f>& points_cog, const Pose& T
   }
 }
 
-void LocalMap::redeskewFirst(const Vector6d& twist_cog, double middle_s) {
+void LocalMap::redeskewFirstTo(const Vector6d& twist_cog, double middle_s) {
   if (!only_first_ || first_cloud_.compensated) return;
   RegistrationCloud first = first_cloud_;
   // if the time field of the first sweep failed, its timing had no earlier sweep to follow; all sweeps of a head have
   // the same times relative to their stamps
   const double shift_s = first.middle_s - middle_s;
-  first.redeskew(twist_cog, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
+  first.redeskewBy(twist_cog, std::abs(shift_s) > kOtherReference_s ? shift_s : 0.0);
   clearPoints();
   add(first.map_points_cog, T_odom_cog_first_);
   above_ground_.keep(first.map_points_cog, T_odom_cog_first_, first.stamp_s);

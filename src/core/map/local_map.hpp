@@ -46,7 +46,7 @@ class LocalMap {
 
   /// Deskews the first sweep for the motion that was unknown, if it is alone in the map and was not compensated.
   /// middle_s: middle of the second sweep's times.
-  void redeskewFirst(const Vector6d& twist_cog, double middle_s);
+  void redeskewFirstTo(const Vector6d& twist_cog, double middle_s);
 
   /// For a new drive; the reset count of odom is kept.
   void reset();

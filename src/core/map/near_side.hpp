@@ -1,8 +1,8 @@
-// The near side of what stands (not in the paper).
+// The near side of upright objects (not in the paper).
 //
 // A lidar sees the side of a post, a trunk or a bush that faces it. While the vehicle passes, that side moves around
-// the object in the direction of travel. Two sweeps whose near sides are matched as if they were one place give a way
-// that is too short (doc/parts.md, "Near sides"). The edge of a house, which looks like a post, does not move around.
+// the object in the direction of travel. If the near sides of two sweeps are matched as one place, the distance driven
+// becomes too short (doc/parts.md, "Near sides"). The edge of a house, which looks like a post, does not move around.
 // Units m; directions: horizontal unit vectors in odom, from the centre of gravity to the object.
 #pragma once
 

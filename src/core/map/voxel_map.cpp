@@ -8,10 +8,10 @@ namespace fail_aware {
 
 namespace {
 
-constexpr float kNowhere = 1e18f;  // a coordinate of what is no point, m; its distance is finite and beyond any limit
-constexpr double kUpright = 0.8;   // cosine of a post's tilt; a single scan line, thin too, lies flatter
+constexpr float kNowhere = 1e18f;  // m, coordinate of an unused slot: its distance is finite and beyond any limit
+constexpr double kUpright = 0.8;   // cosine of a post's largest tilt; a single scan line, also thin, lies flatter
 
-/// False for what is not finite or has no voxel: |v| >= 1e9.
+/// False for a point that is not finite, or that has no voxel: |v| >= 1e9.
 bool isInReach(const Eigen::Vector3d& scaled) { return scaled.squaredNorm() < 1e18; }
 
 }  // namespace

@@ -4,9 +4,9 @@
 // A voxel's points and statistics are floats relative to its own centre, so precision does not depend on how far the
 // vehicle has driven. Statistics are summed over every inserted point until `max_samples`, then frozen. Early freezing
 // and large voxels leave a bias: what is seen first is the side that faces the oncoming vehicle, later points lie
-// deeper, and the estimate falls short along the way (0.2 m per km at 1 m and 200 samples). Insertion costs about 40 ns
-// a point, a plane query one to four probes of about 15 ns, a nearest-point query one to eight and the distances in
-// their voxels; probes that a Neighborhood remembers cost next to nothing.
+// deeper, and the estimated distance becomes too short (0.2 m per km at 1 m and 200 samples).
+// Insertion costs about 40 ns a point, a plane query one to four probes of about 15 ns, a nearest-point query one to
+// eight and the distances in their voxels; probes that a Neighborhood remembers cost next to nothing.
 // Reading from several threads at once is safe, with a Neighborhood for each; inserting is not.
 #pragma once
 
@@ -65,8 +65,9 @@ class VoxelMap {
   VoxelMap() : VoxelMap(Params{}) {}
   explicit VoxelMap(const Params& params);
 
-  /// Room for so many voxels, whose growth copies no points and planes then (the index grows as it does). A page that
-  /// nothing was written to is no memory yet: 280 bytes of address space a voxel.
+  /// Reserves memory for the points and planes of this many voxels, so that they are not copied while the map grows
+  /// (the index still grows). It costs 280 bytes of address space a voxel; the system provides memory when it is
+  /// written to.
   void reserve(std::size_t voxels);
 
   /// Adds points, seen from the origin of T_odom_points and moved into odom by it, and refits the planes that changed.

@@ -100,8 +100,8 @@ CorrectionStatus correctSweep(const SweepCorrectionParams& params, const Sweep& 
   return CorrectionStatus::kCorrected;
 }
 
-bool redeskew(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
-              const Vector6d& delta_twist_lidar) {
+bool redeskewBy(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
+                const Vector6d& delta_twist_lidar) {
   const std::vector<float>& times_s = times_relative_to_stamp_s;
   if (times_s.empty() || times_s.size() != points_lidar.size() || !asArray(times_s).allFinite()) return false;
   if (!isUsable(delta_twist_lidar)) return false;

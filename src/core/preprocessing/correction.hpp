@@ -45,7 +45,7 @@ struct SweepCorrectionParams {
 Vector6d lidarTwist(const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, const Pose& T_cog_lidar, double dt_s);
 
 /// `out` holds the sweep's points and rings in the same order, and the given times or none (kOff, kBadTimes). With
-/// kNoMotion the times are kept, so that `redeskew` can remove the motion once it is known.
+/// kNoMotion the times are kept, so that `redeskewBy` can remove the motion once it is known.
 CorrectionStatus correctSweep(const SweepCorrectionParams& params, const Sweep& sweep,
                               const std::vector<float>& times_relative_to_stamp_s, const Pose& T_odom_cog_begin,
                               const Pose& T_odom_cog_end, double dt_s, const Pose& T_cog_lidar, CorrectedSweep& out);
@@ -54,7 +54,7 @@ CorrectionStatus correctSweep(const SweepCorrectionParams& params, const Sweep& 
 /// delta = refined twist - twist used. Exact to first order: the error is about s^2/2 (|delta_w| |u| + |w| |delta_u|),
 /// under 1 mm in a half sweep for 20 m/s and a refinement of 0.02 rad/s. (Correcting by minus the used twist and then
 /// by the refined one is exact.) False, points unchanged, if times or twist cannot be used.
-bool redeskew(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
-              const Vector6d& delta_twist_lidar);
+bool redeskewBy(std::vector<Eigen::Vector3f>& points_lidar, const std::vector<float>& times_relative_to_stamp_s,
+                const Vector6d& delta_twist_lidar);
 
 }  // namespace fail_aware

@@ -32,7 +32,7 @@ class HeldTiming {
 
   void keep(const std::optional<Head>& head) { head_ = head; }
 
-  /// The head that is kept turns the other way.
+  /// The head that is kept turns in the other direction.
   bool turnsAgainst(const Head& head) const { return head_ && head_->clockwise != head.clockwise; }
 
   /// False: no sweep was kept, or its azimuth did not follow its times. Times: relative to the stamp.

@@ -17,8 +17,8 @@ constexpr float kLowTop_m = 0.1f;  // above the sensor: hedges and cars end belo
 constexpr double kKernelSigmas = 3.0;
 constexpr double kEnoughOthers = 6.0;
 // The curvature ratio of the residuals (robust_kernel.hpp) is 0.55 to 0.85 where things stand upright. Hedges and banks
-// lean all ways: the residuals have no peak at zero, and the ratio is 0.2 to 0.4. Neighbouring looks see the same
-// scenery and share its error, so the variance grows with the cube of the inflation.
+// lean in all directions: the residuals have no peak at zero, and the ratio is 0.2 to 0.4. Neighbouring looks see the
+// same scenery and share its error, so the variance grows with the cube of the inflation.
 constexpr double kUsualCurvatureRatio = 0.5, kSharedLean = 3.0;
 // In towns 0.6 to 0.75 of the profiles are inliers; of those of hedges 0.02 to 0.3 are, and they agree by chance.
 constexpr double kUsualInlierRatio = 0.6, kLeastInlierRatio = 0.02, kAgreementByChance = 4.0;

@@ -4,14 +4,15 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/stamp_difference.hpp"
+
 namespace fail_aware {
 
 namespace {
 
 constexpr std::size_t kSample = 2000;       // number of values that the range is estimated from
 constexpr double kSoundRatio = 0.9;         // least ratio of the values that are times
-constexpr double kShortestSweep_s = 0.018;  // span of kSoundRatio of a sweep: 50 Hz
-constexpr double kLongestSweep_s = 1.0;
+constexpr double kShortestSweep_s = 0.018;  // kSoundRatio of kShortestPeriod_s
 constexpr double kCoarsestStep_s = 1e-3;
 constexpr double kLargestOwnTime_s = 2.0;  // times within a sweep are smaller, those of a clock larger
 constexpr std::size_t kStragglers = 1000;  // one point in this many, at each end
@@ -76,7 +77,7 @@ std::string inShort(double number) {
 /// nullptr: in no unit the span is that of a sweep.
 const Unit* unitFor(double span, TimeNumber type) {
   for (const Unit& unit : kUnits) {
-    if (span * unit.seconds >= kShortestSweep_s && span * unit.seconds <= kLongestSweep_s) return &unit;
+    if (span * unit.seconds >= kShortestSweep_s && span * unit.seconds <= kLongestPeriod_s) return &unit;
   }
   const Unit& usual = kUnits[type == TimeNumber::kInteger ? 3 : 0];
   return span * usual.seconds < kShortestSweep_s ? &usual : nullptr;

@@ -1,8 +1,8 @@
 // The measurement of the vertical reference (vertical_reference.hpp; not in the paper): an upright profile as linear
 // equations in the state. By beam b, the mean offset o_b along a horizontal direction m, at the height z_b; in odom,
 // tilted by (d_x, d_y) against gravity,
-//   o_b = const + z_b ((d_y + j_y) m_x - (d_x + j_x) m_y + e (m . away)) + g_b a_b + noise,   g_b = m . (direction of
-//   sight)
+//   o_b = const + z_b ((d_y + j_y) m_x - (d_x + j_x) m_y + e (m . away)) + g_b a_b + noise
+//   g_b = m . (direction of sight)
 // a_b is the error of the beam's ranges, e what the elevations of all beams have in common (it leans everything towards
 // the sensor or away from it, on all sides; a tilt leans one side towards and the other away), j what a single estimate
 // is off by. The constant is unknown and is eliminated. The less straight a profile is, the less its lean counts.
@@ -16,7 +16,7 @@
 
 namespace fail_aware {
 
-/// Where the state of the vertical reference has what.
+/// Index of each quantity in the state of the vertical reference.
 struct VerticalState {
   static constexpr Eigen::Index kTilt = 0;               ///< d: x, y, of the newest estimate
   static constexpr Eigen::Index kStart = 2;              ///< d_0: x, y, of the first one

@@ -45,13 +45,13 @@ double middleOf(const std::vector<float>& times_s) {
 
 }  // namespace
 
-void RegistrationCloud::redeskew(const Vector6d& delta_twist_cog, double still_s) {
+void RegistrationCloud::redeskewBy(const Vector6d& delta_twist_cog, double still_s) {
   if (map_times_s.empty()) return;
   std::vector<float> since_still_s;
   const auto move = [&](std::vector<Eigen::Vector3f>& points_cog, const std::vector<float>& times_s) {
     since_still_s = times_s;
     for (float& time_s : since_still_s) time_s -= static_cast<float>(still_s);
-    fail_aware::redeskew(points_cog, since_still_s, delta_twist_cog);
+    fail_aware::redeskewBy(points_cog, since_still_s, delta_twist_cog);
   };
   move(map_points_cog, map_times_s);
   move(plane_points_cog, plane_times_s);

@@ -36,7 +36,7 @@ struct RegistrationCloud {
 
   /// Moves all points for a refined motion: delta_twist_cog (m/s, rad/s) is the motion that the deskew missed. Points
   /// measured at still_s (relative to the stamp) do not move.
-  void redeskew(const Vector6d& delta_twist_cog, double still_s = 0.0);
+  void redeskewBy(const Vector6d& delta_twist_cog, double still_s = 0.0);
 };
 
 class RegistrationCloudBuilder {

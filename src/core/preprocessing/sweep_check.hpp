@@ -8,9 +8,8 @@
 // frozen          the points are, bit for bit, those of each of the last frozen_sweeps sweeps: a driver that repeats
 //                 itself (a simulator without noise does the same while the vehicle stands: 0 switches this off)
 // repeats         the points are those of the last sweep: nothing new to register, the sweep counts as empty
-// partial_start   the first sweep, and it is incomplete: a driver that begins in mid-revolution. Counts as empty: a
-// drive
-//                 that begins with it may find a wrong first motion
+// partial_start   the first sweep, and it is incomplete: a driver that begins in mid-revolution. Counts as empty:
+//                 a drive that begins with it may find a wrong first motion
 // time_jump       the stamp is more than max_gap_s after the last one, or before it
 // An empty sweep has none of the first three.
 // Input: raw points in the lidar's frame, m.

@@ -1,6 +1,6 @@
 // From a raw sweep to a corrected one: rings where they have to be found, vertical angle, azimuth, vertical reference,
-// time of each point, constant-twist correction, in this order. Before, the vertical reference looks at what came of
-// the last sweep, at its estimate.
+// time of each point, constant-twist correction, in this order. Before, the vertical reference learns from the
+// corrected points of the last sweep, at its estimate.
 // What the SweepCorrection nodelet holds. Cost: about 1 ms for 120 000 points, 6 ms with a look.
 #pragma once
 
@@ -25,7 +25,7 @@ struct SweepCorrectorReport {
   /// Middle of the points' times, s relative to the stamp; 0 if nothing was corrected. At this instant the sweep's
   /// place does not depend on the motion that was corrected for.
   double middle_s = 0.0;
-  double revolution_s = 0.0;  ///< of the head, as the points' times tell it (revolution.hpp); 0: they do not
+  double revolution_s = 0.0;  ///< of the head, from the points' times (revolution.hpp); 0: not known
   Eigen::Matrix2d tilt_moment = Eigen::Matrix2d::Zero();  ///< VerticalReference::tiltMoment()
 };
 
@@ -37,9 +37,9 @@ class SweepCorrector {
                  const VerticalReferenceParams& vertical_reference);
 
   /// `sweep` is changed by the corrections of its angles and by the vertical reference, and given rings where it has
-  /// none and its order tells them; points without a usable time are left out (TimingResult::outliers). The motion
+  /// none and its order shows them; points without a usable time are left out (TimingResult::outliers). The motion
   /// corrected for is that from the previous estimate to the prediction; in the first sweep, where there is none,
-  /// points stay and times are kept. `corrected`: before, what came of the last sweep.
+  /// points stay and times are kept. `corrected`: on input the corrected points of the last sweep.
   SweepCorrectorReport correct(Sweep& sweep, const SweepPrediction& prediction, const Pose& T_cog_lidar,
                                CorrectedSweep& corrected);
 
@@ -48,7 +48,7 @@ class SweepCorrector {
   /// One line: how the clouds contradict the timing's parameters (sweep_seam.hpp). Empty: they do not.
   std::string seamContradiction() const { return seam_.contradiction(); }
 
-  /// Everything anew.
+  /// Starts again as a new object does.
   void reset() {
     timing_.reset();
     seam_.reset();

@@ -15,9 +15,8 @@ namespace fail_aware {
 
 namespace {
 
-constexpr double kShortestPeriod_s = 0.02;  // 50 Hz: no known head rotates faster
 constexpr double kFieldLimitUnknownPeriod_s = 0.5;
-constexpr int kMostBackward = 100;  // sweeps in a row; then the head turns that way, whatever the parameters say
+constexpr int kMostBackward = 100;  // sweeps in a row; then the head turns backward, whatever the parameters say
 constexpr double kFieldLimitPeriods = 2.5;           // the field still times two revolutions in one cloud
 constexpr double kCoarsestFieldResolution_s = 1e-3;  // of an absolute time in a float
 constexpr double kZeroTolerance = 0.1;               // of the spread: a packet's points lie on both sides of its stamp

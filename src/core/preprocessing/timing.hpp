@@ -12,11 +12,11 @@
 // Units: point_times.hpp. A field that spans more than 2.5 periods is refused.
 // Missing and isolated times are outliers: NaN in the result, and counted; leave these points out. Up to a tenth of a
 // sweep's times may be outliers; with more the field is refused (not_finite, bad_scale).
-// Backward: a head does not turn the other way from one sweep to the next. Times that run against the earlier sweeps
+// Backward: a head does not change its direction from one sweep to the next. Times that run against the earlier sweeps
 // and against `clockwise` have the wrong sign, and are refused, for 100 sweeps at most.
 // Held: a sweep whose field fails (refused, absent, or all equal) takes the timing of the sweeps before it
-// (held_timing.hpp). If there is none, the sweep is timed by azimuth; `guessed()` tells a refused field from a field
-// that the driver leaves empty.
+// (held_timing.hpp). If there is none, the sweep is timed by azimuth; `guessed()` distinguishes a refused
+// field from a field that the driver leaves empty.
 // Azimuth: from the start azimuth, in the direction of rotation: fraction = (1 - yaw/pi)/2 for clockwise from the rear.
 // Known errors: a real head does not begin a sweep exactly at the start azimuth, so points within about one degree of
 // the seam may belong to the other end and be wrong by a whole period; and each laser's own azimuth offset (a few

@@ -38,7 +38,7 @@ struct UprightProfile {
   Kind kind;
   Eigen::Vector2d direction;  ///< horizontal unit vector
   /// horizontal unit vector from the sensor to the column; back to it if the sensor hangs: beams that point too high
-  /// then make things lean the other way
+  /// then make things lean in the other direction
   Eigen::Vector2d away;
   std::size_t first, size;  ///< of its beams
   float top_m;              ///< mean height of its highest beam, above the sensor
@@ -48,8 +48,8 @@ class UprightProfileFinder {
  public:
   static constexpr std::size_t kMaxBeams = 128;  ///< points of rings from here on are left out
 
-  /// rings: one a point, or empty: told by the elevations. ranges: by ring; what is not there is not corrected. While
-  /// the errors of the ranges are not known, points farther from a surface count as its points.
+  /// rings: one a point, or empty: found from the elevations. ranges: by ring; what is not there is not corrected.
+  /// While the errors of the ranges are not known, points farther from a surface count as its points.
   void find(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
             const std::vector<BeamRange>& ranges, const Eigen::Matrix3d& R_odom_lidar);
 

@@ -19,11 +19,11 @@ constexpr std::size_t kUsualBeams = 64;  // of sweeps without rings
 constexpr int kReweightings = 5;
 constexpr std::size_t kMinProfiles = 6;
 // A look changes e by sqrt(P_before - P_after), one sigma. One that changes it by more than three contradicts itself:
-// where hedges lean all ways, e became 0.44 deg in the first look, and the road rose by 6 m in 100 m.
+// where hedges lean in all directions, e became 0.44 deg in the first look, and the road rose by 6 m in 100 m.
 constexpr double kMostSigmas = 3.0, kRounding_rad2 = 1e-14;
-// The tilt since the start is corrected over this ratio of the way since then, within limits: near the start it is
-// known to some hundredths of a degree, later registration knows the tilt over 100 m better than what stands upright
-// tells.
+// The tilt since the start is corrected over this ratio of the distance since then, within limits: near the start it is
+// known to some hundredths of a degree, later registration knows the tilt over 100 m better than
+// upright objects show it.
 constexpr double kCorrectionRatio = 0.25, kShortestCorrection_m = 20.0, kLongestCorrection_m = 100.0;
 // The map still has e in it, so e is corrected over this distance; and by at most so many sigmas of the prior.
 constexpr double kElevationCorrection_m = 20.0, kMostElevationSigmas = 5.0;
@@ -212,8 +212,8 @@ void VerticalReference::update() {
     x_ = prior + gain * right;
   }
   const Eigen::Index e = VerticalState::kElevation;
-  const double change = x_[e] - prior[e], told = P_(e, e) - gain(e, e);
-  const bool contradicts = change * change > kMostSigmas * kMostSigmas * std::max(told, 0.0) + kRounding_rad2;
+  const double change = x_[e] - prior[e], learnt = P_(e, e) - gain(e, e);
+  const bool contradicts = change * change > kMostSigmas * kMostSigmas * std::max(learnt, 0.0) + kRounding_rad2;
   if (!x_.allFinite() || !gain.allFinite() || contradicts) {
     x_ = prior;
     return;

@@ -2,17 +2,18 @@
 //
 // The beams of a real head point a little off. Level road then looks bent; matched against a map that is bent alike
 // it turns into a false pitch of the same sign on every metre: most of what lidar odometry drifts in height. The road
-// cannot tell: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
+// cannot show it: ground curved by c, z = c h^2 / 2 at the horizontal distance h, and a pitch that drifts by -c a metre
 // are the same to a matcher. But house walls, trunks and poles stand upright.
 // Most of this drift comes from the error e that the elevations have in common (e > 0: the beams point higher than the
 // head says). It makes level road a cone, z = -e h, on which pitch drifts by q e a metre; q depends on what is in view.
-// What walls tell of e ends most of the drift.
+// The walls show e, and its correction ends most of the drift.
 //
 // From a sweep, every `look_every_m`, profiles are taken of what stands upright (upright_profiles.hpp). Their equations
 // (profile_equations.hpp) hold the tilt (d_x, d_y) of odom's axes against gravity, the errors a_b of the beams' ranges,
 // e that their elevations have in common, and j, what a single estimate is off by, another one at each look. Some
 // centimetres of a_b lean a wall by a degree, so they are found along with the tilt: walls are straight, and are met by
-// many beams at many distances. An extended Kalman filter over the way s holds d, e, q, the other drift o and all a_b:
+// many beams at many distances. An extended Kalman filter over the distance s holds d, e, q, the other drift o and all
+// a_b:
 //   dd/ds = (q e + o - response bend) pitch axis + noise
 // The pitch axis is horizontal, across the motion: how the sensor is turned on the vehicle does not matter.
 // The elevations of the next sweeps are raised by what is found of e, and e in the state becomes what is left. A bend
@@ -26,8 +27,8 @@
 // part of the odometry's covariance (estimation/vertical_drift.hpp).
 //
 // Failure is data: where nothing stands upright the sigmas grow as the walk says; what was found before is still
-// corrected. Profiles off by more than their sigmas hardly count, and where they lean all ways (hedges, banks), none
-// does (lean_weights.hpp).
+// corrected. Profiles off by more than their sigmas hardly count, and where they lean in all directions (hedges,
+// banks), none does (lean_weights.hpp).
 // Frames: points in the sensor's, tilt about odom's axes. Cost: apply 0.25 ms for 120 000 points, a look 5 ms; from 10
 // m/s on each sweep has one.
 #pragma once
@@ -90,7 +91,6 @@ class VerticalReference {
     double curvature_deg_per_m = 0.0;
   };
 
-  VerticalReference() : VerticalReference(Params()) {}
   /// sigma_elevation_deg: initial sigma of the error that the elevations have in common.
   explicit VerticalReference(const Params& params,
                              double sigma_elevation_deg = VerticalAngleCorrectionParams().sigma_deg);
@@ -99,7 +99,7 @@ class VerticalReference {
   void apply(std::vector<Eigen::Vector3f>& points_lidar) const;
 
   /// Learns from a sweep that was given to apply() and then corrected for motion. Every sweep, in order. rings: one a
-  /// point, or empty: told by the elevations.
+  /// point, or empty: found from the elevations.
   /// `odom_reset_count`: another one than the last sweep's is another odom (SweepPrediction's); what was known of the
   /// tilt about the last one's axes ends, what the sensor does (drift, errors of the beams) stays.
   void observe(const std::vector<Eigen::Vector3f>& points_lidar, const std::vector<std::uint16_t>& rings,
@@ -111,7 +111,7 @@ class VerticalReference {
   /// not corrected yet, and how well that is known. Grows where nothing stands upright; 0 before the first sweep.
   const Eigen::Matrix2d& tiltMoment() const { return tilt_moment_; }
 
-  /// Everything anew.
+  /// Starts again as a new object does.
   void reset();
 
  private:
@@ -140,7 +140,7 @@ class VerticalReference {
   std::optional<Eigen::Vector3d> last_position_odom_;     ///< counted last
   Eigen::Vector2d pitch_axis_ = Eigen::Vector2d::Zero();  ///< across the motion, to the left of it
   double since_look_m_ = 0.0, since_start_m_ = 0.0;
-  std::size_t beams_ = 0;  ///< of the head, as rings tell; 0: they do not
+  std::size_t beams_ = 0;  ///< of the head, from the rings; 0: not known
   int odom_reset_count_ = 0;
 };
 

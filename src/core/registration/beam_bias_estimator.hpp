@@ -3,18 +3,18 @@
 // A head's calibration leaves some centimetres of range error and a tenth of a degree of elevation error on each of its
 // lasers, the same for months.
 // Range: the walls of the map become thick by it, and since a thing that comes nearer wanders from beam to beam, the
-// way becomes too long or too short: by 1e-4 to 4e-4 with simulated heads. Found from the map's upright planes.
+// distance becomes too long or too short: by 1e-4 to 4e-4 with simulated heads. Found from the map's upright planes.
 // Elevation: each beam meets flat ground at one distance, so its error is a ring of false height that travels with the
 // vehicle, and the pose's pitch and roll wander by it. The beams about the horizon meet banks, hedges and roofs
 // instead; a false height on a bank is a false distance to the side, and the heading wanders by it. Found from all
 // planes that are not upright.
 //
-// What the planes are missed by, beam by beam, tells how the beams differ (beam_offsets.hpp). Of the ranges the common
+// What the planes are missed by, beam by beam, shows how the beams differ (beam_offsets.hpp). Of the ranges the common
 // part is not sought. Of the elevations all that varies smoothly with the distance on the ground is not sought: a
 // common error, a false height of the lidar, a bend of the road; vertical_reference.hpp finds these from what stands
 // upright.
 //
-// A sweep without rings is not corrected: its beams cannot be told apart. The corrections use the head's pose at the
+// A sweep without rings is not corrected: its beams cannot be distinguished. The corrections use the head's pose at the
 // stamp, which differs by some degrees from its pose when the beam was sent.
 // Cost: one nearest plane a point, 0.5 ms a sweep.
 #pragma once

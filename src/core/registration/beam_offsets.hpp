@@ -1,6 +1,6 @@
 // One unknown offset per beam of the head, each with its own Kalman filter (not in the paper).
 //
-// A sweep's residuals against the map tell how the beams differ. They do not tell what all beams have in common: the
+// A sweep's residuals against the map show how the beams differ. They do not show what all beams have in common: the
 // map is made of the same beams and errs alike. So the patterns over the beams that the map shares are taken out of
 // each observation, and a part of what is known is forgotten with each one, so that these patterns do not grow
 // unobserved. Units: those of the offset; residuals in m, sensitivities in m per unit of the offset.

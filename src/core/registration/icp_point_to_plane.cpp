@@ -9,13 +9,6 @@ namespace fail_aware {
 
 namespace {
 
-NormalEquations linearize(const Pose& T_odom_cog, double kernel_m, PlanePairs& pairs) {
-  NormalEquations equations;
-  pairs.forEach(T_odom_cog, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
-  equations.H = equations.H.selfadjointView<Eigen::Lower>();
-  return equations;
-}
-
 /// The weakest horizontal direction; nullopt where every horizontal direction is well observed.
 std::optional<WeakHorizontal> weakHorizontal(const NormalEquations& equations, const InformationSupport::Params& params,
                                              const Pose& T_odom_cog, double kernel_m, PlanePairs& pairs) {
@@ -45,7 +38,7 @@ Measurement IcpPointToPlane::align(const std::vector<Eigen::Vector3f>& points_co
   double kernel_m = std::max(params_.initial_kernel_m, params_.kernel_m);
   std::optional<WeakHorizontal> weak;
   for (result.iterations = 1; result.iterations <= params_.max_iterations; ++result.iterations) {
-    equations = linearize(T, kernel_m, pairs);
+    equations = pairs.linearize(T, kernel_m);
     if (static_cast<int>(equations.inliers) < params_.min_inliers) {
       result.status = MeasurementStatus::kTooFewPoints;
       return result;

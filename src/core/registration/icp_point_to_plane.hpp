@@ -18,7 +18,8 @@
 // beams without errors: 5 deg within 60 m). So a residual counts less the farther it is from the points across their
 // line (`scan_line_sigma_m`).
 //
-// Directions that the patches do not observe stay at the prediction and get `weak_sigma` in R (status says how many).
+// Directions that the patches do not observe stay at the prediction and get `weak_sigma` in R (`degenerate_directions`
+// says how many).
 #pragma once
 
 #include <Eigen/Core>
@@ -52,7 +53,7 @@ class IcpPointToPlane {
     double ground_weight = 0.3;  ///< of ground-like patches against the others, see above
     /// Likewise in the ratios of information (min_information_ratio): ground is always in view and must not hide that
     /// little else is. The thresholds of these ratios are found with this value.
-    double ground_share = 0.1;
+    double ground_information_weight = 0.1;
     double range_weight_m = 20.0;  ///< weights grow as range / this; 0: all alike
     int max_iterations = 15;
     /// converged below this step and step_rotation_deg: well below the accuracy

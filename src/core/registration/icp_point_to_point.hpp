@@ -70,7 +70,7 @@ class IcpPointToPoint {
     /// residuals with less curvature than this ratio inflate R (robust_kernel.hpp); 0: none do
     double usual_curvature_ratio = 0.75;
     /// factor on the sigma of roll and pitch: a point's nearest neighbour follows the guess, and of a change that the
-    /// guess misses a fifth remains, more than the residuals tell
+    /// guess misses a fifth remains, more than the residuals show
     double tilt_sigma_factor = 4.0;
     InformationSupport::Params support;
     ObservabilityParams observability;
@@ -103,7 +103,7 @@ class IcpPointToPoint {
 
   explicit IcpPointToPoint(const Params& params) : params_(params) {}
 
-  /// The seed poses for a prediction whose state (x, y, z, roll, pitch, yaw) has covariance P.
+  /// The seed poses for a prediction. `predicted_covariance`: SweepPrediction::covariance.
   std::vector<Pose> seeds(const Pose& T_odom_cog_predicted, const Matrix6d& predicted_covariance) const;
 
   /// points_cog: m, frame of the centre of gravity at the sweep's stamp. `tracks`: optional output, one per seed, in

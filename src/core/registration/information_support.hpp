@@ -5,7 +5,7 @@
 // `cell_m`) counts for more than `max_place_ratio` of all the information that counts.
 //
 // The normals of the walls and rails along a road are tilted by chance, some forwards, some backwards, and seem to
-// observe the way along it. Therefore what a place has by chance does not count.
+// observe the motion along it. Therefore what a place has by chance does not count.
 // Cost: about 20 ns per point; used only where a direction is weakly observed.
 #pragma once
 

@@ -22,7 +22,7 @@ using Directions = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
 
 // The spectrum of the information in units of one length (rotation columns divided by the lever), what of it is
-// observed, and which equations tell of it.
+// observed, and which equations observe it.
 struct Observed {
   Vector6d eigenvalues;
   Matrix6d eigenvectors;
@@ -86,7 +86,7 @@ Matrix6d covarianceObserved(const NormalEquations& equations, double scale, cons
   const double weak_rotation_m = params.weak_sigma_deg * kDegree * params.lever_m;
   Matrix6d covariance = Matrix6d::Zero();
   for (int i = 0; i < 6; ++i) {
-    // the direction's own share of rotation decides which weak sigma it gets; both are in metres here
+    // the rotation's part of the direction decides which weak sigma it gets; both are in metres here
     const double rotation_ratio = observed.eigenvectors.col(i).tail<3>().squaredNorm();
     const double weak_variance = (1.0 - rotation_ratio) * params.weak_sigma_m * params.weak_sigma_m +
                                  rotation_ratio * weak_rotation_m * weak_rotation_m;

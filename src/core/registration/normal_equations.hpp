@@ -17,7 +17,7 @@ namespace fail_aware {
 struct ObservabilityParams {
   /// a rotation dr moves points at this distance by lever_m * dr: a usual range of points
   double lever_m = 10.0;
-  double min_information_ratio = 0.01;  ///< a direction with a smaller share of the total weight is not observed
+  double min_information_ratio = 0.01;  ///< a direction with a smaller ratio of the total weight is not observed
   /// Where an observed direction has less than this, steps, too, are made of the information alone: sliding residuals
   /// would outweigh it.
   double min_sliding_ratio = 0.03;

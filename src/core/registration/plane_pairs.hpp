@@ -1,5 +1,5 @@
 // The pairs of a sweep's points and the map's plane patches for the point-to-plane registrations
-// (icp_point_to_plane.hpp; paper, section "Multiplex General ICP"): which pairs count, and with which weight.
+// (icp_point_to_plane.hpp; paper, section "Normal Filtering ICP"): which pairs count, and with which weight.
 #pragma once
 
 #include <Eigen/Core>
@@ -56,14 +56,15 @@ struct PlanePair {
   double residual_m = 0.0;
   double kernel_weight = 0.0, kernel_curvature = 0.0;
   double weight = 0.0;  ///< kernel weight over the variance
-  double share = 0.0;   ///< the weight as it counts in ratios of information: ground by `ground_share`
+  /// The weight in ratios of information: that of ground is multiplied by `ground_information_weight`.
+  double information_weight = 0.0;
 
   void addTo(NormalEquations& equations) const {
     equations.H.selfadjointView<Eigen::Lower>().rankUpdate(J, weight);
     equations.b -= weight * residual_m * J;
-    equations.weight += share;
+    equations.weight += information_weight;
     equations.weight_unscaled += kernel_weight;
-    equations.curvature += share * kernel_curvature;
+    equations.curvature += information_weight * kernel_curvature;
     equations.squared_error += kernel_weight * residual_m * residual_m;
     ++equations.inliers;
   }
@@ -114,13 +115,21 @@ class PlanePairs {
       pair.kernel_curvature = gemanMcClureCurvature(r * r, r * r, kernel2);
       pair.weight = pair.kernel_weight / (point_variance + plane.variance + tiltVariance(match));
       if (params_.range_weight_m > 0.0) pair.weight *= static_cast<double>(q.norm()) / params_.range_weight_m;
-      pair.share = pair.weight;
+      pair.information_weight = pair.weight;
       if (filter_.isGround(plane.normal)) {
         pair.weight *= params_.ground_weight;
-        pair.share *= params_.ground_share;
+        pair.information_weight *= params_.ground_information_weight;
       }
       take(pair, i);
     }
+  }
+
+  /// Of points that keep their deskew.
+  NormalEquations linearize(const Pose& T_odom_cog, double kernel_m) {
+    NormalEquations equations;
+    forEach(T_odom_cog, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) { pair.addTo(equations); });
+    equations.H = equations.H.selfadjointView<Eigen::Lower>();
+    return equations;
   }
 
  private:

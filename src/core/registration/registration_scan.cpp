@@ -2,8 +2,8 @@
 
 namespace fail_aware {
 
-void RegistrationScan::redeskew(const Vector6d& other_twist_cog, double still_s) {
-  cloud.redeskew(other_twist_cog - twist_cog, still_s);
+void RegistrationScan::redeskewTo(const Vector6d& other_twist_cog, double still_s) {
+  cloud.redeskewBy(other_twist_cog - twist_cog, still_s);
   twist_cog = other_twist_cog;
 }
 
@@ -12,7 +12,7 @@ void RegistrationScanBuilder::build(const CorrectedSweep& sweep, const SweepPred
   builder_.build(sweep, T_cog_lidar, scan.cloud, beam_bias_estimator_.bias());
   scan.T_cog_lidar = T_cog_lidar;
   scan.twist_cog.setZero();
-  if (prediction.dt_s > 0.0) scan.twist_cog = logSe3(prediction.T_previous_now()) / prediction.dt_s;
+  if (!prediction.isFirst()) scan.twist_cog = logSe3(prediction.T_previous_now()) / prediction.dt_s;
   scan.usable = static_cast<int>(scan.cloud.map_points_cog.size()) >= builder_.params().min_points;
 }
 

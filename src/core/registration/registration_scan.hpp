@@ -21,7 +21,7 @@ struct RegistrationScan {
   bool usable = false;  ///< false: too few points in range, the sweep cannot be registered
 
   /// Deskews the cloud for another motion. Points measured at still_s (relative to the stamp) do not move.
-  void redeskew(const Vector6d& other_twist_cog, double still_s);
+  void redeskewTo(const Vector6d& other_twist_cog, double still_s);
 };
 
 class RegistrationScanBuilder {

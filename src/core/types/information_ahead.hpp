@@ -1,4 +1,4 @@
-// What a sweep tells of the road ahead (registration/look_ahead.hpp).
+// What a sweep shows of the road ahead (registration/look_ahead.hpp).
 #pragma once
 
 #include <cmath>

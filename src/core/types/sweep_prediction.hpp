@@ -21,6 +21,7 @@ struct SweepPrediction {
   int odom_reset_count = 0;                             ///< as in FilterState
   double set_back_s = 0.0;                              ///< from SweepTime
 
+  bool isFirst() const { return !(dt_s > 0.0); }  ///< of the drive
   bool motionKnown() const { return motion_status != MotionStatus::kUnknown; }
   double time_s() const { return stamp_s - stamp_error_s; }
   Pose T_previous_now() const { return T_odom_cog_previous.inverse() * T_odom_cog; }

@@ -178,11 +178,10 @@ TEST(RoadProfileOdometry, WaitsForEnoughSweepsAndForgetsOldOnes) {
   RoadProfileOdometry::Params params;
   RoadProfileOdometry relief(params);
   EXPECT_FALSE(drive(relief, tunnel, 13.0, params.min_sweeps - 1).has_value());
-  EXPECT_EQ(relief.sweeps(), static_cast<std::size_t>(params.min_sweeps - 1));
+  EXPECT_TRUE(drive(relief, tunnel, 13.0, params.window_sweeps + 3).has_value());
   relief.clear();
-  EXPECT_EQ(relief.sweeps(), 0u);
-  drive(relief, tunnel, 13.0, params.window_sweeps + 3);
-  EXPECT_EQ(relief.sweeps(), static_cast<std::size_t>(params.window_sweeps));
+  EXPECT_FALSE(relief.findSpeed().has_value());
+  EXPECT_FALSE(drive(relief, tunnel, 13.0, params.min_sweeps - 1).has_value());
 }
 
 TEST(RoadProfileOdometry, AfterAGapItStartsAnew) {
@@ -205,7 +204,6 @@ TEST(RoadProfileOdometry, WithoutARoadItStartsAnew) {
   RoadProfileOdometry relief{RoadProfileOdometry::Params()};
   drive(relief, tunnel, 13.0, 5);
   relief.add(CorrectedSweep(), T_cog_lidar(), Vector6d::Zero(), Pose::Identity());
-  EXPECT_EQ(relief.sweeps(), 0u);
   EXPECT_FALSE(relief.findSpeed().has_value());
 }
 

@@ -29,7 +29,7 @@ Look lookOf(const Vector6d& twist_cog, const Vector6d& assumed_cog) {
   drive.twist_cog = twist_cog;
   const CorrectedSweep sweep = drive.sweep(0.0, 2);
   Look look{sweep.points_lidar, sweep.times_s};
-  redeskew(look.points_cog, look.times_s, assumed_cog);
+  redeskewBy(look.points_cog, look.times_s, assumed_cog);
   return look;
 }
 

@@ -299,16 +299,16 @@ TEST(IncrementRate, AveragesOverItsWindowPerSecond) {
   small(0, 0) = 0.01;
   small(1, 5) = small(5, 1) = 0.001;
   small(1, 1) = small(5, 5) = 0.002;
-  EXPECT_TRUE(rate.update(small, 0.125));
+  EXPECT_TRUE(rate.update(small, 0.125, false));
   EXPECT_NEAR((*rate.rate())(0, 0), 0.08, 1e-15);
   EXPECT_NEAR((*rate.rate())(1, 2), 0.008, 1e-15);
-  for (int i = 0; i < 8; ++i) EXPECT_TRUE(rate.update(3.0 * small, 0.125));
+  for (int i = 0; i < 8; ++i) EXPECT_TRUE(rate.update(3.0 * small, 0.125, false));
   EXPECT_NEAR((*rate.rate())(0, 0), 0.24, 1e-12);  // the first one has left
-  EXPECT_TRUE(rate.update(small, 4.0));            // longer than the window: alone
+  EXPECT_TRUE(rate.update(small, 4.0, false));     // longer than the window: alone
   EXPECT_NEAR((*rate.rate())(0, 0), 0.0025, 1e-15);
-  EXPECT_FALSE(rate.update(small, 0.0));
-  EXPECT_FALSE(rate.update(small, std::numeric_limits<double>::quiet_NaN()));
-  EXPECT_FALSE(rate.update(-small, 0.1));
+  EXPECT_FALSE(rate.update(small, 0.0, false));
+  EXPECT_FALSE(rate.update(small, std::numeric_limits<double>::quiet_NaN(), false));
+  EXPECT_FALSE(rate.update(-small, 0.1, false));
   EXPECT_NEAR((*rate.rate())(0, 0), 0.0025, 1e-15);
   rate.reset();
   EXPECT_FALSE(rate.rate());

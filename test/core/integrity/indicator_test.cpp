@@ -28,7 +28,7 @@ TEST(FailAwareIndicator, SumsSecondDifferences) {
   FailAwareIndicator indicator(paramsWith(1.0, 1));
   const double sigmas[] = {0.010, 0.012, 0.011, 0.015, 0.015};
   indicator.start(100.0);
-  for (int i = 0; i < 5; ++i) indicator.update(100.0 + 0.1 * i, sigmas[i]);
+  for (int i = 0; i < 5; ++i) indicator.update(100.0 + 0.1 * i, sigmas[i], 0.0);
   EXPECT_NEAR(indicator.eta(), 0.003 + 0.005 + 0.004, 1e-9);
   ASSERT_TRUE(indicator.etaRate());
   EXPECT_NEAR(*indicator.etaRate(), 0.004 / 0.1, 1e-6);
@@ -39,23 +39,23 @@ TEST(FailAwareIndicator, TheRateIsAveragedOverItsWindow) {
   FailAwareIndicator indicator(paramsWith(1.0, 2));
   const double sigmas[] = {0.010, 0.012, 0.011, 0.015, 0.015};
   indicator.start(0.0);
-  for (int i = 0; i < 5; ++i) indicator.update(0.1 * i, sigmas[i]);
+  for (int i = 0; i < 5; ++i) indicator.update(0.1 * i, sigmas[i], 0.0);
   EXPECT_NEAR(*indicator.etaRate(), (0.005 + 0.004) / 0.2, 1e-9);
 }
 
 TEST(FailAwareIndicator, NeedsThreeSamples) {
   FailAwareIndicator indicator(paramsWith(0.1, 5));
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kUnknown);
-  indicator.update(0.0, 0.01);
+  indicator.update(0.0, 0.01, 0.0);
   indicator.start(1.0);
-  indicator.update(0.9, 0.01);
-  indicator.update(1.0, 0.01);
+  indicator.update(0.9, 0.01, 0.0);
+  indicator.update(1.0, 0.01, 0.0);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kUnknown);
-  indicator.update(1.1, 0.01);
+  indicator.update(1.1, 0.01, 0.0);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kUnknown);
   EXPECT_EQ(indicator.timeToFailure().seconds, -1.0);
   EXPECT_FALSE(indicator.etaRate());
-  indicator.update(1.2, 0.011);
+  indicator.update(1.2, 0.011, 0.0);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kWithinHorizon);
 }
 
@@ -63,7 +63,7 @@ TEST(FailAwareIndicator, SteadySigmaIsBeyondTheHorizon) {
   for (const double slope : {0.0, 0.25}) {  // exact in binary at these stamps
     FailAwareIndicator indicator(paramsWith(0.001, 20));
     indicator.start(0.0);
-    for (int i = 0; i < 100; ++i) indicator.update(0.125 * i, slope * 0.125 * i);
+    for (int i = 0; i < 100; ++i) indicator.update(0.125 * i, slope * 0.125 * i, 0.0);
     EXPECT_EQ(indicator.eta(), 0.0);
     EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kBeyondHorizon);
     EXPECT_EQ(indicator.timeToFailure().seconds, 60.0);
@@ -77,10 +77,10 @@ TEST(FailAwareIndicator, TheThresholdsEdge) {
   params.reference_period_s = 0.125;
   FailAwareIndicator indicator(params);
   indicator.start(0.0);
-  for (int i = 0; i < 3; ++i) indicator.update(0.125 * i, sigmas[i]);
+  for (int i = 0; i < 3; ++i) indicator.update(0.125 * i, sigmas[i], 0.0);
   EXPECT_EQ(indicator.eta(), 0.25);
   EXPECT_EQ(indicator.timeToFailure().seconds, 0.125);
-  indicator.update(0.375, sigmas[3]);
+  indicator.update(0.375, sigmas[3], 0.0);
   EXPECT_EQ(indicator.eta(), 0.5);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kReached);
   EXPECT_EQ(indicator.timeToFailure().seconds, 0.0);
@@ -93,9 +93,9 @@ TEST(FailAwareIndicator, TheHorizonsEdge) {
     params.horizon_s = horizon;
     FailAwareIndicator indicator(params);
     indicator.start(0.0);
-    indicator.update(0.0, 0.0);
-    indicator.update(0.125, 0.0);
-    indicator.update(0.25, 0.25);  // 0.125 s left
+    indicator.update(0.0, 0.0, 0.0);
+    indicator.update(0.125, 0.0, 0.0);
+    indicator.update(0.25, 0.25, 0.0);  // 0.125 s left
     EXPECT_EQ(indicator.timeToFailure().status == TimeToFailureStatus::kBeyondHorizon, horizon == 0.125);
     EXPECT_EQ(indicator.timeToFailure().seconds, 0.125);
   }
@@ -112,7 +112,7 @@ TEST(FailAwareIndicator, ASmoothSigmaGivesTheSameAtAnySpacing) {
       FailAwareIndicator indicator(paramsWith(10.0, 20));
       indicator.start(0.0);
       for (double t = 0.0; t < duration; t += irregular ? period * jitter(random) : period) {
-        indicator.update(t, 0.01 + 0.002 * std::sin(w * t));
+        indicator.update(t, 0.01 + 0.002 * std::sin(w * t), 0.0);
       }
       EXPECT_NEAR(indicator.eta(), expected, 0.02 * expected) << period << irregular;
     }
@@ -148,8 +148,8 @@ TEST(FailAwareIndicator, TheTimeCountsFromTheLastStamp) {
   std::vector<double> reached_at_s;  // as told each sweep
   for (int i = 0; reached_s < 0.0 && i < 1000; ++i) {
     const double stamp_s = 0.1 * i;
-    indicator.update(stamp_s,
-                     0.1 * (1 + i / 10 % 2));  // each second's mean another one: eta grows by the same each second
+    // each second's mean another one: eta grows by the same each second
+    indicator.update(stamp_s, 0.1 * (1 + i / 10 % 2), 0.0);
     const TimeToFailure time = indicator.timeToFailure();
     if (time.status == TimeToFailureStatus::kReached) reached_s = stamp_s;
     if (time.status == TimeToFailureStatus::kWithinHorizon) reached_at_s.push_back(stamp_s + time.seconds);
@@ -167,15 +167,15 @@ TEST(FailAwareIndicator, StampsThatDoNotAdvanceAreIgnored) {
   without.start(0.0);
   for (int i = 0; i < 10; ++i) {
     const double sigma = 0.01 + 0.001 * (i % 3);
-    with.update(0.1 * i, sigma);
-    without.update(0.1 * i, sigma);
-    with.update(0.1 * i, 0.5);
-    with.update(0.1 * i + 0.001, 0.5);
-    if (i > 2) with.update(0.1 * i - 0.2, 0.5);
-    with.update(0.1 * i + 0.05, kNan);
-    with.update(0.1 * i + 0.05, -0.1);
-    with.update(kNan, 0.01);
-    with.update(kInfinity, 0.01);
+    with.update(0.1 * i, sigma, 0.0);
+    without.update(0.1 * i, sigma, 0.0);
+    with.update(0.1 * i, 0.5, 0.0);
+    with.update(0.1 * i + 0.001, 0.5, 0.0);
+    if (i > 2) with.update(0.1 * i - 0.2, 0.5, 0.0);
+    with.update(0.1 * i + 0.05, kNan, 0.0);
+    with.update(0.1 * i + 0.05, -0.1, 0.0);
+    with.update(kNan, 0.01, 0.0);
+    with.update(kInfinity, 0.01, 0.0);
   }
   EXPECT_EQ(with.eta(), without.eta());
   EXPECT_EQ(with.etaRate(), without.etaRate());
@@ -184,15 +184,15 @@ TEST(FailAwareIndicator, StampsThatDoNotAdvanceAreIgnored) {
 TEST(FailAwareIndicator, AGapKeepsEtaButNotTheRate) {
   FailAwareIndicator indicator(paramsWith(1.0, 5));
   indicator.start(0.0);
-  for (int i = 0; i < 5; ++i) indicator.update(0.1 * i, 0.01 + 0.001 * (i % 2));
+  for (int i = 0; i < 5; ++i) indicator.update(0.1 * i, 0.01 + 0.001 * (i % 2), 0.0);
   const double eta = indicator.eta();
   EXPECT_GT(eta, 0.0);
-  indicator.update(5.0, 0.3);
+  indicator.update(5.0, 0.3, 0.0);
   EXPECT_EQ(indicator.eta(), eta);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kUnknown);
-  indicator.update(5.1, 0.3);
+  indicator.update(5.1, 0.3, 0.0);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kUnknown);
-  indicator.update(5.2, 0.3);
+  indicator.update(5.2, 0.3, 0.0);
   EXPECT_EQ(indicator.eta(), eta);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kBeyondHorizon);
 }
@@ -200,11 +200,11 @@ TEST(FailAwareIndicator, AGapKeepsEtaButNotTheRate) {
 TEST(FailAwareIndicator, StartClearsAndStopForgets) {
   FailAwareIndicator indicator(paramsWith(0.001, 5));
   indicator.start(0.0);
-  for (int i = 0; i < 5; ++i) indicator.update(0.1 * i, 0.01 * (i % 2));
+  for (int i = 0; i < 5; ++i) indicator.update(0.1 * i, 0.01 * (i % 2), 0.0);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kReached);
   indicator.start(-5.0);  // a loop in the recording
   EXPECT_EQ(indicator.eta(), 0.0);
-  indicator.update(-5.0, 0.01);
+  indicator.update(-5.0, 0.01, 0.0);
   EXPECT_EQ(indicator.timeToFailure().status, TimeToFailureStatus::kUnknown);
   indicator.stop();
   EXPECT_FALSE(indicator.started());

@@ -81,11 +81,11 @@ TEST(LocalMap, TheFirstSweepIsRedeskewedWhileItIsAlone) {
   twist_cog[0] = 10.0;
   LocalMap map = makeLocalMap();
   map.insert(cloudAt(0.0, 0.05f), placeAt(0.0), 0.0, false);
-  map.redeskewFirst(twist_cog, 0.0);
+  map.redeskewFirstTo(twist_cog, 0.0);
   for (const Eigen::Vector3d& p : map.map().points()) EXPECT_NEAR(p.x(), 20.5, 1e-4);
   map.insert(cloudAt(0.1), placeAt(60.0), 0.1, false);
   const std::vector<Eigen::Vector3d> before = map.map().points();
-  map.redeskewFirst(twist_cog, 0.0);
+  map.redeskewFirstTo(twist_cog, 0.0);
   EXPECT_EQ(map.map().points(), before);
 }
 
@@ -96,7 +96,7 @@ TEST(LocalMap, ACompensatedFirstSweepStaysAsItCame) {
   cloud.compensated = true;
   LocalMap map = makeLocalMap();
   map.insert(cloud, placeAt(0.0), 0.0, false);
-  map.redeskewFirst(twist_cog, 0.0);
+  map.redeskewFirstTo(twist_cog, 0.0);
   for (const Eigen::Vector3d& p : map.map().points()) EXPECT_NEAR(p.x(), 20.0, 1e-5);
 }
 

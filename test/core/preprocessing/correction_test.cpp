@@ -231,13 +231,13 @@ TEST(SweepCorrection, RecorrectTakesOutTheResidualMotion) {
   EXPECT_GT(worstError(out.points_lidar, moving.truth_lidar), 0.04);
 
   std::vector<Eigen::Vector3f> first_order = out.points_lidar;
-  ASSERT_TRUE(redeskew(first_order, times_s, true_twist - twist_used));
+  ASSERT_TRUE(redeskewBy(first_order, times_s, true_twist - twist_used));
   EXPECT_LT(worstError(first_order, moving.truth_lidar), 1.5e-3);
 
   std::vector<Eigen::Vector3f> exact = out.points_lidar;
-  ASSERT_TRUE(redeskew(exact, times_s, -twist_used));
+  ASSERT_TRUE(redeskewBy(exact, times_s, -twist_used));
   EXPECT_LT((exact[100] - moving.sweep.points_lidar[100]).norm(), 1e-4f);
-  ASSERT_TRUE(redeskew(exact, times_s, true_twist));
+  ASSERT_TRUE(redeskewBy(exact, times_s, true_twist));
   EXPECT_LT(worstError(exact, moving.truth_lidar), 2e-4);
 }
 
@@ -248,8 +248,8 @@ TEST(SweepCorrection, RecorrectMakesUpForACorrectionWithoutMotion) {
   for (const double t : moving.times_from_start_s) times_s.push_back(static_cast<float>(t - kPeriod_s));
   CorrectedSweep out;
   correctSweep({}, moving.sweep, times_s, Pose::Identity(), Pose::Identity(), 0.0, drive.T_cog_lidar, out);
-  ASSERT_TRUE(
-      redeskew(out.points_lidar, out.times_s, lidarTwist(drive.cogAt(0.3), drive.cogAt(0.4), drive.T_cog_lidar, 0.1)));
+  ASSERT_TRUE(redeskewBy(out.points_lidar, out.times_s,
+                         lidarTwist(drive.cogAt(0.3), drive.cogAt(0.4), drive.T_cog_lidar, 0.1)));
   EXPECT_LT(worstError(out.points_lidar, moving.truth_lidar), 1e-3);
 }
 
@@ -259,10 +259,10 @@ TEST(SweepCorrection, RecorrectRefusesWhatItCannotUse) {
   const Vector6d twist = vector6(1, 0, 0, 0, 0, 0.1);
   Vector6d broken = twist;
   broken[4] = std::nan("");
-  EXPECT_FALSE(redeskew(points, {}, twist));
-  EXPECT_FALSE(redeskew(points, {0.1f}, twist));
-  EXPECT_FALSE(redeskew(points, {0.1f, std::numeric_limits<float>::infinity()}, twist));
-  EXPECT_FALSE(redeskew(points, {0.1f, 0.2f}, broken));
+  EXPECT_FALSE(redeskewBy(points, {}, twist));
+  EXPECT_FALSE(redeskewBy(points, {0.1f}, twist));
+  EXPECT_FALSE(redeskewBy(points, {0.1f, std::numeric_limits<float>::infinity()}, twist));
+  EXPECT_FALSE(redeskewBy(points, {0.1f, 0.2f}, broken));
   EXPECT_EQ(points, before);
 }
 

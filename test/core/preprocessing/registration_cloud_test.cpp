@@ -132,7 +132,7 @@ TEST(RegistrationCloud, RecorrectMovesEveryPointByItsTime) {
   RegistrationCloud after = before;
   Vector6d twist_cog;
   twist_cog << 12.0, 0.1, 0.0, 0.01, -0.02, 0.3;
-  after.redeskew(twist_cog);
+  after.redeskewBy(twist_cog);
   const auto expectMoved = [&](const Points& from, const Points& to, const std::vector<float>& times_s) {
     ASSERT_EQ(from.size(), to.size());
     double farthest = 0.0;
@@ -160,7 +160,7 @@ TEST(RegistrationCloud, RecorrectLeavesTheMiddleWhereItIs) {
   RegistrationCloud after = before;
   Vector6d twist_cog = Vector6d::Zero();
   twist_cog[0] = 12.0;
-  after.redeskew(twist_cog, -0.05);
+  after.redeskewBy(twist_cog, -0.05);
   ASSERT_EQ(before.map_points_cog.size(), after.map_points_cog.size());
   for (std::size_t i = 0; i < before.map_points_cog.size(); ++i) {
     const double moved_m = static_cast<double>(after.map_points_cog[i].x() - before.map_points_cog[i].x());
@@ -175,7 +175,7 @@ TEST(RegistrationCloud, WithoutTimesRecorrectChangesNothing) {
   RegistrationCloud cloud;
   RegistrationCloudBuilder(testParams()).build(sweep, Pose::Identity(), cloud);
   const Points before = cloud.map_points_cog;
-  cloud.redeskew(Vector6d::Constant(1.0));
+  cloud.redeskewBy(Vector6d::Constant(1.0));
   EXPECT_EQ(cloud.map_points_cog, before);
 }
 

@@ -139,7 +139,7 @@ TEST(SweepCorrector, InTheFirstSweepPointsStayAndTimesAreKept) {
 
   // with them the motion can still be taken out once it is known
   const Vector6d twist = lidarTwist(cogAt(0.0), cogAt(1.0), kT_cog_lidar, 1.0);
-  ASSERT_TRUE(redeskew(corrected.points_lidar, corrected.times_s, twist));
+  ASSERT_TRUE(redeskewBy(corrected.points_lidar, corrected.times_s, twist));
   EXPECT_LT(worstError(corrected.points_lidar, moving.truth_lidar), 2e-3);
 }
 

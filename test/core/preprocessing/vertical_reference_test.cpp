@@ -148,7 +148,7 @@ TEST(VerticalReference, MeasuresDriftAndTilt) {
 
 /// A sparse map of the first sweeps tilts: by some tenths of a degree within 12 m with 32 beams.
 TEST(VerticalReference, TiltOfTheNewMapIsKnownAndTakenBack) {
-  VerticalReference level;
+  VerticalReference level{VerticalReferenceParams()};
   Street street(Street::Head(), 5);
   const double response = VerticalReferenceParams().response;
   double pitch_deg = 0.0, largest_deg = 0.0;
@@ -263,7 +263,7 @@ TEST(VerticalReference, TiltMomentHoldsWhatIsNotCorrected) {
 }
 
 TEST(VerticalReference, TiltMomentGrowsWhereNothingStandsUpright) {
-  VerticalReference level;
+  VerticalReference level{VerticalReferenceParams()};
   double before = 0.0;
   for (int i = 0; i < 100; ++i) {
     level.observe({}, {}, tilted(i, 0.0));
@@ -296,7 +296,7 @@ TEST(VerticalReference, AnErrorOfAllElevationsIsTakenOffTheSweeps) {
   Street::Head head;
   head.elevation_rad = 0.25 * kDegree;
   for (const double drift_per_elevation : {0.01, 0.05}) {
-    VerticalReference level;
+    VerticalReference level{VerticalReferenceParams()};
     const double response = VerticalReferenceParams().response;
     Street street(head, 7);
     double pitch_deg = 0.0;
@@ -318,7 +318,7 @@ TEST(VerticalReference, AnErrorOfAllElevationsIsTakenOffTheSweeps) {
 TEST(VerticalReference, ElevationsAreRaisedOverSomeMetresWithinFiveSigmas) {
   Street::Head head;
   head.elevation_rad = 0.25 * kDegree;
-  VerticalReference level;
+  VerticalReference level{VerticalReferenceParams()};
   drive(level, 2, 0.0, 0.0, head);
   EXPECT_NEAR(raised_deg(level), level.report().elevation_deg / 20.0, 1e-4);
   EXPECT_GT(raised_deg(level), 0.001);
@@ -390,7 +390,7 @@ TEST(VerticalReference, SweepsWithoutRingsSufficeToo) {
 }
 
 TEST(VerticalReference, BendEndsTheDrift) {
-  VerticalReference level;
+  VerticalReference level{VerticalReferenceParams()};
   const double response = VerticalReferenceParams().response;
   const Drive result = drive(level, 300, 0.004, response);
   EXPECT_LT(result.worst_late_rad, 0.1 * kDegree);  // 1.2 deg without
@@ -399,7 +399,7 @@ TEST(VerticalReference, BendEndsTheDrift) {
 
 TEST(VerticalReference, BendEndsTheDriftHoweverTheSensorIsTurned) {
   for (const Way& way : {Way{180.0, false}, Way{90.0, false}, Way{-60.0, false}, Way{0.0, true}}) {
-    VerticalReference level;
+    VerticalReference level{VerticalReferenceParams()};
     const Drive result = drive(level, 300, 0.004, VerticalReferenceParams().response, Street::Head(), way);
     EXPECT_NEAR(level.report().drift_deg_per_m, 0.004, 0.001) << way.mount_yaw_deg << way.reverse;
     EXPECT_LT(result.worst_late_rad, 0.1 * kDegree) << way.mount_yaw_deg << way.reverse;
@@ -408,7 +408,7 @@ TEST(VerticalReference, BendEndsTheDriftHoweverTheSensorIsTurned) {
 
 /// The pose jitters while the vehicle stands: that is no way.
 TEST(VerticalReference, StandstillChangesNothing) {
-  VerticalReference level, other;
+  VerticalReference level{VerticalReferenceParams()}, other{VerticalReferenceParams()};
   drive(level, 50, 0.004, 1.0);
   drive(other, 50, 0.004, 1.0);
   const Street::Sweep sweep = Street(Street::Head(), 7).sweep();
@@ -437,7 +437,7 @@ TEST(VerticalReference, LowAndThickThingsCountLittle) {
 }
 
 TEST(VerticalReference, NothingUprightChangesNothing) {
-  VerticalReference level;
+  VerticalReference level{VerticalReferenceParams()};
   std::vector<Eigen::Vector3f> ground;
   for (float x = -30.0f; x < 30.0f; x += 0.5f) {
     for (float y = -30.0f; y < 30.0f; y += 0.5f) ground.emplace_back(x, y, -1.7f);
@@ -465,7 +465,7 @@ TEST(VerticalReference, BendIsBoundedAndRaisesWhatIsFar) {
 }
 
 TEST(VerticalReference, ResetBeginsAnew) {
-  VerticalReference once, again;
+  VerticalReference once{VerticalReferenceParams()}, again{VerticalReferenceParams()};
   drive(again, 200, 0.004, 1.0);
   again.reset();
   EXPECT_EQ(again.report().looks, 0u);
@@ -508,7 +508,7 @@ TEST(VerticalReference, AnotherOdomIsNoWayAndNoTilt) {
 }
 
 TEST(VerticalReference, BadInputIsHarmless) {
-  VerticalReference level;
+  VerticalReference level{VerticalReferenceParams()};
   const float nan = std::numeric_limits<float>::quiet_NaN();
   for (int i = 0; i < 20; ++i) {
     level.observe({{nan, 0.0f, 0.0f}, {1e30f, 1.0f, 0.0f}, {0.0f, 0.0f, 0.0f}}, {}, tilted(i, 0.0));

@@ -101,7 +101,7 @@ TEST(IcpPointToPlane, AStepIsThatOfFiniteDifferences) {
   params.max_iterations = 1;
   params.relaxed_convergence_factor = 1e6;
   params.kernel_m = params.initial_kernel_m = 0.3;
-  params.ground_weight = params.ground_share = 1.0;
+  params.ground_weight = params.ground_information_weight = 1.0;
   params.observability.min_information_ratio = 0.0;
   params.usual_curvature_ratio = params.scan_line_sigma_m = 0.0;
   const VoxelMap map = mapOf(room(), 1);

@@ -45,7 +45,7 @@ TEST(RegistrationScan, RedeskewsByWhatIsMissing) {
   scan.twist_cog[0] = 10.0;
   Vector6d faster = Vector6d::Zero();
   faster[0] = 15.0;
-  scan.redeskew(faster, -0.01);
+  scan.redeskewTo(faster, -0.01);
   EXPECT_NEAR(scan.cloud.map_points_cog[0].x(), 10.25, 1e-5);
   EXPECT_EQ(scan.twist_cog, faster);
 }

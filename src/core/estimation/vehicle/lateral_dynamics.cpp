@@ -23,11 +23,10 @@ LateralState solveLateralDynamics(const VehicleParameters& vehicle, const Latera
   const double wheelbase = l_f + l_r;
   const double v_x = motion.speed_x_mps;
 
-  LateralState state;
   const double lateral_force = vehicle.mass_kg * (motion.acceleration_y_mps2 + motion.yaw_rate_rad_s * v_x);
   const double yaw_moment = vehicle.inertia_z_kg_m2 * motion.yaw_acceleration_rad_s2;
-  state.force_front_n = (l_r * lateral_force + yaw_moment) / wheelbase;
-  state.force_rear_n = (l_f * lateral_force - yaw_moment) / wheelbase;
+  const double force_front_n = (l_r * lateral_force + yaw_moment) / wheelbase;
+  const double force_rear_n = (l_f * lateral_force - yaw_moment) / wheelbase;
 
   const double max_curvature = std::tan(kMaxSteeringAngle_rad) / wheelbase;
   const double curvature =
@@ -38,12 +37,12 @@ LateralState solveLateralDynamics(const VehicleParameters& vehicle, const Latera
   const double delta_kinematic = std::atan(wheelbase * curvature);
 
   const double rolling = v_x < 0.0 ? -1.0 : 1.0;
-  const double beta_dynamic =
-      l_r * curvature - rolling * state.force_rear_n / vehicle.cornering_stiffness_rear_n_per_rad;
+  const double beta_dynamic = l_r * curvature - rolling * force_rear_n / vehicle.cornering_stiffness_rear_n_per_rad;
   const double delta_dynamic =
-      beta_dynamic + l_f * curvature + rolling * state.force_front_n / vehicle.cornering_stiffness_front_n_per_rad;
+      beta_dynamic + l_f * curvature + rolling * force_front_n / vehicle.cornering_stiffness_front_n_per_rad;
 
   const double dynamic_ratio = smoothStep((std::abs(v_x) - kMinSpeed_mps) / kMinSpeed_mps);
+  LateralState state;
   state.beta_rad = beta_kinematic + dynamic_ratio * (beta_dynamic - beta_kinematic);
   state.delta_rad = delta_kinematic + dynamic_ratio * (delta_dynamic - delta_kinematic);
   return state;

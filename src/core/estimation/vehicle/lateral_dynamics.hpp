@@ -28,8 +28,6 @@ inline constexpr double kMaxSteeringAngle_rad = 0.7;
 struct LateralState {
   double beta_rad = 0.0;
   double delta_rad = 0.0;
-  double force_front_n = 0.0;
-  double force_rear_n = 0.0;
 };
 
 LateralState solveLateralDynamics(const VehicleParameters& vehicle, const LateralMotion& motion);

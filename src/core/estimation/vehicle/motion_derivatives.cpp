@@ -131,7 +131,7 @@ MotionDerivatives MotionHistory::derivatives() const {
 
 MotionDerivatives fading(const MotionDerivatives& motion, double dt_s) {
   constexpr double kAcceleration_s = 0.5, kTurnAcceleration_s = 0.25, kTilting_s = 0.5;  // how long they last
-  // the way of an acceleration that decays with `time_s`, against that of a constant one
+  // the distance of an acceleration that decays with `time_s`, against that of a constant one
   const auto lasting = [dt_s](double time_s) {
     return 2.0 * time_s / dt_s * (1.0 - time_s / dt_s * (1.0 - std::exp(-dt_s / time_s)));
   };

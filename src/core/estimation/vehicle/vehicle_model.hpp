@@ -69,12 +69,10 @@ class VehicleModel {
   /// Q for one step of dt_s; yaw_rad turns the x and y noise into odom (see `noise_in_body_axes`).
   Matrix6d processNoise(double dt_s, double yaw_rad) const;
 
-  /// beta, delta and the axle forces of this motion.
-  LateralState lateralState(const MotionDerivatives& motion) const;
-
   const VehicleParameters& vehicle() const { return vehicle_; }
 
  private:
+  LateralState lateralState(const MotionDerivatives& motion) const;
   Vector6d predictLiteral(const Vector6d& state, const MotionDerivatives& motion, double dt_s) const;
   Vector6d predictMended(const Vector6d& state, const MotionDerivatives& motion, double dt_s,
                          const RoadPlane& road) const;

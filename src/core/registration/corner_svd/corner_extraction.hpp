@@ -49,7 +49,7 @@ class CornerExtractor {
     double min_plane_height_m = 1.2;  ///< from the lowest to the highest of a plane's points
     double min_angle_deg = 45.0;      ///< smallest angle between two planes: paper
     double max_angle_deg = 135.0;     ///< largest angle between two planes: paper
-    /// of two corners nearer than this, the one with more points is kept: matching could not tell them apart
+    /// of two corners nearer than this, the one with more points is kept: matching could not distinguish them
     double min_corner_distance_m = 1.0;
     int seed = 1;  ///< seed of the random numbers: any constant, so that runs repeat
     RansacPlane::Params ransac;

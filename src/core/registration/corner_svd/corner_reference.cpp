@@ -10,8 +10,8 @@ namespace {
 // The mean of all sightings, `seen` being the newest; both corners at one height, planes in one order.
 Corner blended(const Corner& corner, const Corner& seen) {
   const int sightings = corner.sightings + 1;
-  const double share = 1.0 / sightings;
-  const auto mix = [&](const auto& a, const auto& b) { return ((1.0 - share) * a + share * b).eval(); };
+  const double ratio = 1.0 / sightings;
+  const auto mix = [&](const auto& a, const auto& b) { return ((1.0 - ratio) * a + ratio * b).eval(); };
   Corner mean = corner;
   mean.sightings = sightings;
   mean.sweeps_unseen = 0;
@@ -20,7 +20,7 @@ Corner blended(const Corner& corner, const Corner& seen) {
   mean.N = mean.M + Corner::kPlaneLength * mix((corner.N - corner.M).eval(), (seen.N - seen.M).eval()).normalized();
   for (std::size_t k = 0; k < 2; ++k) {
     mean.planes[k].normal = mix(corner.planes[k].normal, seen.planes[k].normal).normalized();
-    mean.planes[k].rms_m = (1.0 - share) * corner.planes[k].rms_m + share * seen.planes[k].rms_m;
+    mean.planes[k].rms_m = (1.0 - ratio) * corner.planes[k].rms_m + ratio * seen.planes[k].rms_m;
     mean.planes[k].points = seen.planes[k].points;
     mean.planes[k].rectangle = seen.planes[k].rectangle;
   }

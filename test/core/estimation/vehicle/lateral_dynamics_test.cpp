@@ -61,13 +61,6 @@ TEST(LateralDynamics, RecoversThemInReverse) {
   EXPECT_NEAR(state.delta_rad, 0.2, 1e-12);
 }
 
-TEST(LateralDynamics, AxleForcesBalanceForceAndMoment) {
-  const VehicleParameters vehicle;
-  const LateralState state = solveLateralDynamics(vehicle, {15.0, 0.7, 0.2, -0.4});
-  EXPECT_NEAR(state.force_front_n + state.force_rear_n, 1750.0 * (0.7 + 3.0), 1e-9);
-  EXPECT_NEAR(1.07 * state.force_front_n - 1.6 * state.force_rear_n, 2875.0 * -0.4, 1e-9);
-}
-
 TEST(LateralDynamics, BelowTheMinimumSpeedItIsKinematic) {
   const VehicleParameters vehicle;
   for (const double v_x : {0.5, -0.5}) {
