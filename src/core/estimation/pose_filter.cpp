@@ -18,12 +18,8 @@ namespace {
 
 constexpr double kInitialAcross_mps = 1.0;  // standard deviations until a motion is known
 constexpr double kInitialYawRate_rad_s = 0.3;
-constexpr int kSpeedKnown = -1;
-constexpr double kGuessed_mps = 5.0;        // sigma of the first speed: 2 m/s at most if a search found it, else 15
-constexpr int kManyGuessed = 10;            // sweeps: a guess over fewer is hardly in the map
 constexpr double kDoubtfulSpeed_mps = 1.0;  // standard deviations of a motion that was kept over several sweeps
 constexpr double kDoubtfulRate_rad_s = 0.1;
-constexpr int kLatestRepetition = 1000;  // sweeps between two searches for the first motion
 // Times the prediction's variance; with a larger variance a measurement leaves roll and pitch open.
 constexpr double kOpenVariance = 4.0;
 
@@ -76,8 +72,7 @@ void PoseFilter::reset(const Pose& T_odom_cog) {
   started_ = false;
   consistency_.clear();
   map_update_policy_.clear();
-  corrected_sweeps_ = guessed_sweeps_ = 0;
-  search_after_sweeps_ = kFirstRepetition;
+  first_motion_.reset();
   prediction_ = SweepPrediction();
   state_.odom_reset_count = std::exchange(state_, FilterState()).odom_reset_count;
   state_.T_odom_cog = T_odom_cog;
@@ -171,7 +166,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     state_ = next;
     return state_;
   }
-  if (next.measurement_applied || !started_) ++corrected_sweeps_;
+  if (next.measurement_applied || !started_) first_motion_.addMeasured();
   MapUpdatePolicy::Sweep sweep;
   sweep.dt_s = next.dt_s;
   sweep.motion_known = prediction_.motionKnown();
@@ -183,7 +178,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
   next.map_update = map.update;
   if (map.out_of_sight) consistency_.clear();
-  if (inflation.motion_lost) corrected_sweeps_ = guessed_sweeps_ = 0;
+  if (inflation.motion_lost) first_motion_.forget();
   const bool measured = next.measurement_applied || map.begins;
   started_ = true;
   state_ = next;
@@ -191,21 +186,9 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
   if (state_.dt_s > 0.0) state_.speed_error = motion_.deadReckoning().speedError();
   state_.motion_status = motionStatus();
-  if (mustSearchAgain()) loseMotion();
+  const double speed_mps = motion_.motion().velocity_body_mps.x();
+  if (first_motion_.mustSearchAgain(state_.motion_status, speed_mps, state_.speed_error)) loseMotion();
   return state_;
-}
-
-// Whether the first motion must be searched for again: a map that was made at a guessed speed (in a tunnel) later seems
-// to confirm it; and a standstill that nothing observes may be wrong (on highways).
-bool PoseFilter::mustSearchAgain() {
-  if (guessed_sweeps_ == kSpeedKnown || state_.motion_status == MotionStatus::kUnknown) return false;
-  if (state_.motion_status == MotionStatus::kDeadReckoning) {
-    const bool slow = std::abs(motion_.motion().velocity_body_mps.x()) < kGuessed_mps;
-    const bool found = guessed_sweeps_ == 0 && state_.speed_error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
-    guessed_sweeps_ = found && !slow ? kSpeedKnown : guessed_sweeps_ + 1;  // one that stood may have driven off
-    return guessed_sweeps_ >= search_after_sweeps_ && slow;
-  }
-  return std::exchange(guessed_sweeps_, kSpeedKnown) >= kManyGuessed;
 }
 
 void PoseFilter::loseMotion() {
@@ -213,13 +196,11 @@ void PoseFilter::loseMotion() {
   state_.motion_status = MotionStatus::kUnknown;
   state_.fusion.confirmed = false;
   consistency_.clear();
-  corrected_sweeps_ = 0;
-  search_after_sweeps_ = std::min(2 * search_after_sweeps_, kLatestRepetition);  // the vehicle may really stand
-  guessed_sweeps_ = 1;  // it was believed, so its variance is too small to tell whether the search finds another
+  first_motion_.searchAgain();
 }
 
 MotionStatus PoseFilter::motionStatus() const {
-  if (corrected_sweeps_ < 2) return MotionStatus::kUnknown;  // the first sweep defines the start pose
+  if (!first_motion_.isKnown()) return MotionStatus::kUnknown;
   const bool observed = state_.measurement_applied && prediction_.motionKnown() && !motion_.deadReckoning().active();
   return observed ? MotionStatus::kObserved : MotionStatus::kDeadReckoning;
 }

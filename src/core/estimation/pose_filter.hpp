@@ -15,6 +15,7 @@
 
 #include "core/estimation/consistency_monitor.hpp"
 #include "core/estimation/dead_reckoning.hpp"
+#include "core/estimation/first_motion_watch.hpp"
 #include "core/estimation/map_update_policy.hpp"
 #include "core/estimation/measurement_fusion.hpp"
 #include "core/estimation/motion_tracker.hpp"
@@ -85,12 +86,9 @@ class PoseFilter {
   FilterState stateAsDriven() const;
 
  private:
-  static constexpr int kFirstRepetition = 20;
-
   FusionResult correctPrediction(const std::vector<FusionInput>& inputs);
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
-  bool mustSearchAgain();
   void loseMotion();
   ConsistencyMonitor::Inflation addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
                                              FilterState& state);
@@ -107,9 +105,7 @@ class PoseFilter {
   Matrix6d process_noise_ = Matrix6d::Identity();  ///< Q of the last prediction
   double interval_sigma_s_ = 0.0;                  ///< SweepTime::interval_sigma_s of the last prediction
   bool started_ = false;
-  int corrected_sweeps_ = 0;                    ///< since the start, or since the motion was lost
-  int guessed_sweeps_ = 0;                      ///< likewise, at a speed that was not observed yet; kSpeedKnown: it was
-  int search_after_sweeps_ = kFirstRepetition;  ///< after so many the search for the first motion starts again
+  FirstMotionWatch first_motion_;
 };
 
 }  // namespace fail_aware

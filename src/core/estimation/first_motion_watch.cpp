@@ -1,0 +1,35 @@
+#include "core/estimation/first_motion_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace fail_aware {
+
+namespace {
+
+constexpr int kSpeedKnown = -1;
+constexpr double kGuessed_mps = 5.0;     // sigma of the first speed: 2 m/s at most if a search found it, else 15
+constexpr int kManyGuessed = 10;         // sweeps: a guess over fewer is hardly in the map
+constexpr int kLatestRepetition = 1000;  // sweeps between two searches
+
+}  // namespace
+
+bool FirstMotionWatch::mustSearchAgain(MotionStatus status, double speed_mps, const SpeedError& error) {
+  if (guessed_sweeps_ == kSpeedKnown || status == MotionStatus::kUnknown) return false;
+  if (status == MotionStatus::kDeadReckoning) {
+    const bool slow = std::abs(speed_mps) < kGuessed_mps;
+    const bool found = guessed_sweeps_ == 0 && error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
+    guessed_sweeps_ = found && !slow ? kSpeedKnown : guessed_sweeps_ + 1;  // one that stood may have driven off
+    return guessed_sweeps_ >= search_after_sweeps_ && slow;
+  }
+  return std::exchange(guessed_sweeps_, kSpeedKnown) >= kManyGuessed;
+}
+
+void FirstMotionWatch::searchAgain() {
+  measured_sweeps_ = 0;
+  search_after_sweeps_ = std::min(2 * search_after_sweeps_, kLatestRepetition);
+  guessed_sweeps_ = 1;  // it was believed, so its variance is too small to tell whether the search finds another
+}
+
+}  // namespace fail_aware
