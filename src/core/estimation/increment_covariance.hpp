@@ -25,9 +25,12 @@ struct IncrementScale {
 void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, const SweepPrediction& prediction,
                             FilterState& state);
 
-/// The distance between the place that a suspected clock jump gives and that of the stamps, if the map is too small to
-/// tell them apart: after a gap, either may be right. Otherwise 0.
-double ambiguousJump_m(const SweepPrediction& prediction, const FilterState& state);
+/// What a clock that was set leaves open:
+/// - The distance between the place that a suspected clock jump gives and that of the stamps, if the map is too small to
+///   tell them apart: after a gap, either may be right.
+/// - What the vehicle may have driven and turned in the time that a clock was set back by, if one measurement alone gives
+///   the pose: it began at a prediction that is too short.
+MotionDoubt clockDoubt(const SweepPrediction& prediction, const FilterState& state);
 
 /// The increment, for the accumulated covariance.
 OdometryIncrement incrementOf(const FilterState& state);

@@ -272,7 +272,9 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   // after a predicted pose the accumulated covariance would otherwise take back what this measurement does not know
   if (inflation.unbelievable) state.fusion.confirmed = false;
   state.doubt = inflation.doubt;
-  state.doubt.sigma_m = std::hypot(state.doubt.sigma_m, ambiguousJump_m(prediction_, state));
+  const MotionDoubt of_clock = clockDoubt(prediction_, state);
+  state.doubt.sigma_m = std::hypot(state.doubt.sigma_m, of_clock.sigma_m);
+  state.doubt.sigma_yaw_rad = std::hypot(state.doubt.sigma_yaw_rad, of_clock.sigma_yaw_rad);
   state.increment_covariance += covarianceOf(state.doubt);
   return inflation;
 }

@@ -56,14 +56,44 @@ TEST(IncrementCovariance, APredictionKeepsTheVehicleOnTheRoad) {
   EXPECT_NEAR(state.motion_covariance(0, 0), kMotion(0, 0), 1e-9);
 }
 
+TEST(IncrementCovariance, APredictionAfterAClockWasSetBackMayBeTooShort) {
+  SweepPrediction prediction = known();
+  prediction.dt_s = prediction.period_s = 0.1;
+  prediction.set_back_s = 0.2;
+  prediction.T_odom_cog.translation().y() = 0.5;  // 5 m/s
+  for (const bool is_measured : {false, true}) {
+    FilterState state = measured(0.01);
+    state.measurement_applied = is_measured;
+    setIncrementCovariance(IncrementScale(), kMotion, prediction, state);
+    const double sigma_m = is_measured ? 0.1 : std::hypot(0.1, 0.3 * 5.0);
+    EXPECT_NEAR(std::sqrt(state.motion_covariance(1, 1)), sigma_m, 1e-9);
+    EXPECT_NEAR(std::sqrt(state.motion_covariance(0, 0)), 0.1, 1e-9) << "across";
+    EXPECT_LT(std::sqrt(state.increment_covariance(1, 1)), is_measured ? 0.02 : 1.51);
+    EXPECT_GT(std::sqrt(state.increment_covariance(1, 1)), is_measured ? 0.0 : 1.5);
+  }
+}
+
+TEST(IncrementCovariance, OneMeasurementAfterAClockWasSetBackMayBeWrong) {
+  SweepPrediction prediction = known();
+  prediction.dt_s = prediction.period_s = 0.1;
+  prediction.T_odom_cog.translation().x() = 0.5;
+  FilterState state = measured(0.01);
+  EXPECT_EQ(clockDoubt(prediction, state).sigma_m, 0.0);
+  prediction.set_back_s = 0.3;
+  EXPECT_NEAR(clockDoubt(prediction, state).sigma_m, 2.0, 1e-9) << "0.4 s at 5 m/s";
+  EXPECT_GT(clockDoubt(prediction, state).sigma_yaw_rad, 0.03);
+  state.fusion.confirmed = true;
+  EXPECT_EQ(clockDoubt(prediction, state).sigma_m, 0.0);
+}
+
 TEST(IncrementCovariance, AClockJumpIsAmbiguousWhereTheMapHoldsOneOfThePlaces) {
   FilterState state = measured(0.01);
   SweepPrediction prediction = known();
   for (const double apart_m : {20.0, 170.0}) {
     prediction.T_odom_cog.translation().x() = apart_m;
-    EXPECT_EQ(ambiguousJump_m(prediction, state), 0.0) << "no jump";
+    EXPECT_EQ(clockDoubt(prediction, state).sigma_m, 0.0) << "no jump";
     state.clock_jump = true;
-    EXPECT_EQ(ambiguousJump_m(prediction, state), apart_m > 100.0 ? apart_m : 0.0);
+    EXPECT_EQ(clockDoubt(prediction, state).sigma_m, apart_m > 100.0 ? apart_m : 0.0);
     state.clock_jump = false;
   }
 }
