@@ -35,16 +35,6 @@ Matrix6d onTheRoad(Matrix6d Q) {
   return Q;
 }
 
-// The time that the stamps do not count if the clock was set back: a stamp came earlier than the one before it.
-double uncounted_s(const SweepPrediction& prediction) {
-  return prediction.set_back_s > 0.0 && prediction.dt_s > 0.0 ? prediction.set_back_s + prediction.period_s : 0.0;
-}
-
-Eigen::Vector3d uncountedDistance_m(const SweepPrediction& prediction) {
-  const double times = uncounted_s(prediction) / std::max(prediction.dt_s, kShortestPeriod_s);
-  return times * (prediction.T_odom_cog.translation() - prediction.T_odom_cog_previous.translation());
-}
-
 }  // namespace
 
 OdometryIncrement incrementOf(const FilterState& state) {
@@ -69,9 +59,12 @@ MotionDoubt clockDoubt(const SweepPrediction& prediction, const FilterState& sta
   if (state.clock_jump) {
     const double apart_m = (state.T_odom_cog.translation() - prediction.T_odom_cog.translation()).norm();
     if (apart_m > kComparedPlaces_m) doubt.sigma_m = apart_m;
-  } else if (state.measurement_applied && !state.fusion.confirmed) {
-    doubt.sigma_m = uncountedDistance_m(prediction).norm();
-    doubt.sigma_yaw_rad = kTurn_rad_s * uncounted_s(prediction);
+  } else if (state.measurement_applied && !state.fusion.confirmed && prediction.set_back_s > 0.0) {
+    const double uncounted_s = prediction.set_back_s + prediction.period_s;
+    const double predicted_m =
+        (prediction.T_odom_cog.translation() - prediction.T_odom_cog_previous.translation()).norm();
+    doubt.sigma_m = predicted_m * uncounted_s / std::max(prediction.dt_s, kShortestPeriod_s);
+    doubt.sigma_yaw_rad = kTurn_rad_s * uncounted_s;
   }
   return doubt;
 }
@@ -84,11 +77,7 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
   // One Kalman step from a pose known exactly, K = Q (Q + R)^-1: the prediction's part (I - K) Q (I - K)^T and the
   // measurement's part K R K^T.
   Matrix6d increment = Q;
-  if (isAsPredicted(state)) {
-    const Eigen::Vector3d uncounted_m = uncountedDistance_m(prediction);
-    increment.topLeftCorner<3, 3>() += uncounted_m * uncounted_m.transpose();
-  }
-  Matrix6d motion = state.registered ? Q : onTheRoad(increment);
+  Matrix6d motion = state.registered ? Q : onTheRoad(Q);
   if (state.clock_jump) {  // the prediction tells nothing of it
     increment = fusion.R;
     motion = isotropicCovariance(kUnknownDistance_m, kUnknownTurn_rad);

@@ -39,13 +39,13 @@ class StampSequence {
       set_back_s_ = std::exchange(refused_back_s_, 0.0);
       return StampOrder::kAdvances;
     }
-    if (since_newest_s == 0.0) return StampOrder::kSame;
-    if (since_newest_s < 0.0) refused_back_s_ = std::max(refused_back_s_, -since_newest_s);
-    return StampOrder::kReordered;
+    if (since_newest_s <= 0.0) refused_back_s_ = std::max({refused_back_s_, -since_newest_s, kLeastBack_s});
+    return since_newest_s == 0.0 ? StampOrder::kSame : StampOrder::kReordered;
   }
 
   /// The largest step back among the stamps refused before the newest accepted one; 0: none was refused. It reveals a
-  /// clock that was set back a little.
+  /// clock that was set back a little. The same stamp again counts as a step of kLeastBack_s: a clock that is set back by
+  /// a period, or a driver that numbers its sweeps and loses one.
   double setBack_s() const { return set_back_s_; }
 
   void beginDrive() {
@@ -54,6 +54,7 @@ class StampSequence {
   }
 
  private:
+  static constexpr double kLeastBack_s = 1e-6;
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   double max_reorder_s_ = kMaxReorder_s;

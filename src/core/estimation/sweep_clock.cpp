@@ -35,6 +35,7 @@ constexpr double kTurnsOfGap = 3.0;      // after a gap of this many revolutions
 constexpr double kRightAfterAll = 0.05;  // probability that a stamp which contradicts the model is right
 constexpr double kLostLogOdds = 4.6;     // of a sweep that is not lost: 1 % are
 constexpr double kLeastLate = 0.01;      // probability of a stamp late by a period: jitter has long tails
+constexpr double kSetBackSigma = 0.5;    // of the time that a clock may have been set back by
 constexpr double kPhaseFollowed = 0.1;   // ratio of a phase correction that is applied in one sweep
 
 // A whole number of revolutions, or the inverse of a whole number.
@@ -103,7 +104,8 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
     const Interval found = interval(since_s, apart_s);
     sweep.error_s = last_.error_s + stamps_apart_s - found.seconds;
     if (found.seconds == since_s) sweep.error_s = offset_s_;
-    sweep.interval_sigma_s = found.sigma_s;
+    const double uncounted_s = sweep.set_back_s > 0.0 ? sweep.set_back_s + line_.period_s() : 0.0;
+    sweep.interval_sigma_s = std::hypot(found.sigma_s, kSetBackSigma * uncounted_s);
   } else if (line_.empty()) {
     line_.add(last_.turn, last_.time_s, noise_s());
   }

@@ -56,23 +56,6 @@ TEST(IncrementCovariance, APredictionKeepsTheVehicleOnTheRoad) {
   EXPECT_NEAR(state.motion_covariance(0, 0), kMotion(0, 0), 1e-9);
 }
 
-TEST(IncrementCovariance, APredictionAfterAClockWasSetBackMayBeTooShort) {
-  SweepPrediction prediction = known();
-  prediction.dt_s = prediction.period_s = 0.1;
-  prediction.set_back_s = 0.2;
-  prediction.T_odom_cog.translation().y() = 0.5;  // 5 m/s
-  for (const bool is_measured : {false, true}) {
-    FilterState state = measured(0.01);
-    state.measurement_applied = is_measured;
-    setIncrementCovariance(IncrementScale(), kMotion, prediction, state);
-    const double sigma_m = is_measured ? 0.1 : std::hypot(0.1, 0.3 * 5.0);
-    EXPECT_NEAR(std::sqrt(state.motion_covariance(1, 1)), sigma_m, 1e-9);
-    EXPECT_NEAR(std::sqrt(state.motion_covariance(0, 0)), 0.1, 1e-9) << "across";
-    EXPECT_LT(std::sqrt(state.increment_covariance(1, 1)), is_measured ? 0.02 : 1.51);
-    EXPECT_GT(std::sqrt(state.increment_covariance(1, 1)), is_measured ? 0.0 : 1.5);
-  }
-}
-
 TEST(IncrementCovariance, OneMeasurementAfterAClockWasSetBackMayBeWrong) {
   SweepPrediction prediction = known();
   prediction.dt_s = prediction.period_s = 0.1;

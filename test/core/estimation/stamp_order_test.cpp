@@ -91,6 +91,9 @@ TEST(StampSequence, SetBackIsTheLargestRefused) {
   EXPECT_EQ(stamps.setBack_s(), 0.0) << "a new drive";
   stamps.next(0.1);
   EXPECT_EQ(stamps.setBack_s(), 0.0);
+  EXPECT_EQ(stamps.next(0.0), StampOrder::kSame);
+  stamps.next(0.1);
+  EXPECT_GT(stamps.setBack_s(), 0.0) << "the clock may have been set back by a period";
 }
 
 }  // namespace

@@ -225,6 +225,7 @@ TEST_F(SweepClockTest, ClockSetBackIsFollowed) {
   last = clock.next(kStart_s + true_s - 0.25, 0.1);
   EXPECT_NEAR(last.time_s() - in_order_s, kPeriod_s, 1e-5);
   EXPECT_EQ(last.set_back_s, 0.1) << "left to those who see the clouds";
+  EXPECT_NEAR(last.interval_sigma_s, 0.5 * (0.1 + kPeriod_s), 1e-3);
 }
 
 TEST_F(SweepClockTest, GapWithAnotherPhaseIsBelieved) {
