@@ -44,7 +44,11 @@ bool Estimator::predict(double stamp_s, double set_back_s, SweepPrediction& pred
 const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s, double revolution_s,
                                      const std::optional<Eigen::Matrix2d>& tilt_moment) {
   external_.clear();
-  for (auto& [name, source] : sources_) external_.push_back({name, source.measure(prediction_, T_base_cog_)});
+  refused_.clear();
+  for (auto& [name, source] : sources_) {
+    external_.push_back({name, source.measure(prediction_, T_base_cog_)});
+    if (const std::string why = source.timeFault(); !why.empty()) refused_.push_back({name, why});
+  }
   std::vector<FusionInput> inputs = measurements;
   for (const ExternalMeasurement& external : external_) {
     inputs.push_back(
@@ -63,7 +67,6 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
 }
 
 void Estimator::noteRefused(const std::vector<FusionInput>& inputs) {
-  refused_.clear();
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (inputs[i].kind != FusionInput::Kind::kExternal || !inputs[i].measurement) continue;
     const Vector6d off =

@@ -29,10 +29,14 @@ class CorrectionDiagnosis {
   explicit CorrectionDiagnosis(const SweepTimingParams& params) : params_(params) {}
 
   /// Call for each cloud on arrival.
-  void heard(const ros::Time& stamp) { clock_.heard(stamp); }
+  void heard(const ros::Time& stamp) {
+    clock_.heard(stamp);
+    ++heard_;
+  }
   /// Call for each corrected sweep: how its cloud was read, the sweep, the findings and the corrector's report.
   void add(const ros::Time& stamp, const CloudReadResult& read, const Sweep& sweep, const SweepFindings& findings,
            const SweepCorrectorReport& report) {
+    heard_ = 0;
     findings_ = findings;
     report_ = report;
     points_ = sweep.size();
@@ -96,7 +100,9 @@ class CorrectionDiagnosis {
     const std::string timing_fault =
         seam_contradiction.empty() ? stampFault(params_, report_.timing, clock_.age_s()) : seam_contradiction;
     faults_.say("timing", timing_fault);
-    if (refused_.isNew()) {
+    if (heard_ >= kManyHeard) {
+      status.summary(Level::WARN, "no predictions for the clouds: fusion_ukf does not run, or refuses them");
+    } else if (refused_.isNew()) {
       status.summary(Level::WARN, "clouds without usable points: " + refused_.last_reason);
       faults_.say("points", status.message);
     } else if (findings_.frozen) {
@@ -118,7 +124,10 @@ class CorrectionDiagnosis {
     guessed_.told = guessed_.count;
   }
 
+  static constexpr int kManyHeard = 10;
+
   SweepTimingParams params_;
+  int heard_ = 0;                            ///< clouds since the last sweep
   ClockCheck clock_;                         ///< of the clouds' stamps
   SpokenFaults faults_{"sweep_correction"};  ///< warnings in the log
   SweepProgress progress_;

@@ -151,6 +151,9 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     if (const std::string fault = clock_.fault(); !fault.empty()) {
       status.summary(std::max<decltype(level)>(level, Level::WARN), status.message + "; " + fault);
     }
+    if (subscriber_.getNumPublishers() == 0) {
+      status.summary(Level::ERROR, status.message + "; nobody publishes filter_state: fusion_ukf does not run");
+    }
     status.addf("rate of filter states (Hz)", "%.2f", rate_.take_hz());
     status.addf("silence (s)", "%.3f", silence_.silence_s(now_s()));
     status.add("serves as the localisation", monitor_->monitor().startPending() ? "waits for an observed motion"

@@ -5,6 +5,7 @@
 #include <boost/make_shared.hpp>
 
 #include "bridge/odometry_conversion.hpp"
+#include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "fail_aware_lidar_odometry/bridge/pose_conversion.hpp"
 #include "topics.hpp"
 
@@ -12,8 +13,8 @@ namespace fail_aware {
 
 FusionOutput::FusionOutput(ros::NodeHandle& node, const ros::NodeHandle& private_node,
                            const FusionUkfNodeletParams& params, const Pose& T_base_cog)
-    : odom_frame_(params.odom_frame),
-      base_frame_(params.base_frame),
+    : odom_frame_(withoutSlash(params.odom_frame)),
+      base_frame_(withoutSlash(params.base_frame)),
       T_base_cog_(T_base_cog),
       path_(static_cast<std::size_t>(params.path_max_poses), params.path_spacing_m),
       trajectory_(private_node, params.trajectory_file, static_cast<std::size_t>(params.trajectory_max_poses)) {

@@ -5,6 +5,7 @@
 
 #include "core/estimation/stamp_order.hpp"
 #include "core/parameters/check.hpp"
+#include "fail_aware_lidar_odometry/bridge/frame_name.hpp"
 #include "topics.hpp"
 
 namespace fail_aware {
@@ -44,7 +45,8 @@ struct FusionUkfNodeletParams {
   }
   void checkRules() const {
     if (odom_frame.empty() || base_frame.empty()) throw ParameterError("odom_frame, base_frame: must not be empty");
-    if (odom_frame == base_frame) throw ParameterError("odom_frame = " + odom_frame + ": must not be base_frame, too");
+    if (withoutSlash(odom_frame) == withoutSlash(base_frame))
+      throw ParameterError("odom_frame = " + odom_frame + ": must not be base_frame, too");
     if (lidar_in_base_source != "tf" && lidar_in_base_source != "parameter") {
       throw ParameterError("lidar_in_base_source: must be tf or parameter, not " + lidar_in_base_source);
     }

@@ -52,11 +52,12 @@ class SilenceWatch {
   bool isDue(double now_s) {
     heard_s_ = std::min(heard_s_, now_s);
     published_s_ = std::min(published_s_, now_s);
-    return silence_s(now_s) >= staleAfter_s(params_, period_s_) && now_s - published_s_ >= kRepeat_s;
+    return silence_s(now_s) >= staleAfter_s(params_, period_s_) && now_s - published_s_ >= kRepeat_s - kEarly_s;
   }
 
  private:
-  static constexpr int kPeriods = 10;  ///< the shortest of so many is a period without a dropped sweep
+  static constexpr double kEarly_s = 0.02;  ///< of a timer that beats at about half of kRepeat_s
+  static constexpr int kPeriods = 10;       ///< the shortest of so many is a period without a dropped sweep
 
   SilenceParams params_;
   double heard_s_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "core/estimation/largest_values.hpp"
 #include "core/estimation/odometry_covariance.hpp"
@@ -85,22 +86,38 @@ std::string ExternalPoseSource::offer(const ExternalPose& pose) {
   if (!reason.empty()) return reason;
   if (!poses_.empty() && pose.stamp_s < poses_.back().stamp_s) poses_.clear();
   poses_.push_back(pose);
+  offered_ = true;
   if (poses_.size() > kKept) poses_.pop_front();
   return "";
 }
 
-std::optional<ExternalPose> ExternalPoseSource::takeNearest(double stamp_s) {
-  const auto nearest = std::min_element(poses_.begin(), poses_.end(), [&](const auto& a, const auto& b) {
+std::deque<ExternalPose>::iterator ExternalPoseSource::nearestTo(double stamp_s) {
+  return std::min_element(poses_.begin(), poses_.end(), [&](const auto& a, const auto& b) {
     return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
   });
+}
+
+std::optional<ExternalPose> ExternalPoseSource::takeNearest(double stamp_s) {
+  const auto nearest = nearestTo(stamp_s);
   if (nearest == poses_.end() || std::abs(nearest->stamp_s - stamp_s) > tolerance_s_) return std::nullopt;
   const ExternalPose found = *nearest;
   poses_.erase(poses_.begin(), nearest + 1);
   return found;
 }
 
+std::string ExternalPoseSource::timeFault() const {
+  constexpr double kFarOff_s = 1.0;  // no delay of a source that is of use
+  if (std::abs(later_s_) <= std::max(kFarOff_s, tolerance_s_)) return "";
+  char text[150];
+  std::snprintf(text, sizeof text, "its stamp is %.1f s %s the sweep's (tolerance %.2f s): check its clock",
+                std::abs(later_s_), later_s_ > 0.0 ? "after" : "before", tolerance_s_);
+  return text;
+}
+
 std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
   if (!prediction.motionKnown()) return std::nullopt;
+  const auto nearest = nearestTo(prediction.stamp_s);
+  later_s_ = std::exchange(offered_, false) && nearest != poses_.end() ? nearest->stamp_s - prediction.stamp_s : 0.0;
   const std::optional<ExternalPose> pose = takeNearest(prediction.stamp_s);
   const std::optional<Vector6d> twist = twistFromIncrement(prediction.T_previous_now(), prediction.dt_s);
   if (!pose || !twist) return std::nullopt;

@@ -58,13 +58,20 @@ class ExternalPoseSource {
   std::optional<Measurement> measure(const SweepPrediction& prediction, const Pose& T_base_cog);
   void clear() { poses_.clear(); }
 
+  /// Why none of the poses that came since the sweep before can belong to a sweep, one line for the user: another clock.
+  /// Of the last measure(); empty: one may, or none came.
+  std::string timeFault() const;
+
   static constexpr std::size_t kKept = 100;
 
  private:
+  std::deque<ExternalPose>::iterator nearestTo(double stamp_s);
   std::optional<ExternalPose> takeNearest(double stamp_s);
 
   double tolerance_s_;
   std::deque<ExternalPose> poses_;
+  bool offered_ = false;  ///< since the last measure()
+  double later_s_ = 0.0;  ///< of the last measure(): stamp of the nearest pose, after the sweep's; 0: none came since
 };
 
 }  // namespace fail_aware

@@ -135,6 +135,26 @@ TEST(ExternalPose, ARefusalIsToldInMetresAndSigmas) {
   EXPECT_EQ(refusal(5.0, 0.5, Matrix6d::Constant(std::nan(""))), "") << "the prediction is what cannot be used";
 }
 
+TEST(ExternalPoseSource, AnotherClockIsNamed) {
+  SweepPrediction prediction;
+  prediction.stamp_s = 100.0;
+  prediction.dt_s = 0.1;
+  prediction.motion_status = MotionStatus::kObserved;
+  const auto fault = [&](double pose_stamp_s) {
+    ExternalPoseSource source;
+    EXPECT_EQ(source.offer(gps(pose_stamp_s, Pose::Identity())), "");
+    source.measure(prediction, Pose::Identity());
+    const std::string told = source.timeFault();
+    source.measure(prediction, Pose::Identity());
+    EXPECT_EQ(source.timeFault(), "") << "no pose came since";
+    return told;
+  };
+  EXPECT_EQ(fault(82.0), "its stamp is 18.0 s before the sweep's (tolerance 0.10 s): check its clock");
+  EXPECT_EQ(fault(105.0), "its stamp is 5.0 s after the sweep's (tolerance 0.10 s): check its clock");
+  EXPECT_EQ(fault(99.5), "") << "late";
+  EXPECT_EQ(fault(100.05), "");
+}
+
 TEST(ExternalPose, AHeightOrYawFarFromThePredictionIsRefused) {
   const auto weight = [](double z_m, double yaw_rad, FusionInput::Kind kind) {
     const Measurement m = externalMeasurement(gps(1.0, pose(0, 0, z_m, 0, 0, yaw_rad), 0.05, 0.002), 1.0,
