@@ -78,9 +78,9 @@ OdometryPipeline::OdometryPipeline(const PipelineParameters& params, int threads
 
 OdometryPipeline::~OdometryPipeline() = default;
 
-/// In the order of kBuiltInSources. A new source: its name in types/measurement.hpp, a line at the end of kBuiltInSources
-/// and one here; live, the nodelet that measures it. A kPose that is ok counts as measured, so without a measurement
-/// return another status. With dt_s 0 a drive begins: forget what came before and return kNoReference.
+/// In the order of kBuiltInSources. A new source: its name in types/measurement.hpp, a line at the end of
+/// kBuiltInSources and one here; live, the nodelet that measures it. A kPose that is ok counts as measured: without a
+/// measurement return another status. With dt_s 0 a drive begins: forget what came before, return kNoReference.
 std::array<OdometryPipeline::Source, kBuiltInSources.size()> OdometryPipeline::makeSources() {
   const RegistrationParameters& use = params_.profile.registration;
   return {{{use.use_icp_point_to_point, true,

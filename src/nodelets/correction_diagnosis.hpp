@@ -33,10 +33,11 @@ class CorrectionDiagnosis {
     clock_.heard(stamp);
     ++heard_;
   }
+  /// Call for each prediction.
+  void predicted() { heard_ = 0; }
   /// Call for each corrected sweep: how its cloud was read, the sweep, the findings and the corrector's report.
   void add(const ros::Time& stamp, const CloudReadResult& read, const Sweep& sweep, const SweepFindings& findings,
            const SweepCorrectorReport& report) {
-    heard_ = 0;
     findings_ = findings;
     report_ = report;
     points_ = sweep.size();
@@ -100,9 +101,7 @@ class CorrectionDiagnosis {
     const std::string timing_fault =
         seam_contradiction.empty() ? stampFault(params_, report_.timing, clock_.age_s()) : seam_contradiction;
     faults_.say("timing", timing_fault);
-    if (heard_ >= kManyHeard) {
-      status.summary(Level::WARN, "no predictions for the clouds: fusion_ukf does not run, or refuses them");
-    } else if (refused_.isNew()) {
+    if (refused_.isNew()) {
       status.summary(Level::WARN, "clouds without usable points: " + refused_.last_reason);
       faults_.say("points", status.message);
     } else if (findings_.frozen) {
@@ -117,6 +116,8 @@ class CorrectionDiagnosis {
       status.summary(Level::WARN, timing_fault);
     } else if (!clock_fault.empty()) {
       status.summary(Level::WARN, clock_fault);
+    } else if (heard_ >= kManyHeard) {
+      status.summary(Level::WARN, "no predictions for the clouds: fusion_ukf does not run, or refuses them");
     } else {
       status.summary(Level::OK, progress_.sweeps() == 0 ? "no sweep yet" : "correcting");
     }
@@ -124,10 +125,10 @@ class CorrectionDiagnosis {
     guessed_.told = guessed_.count;
   }
 
-  static constexpr int kManyHeard = 10;
+  static constexpr int kManyHeard = 100;  ///< more than come while the first motion is searched for
 
   SweepTimingParams params_;
-  int heard_ = 0;                            ///< clouds since the last sweep
+  int heard_ = 0;                            ///< clouds since the last prediction
   ClockCheck clock_;                         ///< of the clouds' stamps
   SpokenFaults faults_{"sweep_correction"};  ///< warnings in the log
   SweepProgress progress_;

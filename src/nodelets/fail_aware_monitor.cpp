@@ -40,6 +40,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
   using Config = fail_aware_lidar_odometry::FailAwareMonitorConfig;
 
   static constexpr double kTimerPeriod_s = 0.05;
+  static constexpr double kStarts_s = 5.0;  ///< in which fusion_ukf may still be loading
 
   void load() override {
     ros::NodeHandle& node = getNodeHandle();
@@ -151,7 +152,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
     if (const std::string fault = clock_.fault(); !fault.empty()) {
       status.summary(std::max<decltype(level)>(level, Level::WARN), status.message + "; " + fault);
     }
-    if (subscriber_.getNumPublishers() == 0) {
+    if (subscriber_.getNumPublishers() == 0 && silence_.silence_s(now_s()) > kStarts_s) {
       status.summary(Level::ERROR, status.message + "; nobody publishes filter_state: fusion_ukf does not run");
     }
     status.addf("rate of filter states (Hz)", "%.2f", rate_.take_hz());

@@ -44,7 +44,9 @@ struct FusionUkfNodeletParams {
     v("trajectory_file", self.trajectory_file);
   }
   void checkRules() const {
-    if (odom_frame.empty() || base_frame.empty()) throw ParameterError("odom_frame, base_frame: must not be empty");
+    if (withoutSlash(odom_frame).empty() || withoutSlash(base_frame).empty()) {
+      throw ParameterError("odom_frame, base_frame: must not be empty");
+    }
     if (withoutSlash(odom_frame) == withoutSlash(base_frame))
       throw ParameterError("odom_frame = " + odom_frame + ": must not be base_frame, too");
     if (lidar_in_base_source != "tf" && lidar_in_base_source != "parameter") {

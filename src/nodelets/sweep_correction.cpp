@@ -55,6 +55,7 @@ class SweepCorrectionNodelet : public GraphNodelet {
     if (begins) corrector_->reset();
     if (begins && std::exchange(drives_, false)) check_->beginDrive();  // not for each sweep before a drive's first
     drives_ = !begins;
+    diagnosis_->predicted();
     correct(inputs_.add(prediction));
   }
 

@@ -87,8 +87,8 @@ class RoadProfileOdometry {
   std::optional<RoadPlace> findPlace(double expected_sigma_m) const;
 
   /// The speed from the sweeps so far, searched near the last result or the expected speed, if there is one. A speed
-  /// more than 3 sigma from the expected one is rejected, even if the expected one itself is uncertain: beams that change
-  /// (a sweep distorted differently) can look like a profile, and what travels with the sensor fits at standstill.
+  /// more than 3 sigma from the expected one is rejected, even if the expected one is uncertain: beams that change (a
+  /// sweep distorted differently) can look like a profile, and what travels with the sensor fits at standstill.
   std::optional<Speed> findSpeed(double expected_mps = 0.0,
                                  double expected_sigma_mps = std::numeric_limits<double>::infinity());
 

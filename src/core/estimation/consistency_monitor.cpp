@@ -30,8 +30,8 @@ double noisyRatio(double rms_residual_m) {
   return std::sqrt(std::clamp(ratio * ratio - 1.0, 0.0, 1.0));
 }
 
-// Whether the jump is what sweeps that were lost, and that the stamps do not count, leave: ahead by whole sweeps. A jump
-// back is what repeated points leave.
+// Whether the jump is what lost sweeps that the stamps do not count leave: ahead by whole sweeps. A jump back is what
+// repeated points leave.
 bool isOfLostSweeps(const ConsistencyMonitor::Sweep& jump) {
   if (jump.per_period_m < kShortJump_m) return false;
   const double lost = std::round(jump.ahead_m / jump.per_period_m);

@@ -115,9 +115,10 @@ std::string ExternalPoseSource::timeFault() const {
 }
 
 std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
+  later_s_ = 0.0;
   if (!prediction.motionKnown()) return std::nullopt;
   const auto nearest = nearestTo(prediction.stamp_s);
-  later_s_ = std::exchange(offered_, false) && nearest != poses_.end() ? nearest->stamp_s - prediction.stamp_s : 0.0;
+  if (std::exchange(offered_, false) && nearest != poses_.end()) later_s_ = nearest->stamp_s - prediction.stamp_s;
   const std::optional<ExternalPose> pose = takeNearest(prediction.stamp_s);
   const std::optional<Vector6d> twist = twistFromIncrement(prediction.T_previous_now(), prediction.dt_s);
   if (!pose || !twist) return std::nullopt;

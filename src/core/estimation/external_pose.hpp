@@ -56,10 +56,14 @@ class ExternalPoseSource {
   /// For a sweep; nothing if no pose is near it. The nearest and what is older are used up. While no motion is known
   /// there is nothing to move a pose with: it waits.
   std::optional<Measurement> measure(const SweepPrediction& prediction, const Pose& T_base_cog);
-  void clear() { poses_.clear(); }
+  void clear() {
+    poses_.clear();
+    offered_ = false;
+    later_s_ = 0.0;
+  }
 
-  /// Why none of the poses that came since the sweep before can belong to a sweep, one line for the user: another clock.
-  /// Of the last measure(); empty: one may, or none came.
+  /// Why none of the poses that came since the sweep before can belong to a sweep, one line for the user: another
+  /// clock. Of the last measure(); empty: one may, or none came.
   std::string timeFault() const;
 
   static constexpr std::size_t kKept = 100;

@@ -26,10 +26,10 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
                             FilterState& state);
 
 /// What a clock that was set leaves open:
-/// - The distance between the place that a suspected clock jump gives and that of the stamps, if the map is too small to
-///   tell them apart: after a gap, either may be right.
-/// - What the vehicle may have driven and turned in the time that a clock was set back by, if one measurement alone gives
-///   the pose: it began at a prediction that is too short.
+/// - The distance between the place that a suspected clock jump gives and that of the stamps, if the map is too small
+///   to tell them apart: after a gap, either may be right.
+/// - What the vehicle may have driven and turned in the time that a clock was set back by, if no two measurements agree
+///   on the pose: they began at a prediction that is too short.
 MotionDoubt clockDoubt(const SweepPrediction& prediction, const FilterState& state);
 
 /// The increment, for the accumulated covariance.

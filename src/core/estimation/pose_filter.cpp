@@ -167,13 +167,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
     return state_;
   }
   if (next.measurement_applied || !started_) first_motion_.addMeasured();
-  MapUpdatePolicy::Sweep sweep;
-  sweep.dt_s = next.dt_s;
-  sweep.motion_known = prediction_.motionKnown();
-  sweep.follows = motion_.lastMeasured() && next.dt_s <= kLongInterval_s;
-  sweep.observed = next.measurement_applied && observesTilt(next.fusion, predicted_P);
-  sweep.measured = next.measurement_applied;
-  sweep.velocity_unobservable = motion_.velocityUnobservable();
+  MapUpdatePolicy::Sweep sweep = sweepForMap(next, observesTilt(next.fusion, predicted_P));
   sweep.motion_lost = inflation.motion_lost;
   const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
   next.map_update = map.update;
@@ -189,6 +183,17 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   const double speed_mps = motion_.motion().velocity_body_mps.x();
   if (first_motion_.mustSearchAgain(state_.motion_status, speed_mps, state_.speed_error)) loseMotion();
   return state_;
+}
+
+MapUpdatePolicy::Sweep PoseFilter::sweepForMap(const FilterState& state, bool observes_tilt) const {
+  MapUpdatePolicy::Sweep sweep;
+  sweep.dt_s = state.dt_s;
+  sweep.motion_known = prediction_.motionKnown();
+  sweep.follows = motion_.lastMeasured() && state.dt_s <= kLongInterval_s;
+  sweep.observed = state.measurement_applied && observes_tilt;
+  sweep.measured = state.measurement_applied;
+  sweep.velocity_unobservable = motion_.velocityUnobservable();
+  return sweep;
 }
 
 void PoseFilter::loseMotion() {
@@ -255,7 +260,9 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   sweep.disagreement_m = state.fusion.disagreement_m;
   sweep.innovation_m = motion_.deadReckoning().active() ? 0.0 : innovation.head<2>().norm();
   sweep.ahead_m = state.T_odom_cog.linear().col(0).head<2>().dot(innovation.head<2>());
-  sweep.per_period_m = motion_.motion().velocity_body_mps.x() * prediction_.period_s;
+  if (!motion_.deadReckoning().active()) {
+    sweep.per_period_m = motion_.motion().velocity_body_mps.x() * prediction_.period_s;
+  }
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
   sweep.overruled = state.fusion.prediction_overruled;

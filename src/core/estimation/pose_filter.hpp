@@ -89,6 +89,7 @@ class PoseFilter {
   FusionResult correctPrediction(const std::vector<FusionInput>& inputs);
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
+  MapUpdatePolicy::Sweep sweepForMap(const FilterState& state, bool observes_tilt) const;
   void loseMotion();
   ConsistencyMonitor::Inflation addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
                                              FilterState& state);

@@ -36,7 +36,8 @@ class StampSequence {
       return far_ahead ? StampOrder::kFarAhead : StampOrder::kFarBack;
     }
     if (since_newest_s > 0.0) {
-      set_back_s_ = std::exchange(refused_back_s_, 0.0);
+      const double back_s = std::exchange(refused_back_s_, 0.0);
+      set_back_s_ = std::exchange(last_back_s_, back_s) > 0.0 ? 0.0 : back_s;
       return StampOrder::kAdvances;
     }
     if (since_newest_s <= 0.0) refused_back_s_ = std::max({refused_back_s_, -since_newest_s, kLeastBack_s});
@@ -44,13 +45,14 @@ class StampSequence {
   }
 
   /// The largest step back among the stamps refused before the newest accepted one; 0: none was refused. It reveals a
-  /// clock that was set back a little. The same stamp again counts as a step of kLeastBack_s: a clock that is set back by
-  /// a period, or a driver that numbers its sweeps and loses one.
+  /// clock that was set back a little. The same stamp again counts as a step of kLeastBack_s: a clock that is set back
+  /// by a period. No clock is set back before each sweep, so a refusal right after another one counts as none: such a
+  /// driver sends its clouds twice, or in the wrong order.
   double setBack_s() const { return set_back_s_; }
 
   void beginDrive() {
     far_s_ = kNone;
-    set_back_s_ = refused_back_s_ = 0.0;
+    set_back_s_ = refused_back_s_ = last_back_s_ = 0.0;
   }
 
  private:
@@ -61,6 +63,7 @@ class StampSequence {
   double far_s_ = kNone;  ///< the last stamp relative to the newest one, if it was refused as far off
   double set_back_s_ = 0.0;
   double refused_back_s_ = 0.0;  ///< since the newest accepted stamp
+  double last_back_s_ = 0.0;     ///< before the newest accepted stamp
 };
 
 }  // namespace fail_aware

@@ -88,8 +88,10 @@ std::optional<double> SweepClock::period_s() const {
 
 SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   SweepTime sweep(stamp_s);
-  sweep.set_back_s = set_back_s;
   if (!std::isfinite(stamp_s)) return sweep;
+  const double last_ahead_s = hasPeriod() ? last_.error_s - offset_s_ : 0.0;
+  if (last_ahead_s > kLeastTolerance_s && set_back_s <= last_ahead_s + tolerance_s()) set_back_s = 0.0;  // its fault
+  sweep.set_back_s = set_back_s;
   if (last_.stamp_s) {
     const double stamps_apart_s = secondsBetween(*last_.stamp_s, stamp_s);
     double since_s = stamps_apart_s + last_.error_s - offset_s_, apart_s = stamps_apart_s;

@@ -1,5 +1,5 @@
-// One input of the fusion (estimation/measurement_fusion.hpp): a measurement and the name of its source; and the list of
-// the package's own sources.
+// One input of the fusion (estimation/measurement_fusion.hpp): a measurement and the name of its source; and the list
+// of the package's own sources.
 #pragma once
 
 #include <array>
@@ -31,8 +31,8 @@ struct BuiltInSource {
   FusionInput::Kind kind;
 };
 
-/// In the order of filter states and files, whole poses first. The pipeline (odometry_pipeline.cpp) measures them offline,
-/// the measurement nodelets live.
+/// In the order of filter states and files, whole poses first. Offline the pipeline measures them
+/// (odometry_pipeline.cpp), live the measurement nodelets.
 inline constexpr std::array<BuiltInSource, 5> kBuiltInSources{{{kIcpPointToPoint, FusionInput::Kind::kPose},
                                                                {kIcpPointToPlane, FusionInput::Kind::kPose},
                                                                {kCornerSvd, FusionInput::Kind::kPose},

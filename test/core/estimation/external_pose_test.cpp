@@ -149,6 +149,12 @@ TEST(ExternalPoseSource, AnotherClockIsNamed) {
     EXPECT_EQ(source.timeFault(), "") << "no pose came since";
     return told;
   };
+  ExternalPoseSource cleared;
+  cleared.offer(gps(82.0, Pose::Identity()));
+  cleared.measure(prediction, Pose::Identity());
+  ASSERT_NE(cleared.timeFault(), "");
+  cleared.clear();
+  EXPECT_EQ(cleared.timeFault(), "");
   EXPECT_EQ(fault(82.0), "its stamp is 18.0 s before the sweep's (tolerance 0.10 s): check its clock");
   EXPECT_EQ(fault(105.0), "its stamp is 5.0 s after the sweep's (tolerance 0.10 s): check its clock");
   EXPECT_EQ(fault(99.5), "") << "late";

@@ -94,6 +94,15 @@ TEST(StampSequence, SetBackIsTheLargestRefused) {
   EXPECT_EQ(stamps.next(0.0), StampOrder::kSame);
   stamps.next(0.1);
   EXPECT_GT(stamps.setBack_s(), 0.0) << "the clock may have been set back by a period";
+  for (int i = 0; i < 3; ++i) {
+    stamps.next(0.0);
+    stamps.next(0.1);
+    EXPECT_EQ(stamps.setBack_s(), 0.0) << "each cloud comes twice";
+  }
+  stamps.next(0.1);
+  stamps.next(-0.2);
+  stamps.next(0.1);
+  EXPECT_EQ(stamps.setBack_s(), 0.2);
 }
 
 }  // namespace

@@ -228,6 +228,16 @@ TEST_F(SweepClockTest, ClockSetBackIsFollowed) {
   EXPECT_NEAR(last.interval_sigma_s, 0.5 * (0.1 + kPeriod_s), 1e-3);
 }
 
+TEST_F(SweepClockTest, AWrongStampAheadIsNoClockSetBackAfterIt) {
+  turns(20);
+  turn(0.25);                 // wrong
+  true_s += 2.0 * kPeriod_s;  // refused: stamps 0.15 and 0.05 s before it
+  true_s += kPeriod_s;
+  last = clock.next(kStart_s + true_s, 0.15);
+  EXPECT_EQ(last.set_back_s, 0.0);
+  EXPECT_LT(last.interval_sigma_s, 0.1);
+}
+
 TEST_F(SweepClockTest, GapWithAnotherPhaseIsBelieved) {
   turns(20);
   true_s += 0.437;
