@@ -91,9 +91,12 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   if (!std::isfinite(stamp_s)) return sweep;
   const double last_ahead_s = hasPeriod() ? last_.error_s - offset_s_ : 0.0;
   if (last_ahead_s > kLeastTolerance_s && set_back_s <= last_ahead_s + tolerance_s()) set_back_s = 0.0;  // its fault
+  // a sweep in the wrong order: it belongs into the gap before the last one
+  if (hasPeriod() && set_back_s > 1e-5 && set_back_s < last_apart_s_ - 0.5 * line_.period_s()) set_back_s = 0.0;
   sweep.set_back_s = set_back_s;
   if (last_.stamp_s) {
     const double stamps_apart_s = secondsBetween(*last_.stamp_s, stamp_s);
+    last_apart_s_ = stamps_apart_s;
     double since_s = stamps_apart_s + last_.error_s - offset_s_, apart_s = stamps_apart_s;
     if (set_back_s > 0.0 && wasSetBack(since_s, set_back_s)) {
       offset_s_ -= set_back_s + line_.period_s();

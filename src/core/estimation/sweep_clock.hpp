@@ -104,6 +104,7 @@ class SweepClock {
 
   double given_period_s_;
   LastSweep last_;
+  double last_apart_s_ = 0.0;  ///< the last two stamps
   double offset_s_ = 0.0;      ///< of the stamps' clock, since the clock was set
   TurnLine line_;              ///< its period is 0 while none is known
   double set_at_turn_ = -1e9;  ///< when the clock was set
