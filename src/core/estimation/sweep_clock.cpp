@@ -89,10 +89,7 @@ std::optional<double> SweepClock::period_s() const {
 SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   SweepTime sweep(stamp_s);
   if (!std::isfinite(stamp_s)) return sweep;
-  const double last_ahead_s = hasPeriod() ? last_.error_s - offset_s_ : 0.0;
-  if (last_ahead_s > kLeastTolerance_s && set_back_s <= last_ahead_s + tolerance_s()) set_back_s = 0.0;  // its fault
-  // a sweep in the wrong order: it belongs into the gap before the last one
-  if (hasPeriod() && set_back_s > 1e-5 && set_back_s < last_apart_s_ - 0.5 * line_.period_s()) set_back_s = 0.0;
+  if (lastExplains(set_back_s)) set_back_s = 0.0;
   sweep.set_back_s = set_back_s;
   if (last_.stamp_s) {
     const double stamps_apart_s = secondsBetween(*last_.stamp_s, stamp_s);
@@ -118,6 +115,14 @@ SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   last_.stamp_s = stamp_s;
   last_.error_s = sweep.error_s;
   return sweep;
+}
+
+// True if no clock was set: the last stamp was ahead, or the refused sweep belongs into the gap before it.
+bool SweepClock::lastExplains(double set_back_s) const {
+  if (!hasPeriod()) return false;
+  const double ahead_s = last_.error_s - offset_s_, half_s = 0.5 * line_.period_s();
+  const bool was_ahead = ahead_s > kLeastTolerance_s && set_back_s <= ahead_s + tolerance_s();
+  return was_ahead || (set_back_s > half_s && set_back_s < last_apart_s_ - half_s);
 }
 
 // True if the refused stamp came one revolution after the last sweep.

@@ -88,6 +88,7 @@ class SweepClock {
     double turn = 0.0, time_s = 0.0;  ///< on the line
   };
 
+  bool lastExplains(double set_back_s) const;
   bool wasSetBack(double since_s, double set_back_s) const;
   Interval interval(double since_s, double stamps_apart_s);
   void followRevolution(double revolution_s);

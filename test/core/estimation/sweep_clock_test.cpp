@@ -238,6 +238,17 @@ TEST_F(SweepClockTest, AWrongStampAheadIsNoClockSetBackAfterIt) {
   EXPECT_LT(last.interval_sigma_s, 0.1);
 }
 
+TEST_F(SweepClockTest, ASweepInTheWrongOrderIsNoClockSetBack) {
+  turns(20);
+  for (const bool after_a_gap : {true, false}) {
+    turn(0.0, kPeriod_s, after_a_gap ? 2 : 1);
+    true_s += kPeriod_s;
+    last = clock.next(kStart_s + true_s, kPeriod_s);  // a sweep a period older was refused
+    EXPECT_EQ(last.set_back_s > 0.0, !after_a_gap);
+    EXPECT_EQ(last.interval_sigma_s > 0.01, !after_a_gap);
+  }
+}
+
 TEST_F(SweepClockTest, GapWithAnotherPhaseIsBelieved) {
   turns(20);
   true_s += 0.437;
