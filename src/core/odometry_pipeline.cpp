@@ -171,7 +171,7 @@ SweepCorrectorReport OdometryPipeline::deskew(Sweep& sweep, const SweepFindings&
                                               const SweepPrediction& prediction) {
   const SweepCorrectorReport report = corrector_.correct(sweep, prediction, T_cog_lidar_, corrected_);
   corrected_.stamp_s = prediction.time_s();
-  if (isLeftOut(findings, !(prediction.dt_s > 0.0))) corrected_.clear();
+  if (isLeftOut(findings, prediction.isFirst())) corrected_.clear();
   return report;
 }
 
@@ -186,7 +186,7 @@ void OdometryPipeline::estimate(const SweepPrediction& prediction, const SweepCo
   result.pose_set = estimator_.takePoseSet();
   result.refused_poses = estimator_.refusedPoses();
   result.status = !state.started              ? SweepStatus::kNotStarted
-                  : !(prediction.dt_s > 0.0)  ? SweepStatus::kFirst
+                  : prediction.isFirst()      ? SweepStatus::kFirst
                   : state.measurement_applied ? SweepStatus::kCorrected
                                               : SweepStatus::kPredicted;
 }

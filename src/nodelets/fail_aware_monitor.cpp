@@ -153,7 +153,7 @@ class FailAwareMonitorNodelet : public GraphNodelet {
       status.summary(std::max<decltype(level)>(level, Level::WARN), status.message + "; " + fault);
     }
     if (subscriber_.getNumPublishers() == 0 && silence_.silence_s(now_s()) > kStarts_s) {
-      status.summary(Level::ERROR, status.message + "; nobody publishes filter_state: fusion_ukf does not run");
+      status.summary(Level::ERROR, status.message + "; filter_state has no publisher: fusion_ukf does not run");
     }
     status.addf("rate of filter states (Hz)", "%.2f", rate_.take_hz());
     status.addf("silence (s)", "%.3f", silence_.silence_s(now_s()));

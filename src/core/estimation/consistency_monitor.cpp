@@ -81,10 +81,11 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
   const double found_m = fitted_ && sweep.inlier_ratio && !recent_fit_.isFull() ? sweep.disagreement_m : 0.0;
   const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
-  const bool confirmed = mapConfirms(sweep, fit);
-  const double jump_m = sweep.overruled && !confirmed ? innovation_m : 0.0;
+  const bool confirmed = sweep.overruled && fitsAsBefore(sweep, fit);
   Inflation inflation;
-  inflation.sweeps_lost = sweep.overruled && confirmed && isOfLostSweeps(sweep);
+  inflation.sweeps_lost = confirmed && isOfLostSweeps(sweep);
+  const bool explained = inflation.sweeps_lost || (confirmed && sweep.innovation_m < kShortJump_m);
+  const double jump_m = sweep.overruled && !explained ? innovation_m : 0.0;
   const double noisy = residual_m_.isFull() ? noisyRatio(residual_m_.median()) : 0.0;
   inflation.doubt.sigma_m =
       std::hypot(std::hypot(apart_m, persistent_m, jump_m), std::hypot(found_m, noisy * sweep.increment_sigma_m));
@@ -101,10 +102,9 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
 }
 
 // The points fit as closely, and as many of them, as in the sweeps before.
-bool ConsistencyMonitor::mapConfirms(const Sweep& jump, double fit) const {
-  return (jump.innovation_m < kShortJump_m || isOfLostSweeps(jump)) && jump.inlier_ratio && residual_m_.isFull() &&
-         recent_fit_.isFull() && jump.rms_residual_m <= kAsClose * residual_m_.median() &&
-         fit >= kAsMuch * recent_fit_.median();
+bool ConsistencyMonitor::fitsAsBefore(const Sweep& sweep, double fit) const {
+  return sweep.inlier_ratio && residual_m_.isFull() && recent_fit_.isFull() &&
+         sweep.rms_residual_m <= kAsClose * residual_m_.median() && fit >= kAsMuch * recent_fit_.median();
 }
 
 double ConsistencyMonitor::persistentInnovation_m(double dt_s) const {

@@ -90,7 +90,7 @@ class ConsistencyMonitor {
 
  private:
   void forgetSweeps();
-  bool mapConfirms(const Sweep& jump, double fit) const;
+  bool fitsAsBefore(const Sweep& sweep, double fit) const;
   double persistentInnovation_m(double dt_s) const;
   double unfitting_m() const;
 

@@ -91,15 +91,13 @@ std::string ExternalPoseSource::offer(const ExternalPose& pose) {
   return "";
 }
 
-std::deque<ExternalPose>::iterator ExternalPoseSource::nearestTo(double stamp_s) {
-  return std::min_element(poses_.begin(), poses_.end(), [&](const auto& a, const auto& b) {
+std::optional<ExternalPose> ExternalPoseSource::takeNearest(double stamp_s) {
+  const auto nearest = std::min_element(poses_.begin(), poses_.end(), [&](const auto& a, const auto& b) {
     return std::abs(a.stamp_s - stamp_s) < std::abs(b.stamp_s - stamp_s);
   });
-}
-
-std::optional<ExternalPose> ExternalPoseSource::takeNearest(double stamp_s) {
-  const auto nearest = nearestTo(stamp_s);
-  if (nearest == poses_.end() || std::abs(nearest->stamp_s - stamp_s) > tolerance_s_) return std::nullopt;
+  if (nearest == poses_.end()) return std::nullopt;
+  if (std::exchange(offered_, false)) later_s_ = nearest->stamp_s - stamp_s;
+  if (std::abs(nearest->stamp_s - stamp_s) > tolerance_s_) return std::nullopt;
   const ExternalPose found = *nearest;
   poses_.erase(poses_.begin(), nearest + 1);
   return found;
@@ -117,8 +115,6 @@ std::string ExternalPoseSource::timeFault() const {
 std::optional<Measurement> ExternalPoseSource::measure(const SweepPrediction& prediction, const Pose& T_base_cog) {
   later_s_ = 0.0;
   if (!prediction.motionKnown()) return std::nullopt;
-  const auto nearest = nearestTo(prediction.stamp_s);
-  if (std::exchange(offered_, false) && nearest != poses_.end()) later_s_ = nearest->stamp_s - prediction.stamp_s;
   const std::optional<ExternalPose> pose = takeNearest(prediction.stamp_s);
   const std::optional<Vector6d> twist = twistFromIncrement(prediction.T_previous_now(), prediction.dt_s);
   if (!pose || !twist) return std::nullopt;

@@ -69,7 +69,6 @@ class ExternalPoseSource {
   static constexpr std::size_t kKept = 100;
 
  private:
-  std::deque<ExternalPose>::iterator nearestTo(double stamp_s);
   std::optional<ExternalPose> takeNearest(double stamp_s);
 
   double tolerance_s_;

@@ -6,7 +6,7 @@
 // and large voxels leave a bias: what is seen first is the side that faces the oncoming vehicle, later points lie
 // deeper, and the estimated distance becomes too short (0.2 m per km at 1 m and 200 samples).
 // Insertion costs about 40 ns a point, a plane query one to four probes of about 15 ns, a nearest-point query one to
-// eight and the distances in their voxels; probes that a Neighborhood remembers cost next to nothing.
+// eight and the distances in their voxels. A probe that a Neighborhood remembers costs about nothing.
 // Reading from several threads at once is safe, with a Neighborhood for each; inserting is not.
 #pragma once
 
