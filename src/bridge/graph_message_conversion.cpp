@@ -169,7 +169,7 @@ messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points
   message.time_jump = findings.time_jump;
   message.time_field_refused = findings.time_field_refused;
   message.azimuth_coverage = findings.azimuth_coverage;
-  message.far_ratio = findings.far_ratio;
+  message.view_range = findings.view_range_m;
   message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
   message.middle = findings.middle_s;
   message.revolution = findings.revolution_s;
@@ -186,7 +186,7 @@ SweepFindings fromMessage(const messages::SweepCheck& message) {
   findings.time_jump = message.time_jump != 0;
   findings.time_field_refused = message.time_field_refused != 0;
   findings.azimuth_coverage = message.azimuth_coverage;
-  findings.far_ratio = message.far_ratio;
+  findings.view_range_m = finiteOr0(message.view_range);
   findings.repetitions = static_cast<int>(message.repetitions);
   findings.middle_s = message.middle;
   findings.revolution_s = finiteOr0(message.revolution);
@@ -218,6 +218,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.speed_kept = state.speed_error.kept;
   message.clock_jump = state.clock_jump;
   message.set_back = state.set_back_s;
+  message.view_range = state.view_range_m;
   message.odom_reset_count = state.odom_reset_count;
   message.map_update = static_cast<std::uint8_t>(state.map_update);
   const InformationAhead ahead = aheadSeen(account);
@@ -266,6 +267,7 @@ std::optional<FilterState> fromMessage(const messages::FilterState& message) {
   state.speed_error.kept = message.speed_kept;
   state.clock_jump = message.clock_jump != 0;
   state.set_back_s = setBack_s(message);
+  state.view_range_m = finiteOr0(message.view_range);
   state.odom_reset_count = message.odom_reset_count;
   take(message.map_update, state.map_update);
   state.filter_nis = message.fused_nis;

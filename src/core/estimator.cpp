@@ -41,8 +41,7 @@ bool Estimator::predict(double stamp_s, double set_back_s, SweepPrediction& pred
   return true;
 }
 
-const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, double middle_s, double revolution_s,
-                                     const std::optional<Eigen::Matrix2d>& tilt_moment) {
+const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, const SweepFindings& findings) {
   external_.clear();
   refused_.clear();
   for (auto& [name, source] : sources_) {
@@ -55,11 +54,11 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
         {external.source, external.measurement ? &*external.measurement : nullptr, FusionInput::Kind::kExternal});
   }
   const Pose T_odom_cog_previous = filter_.state().T_odom_cog;
-  const FilterState& state = filter_.correct(inputs, middle_s);
+  const FilterState& state = filter_.correct(inputs, findings);
   noteRefused(inputs);
-  clock_.observeRevolution(revolution_s);
+  clock_.observeRevolution(findings.revolution_s);
   OdometryIncrement increment = incrementOf(state);
-  increment.tilt_moment = tilt_moment;
+  increment.tilt_moment = findings.tilt_moment;
   covariance_is_whole_ =
       !(state.dt_s > 0.0) || odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, increment);
   takeSetPose(prediction_.motionKnown());

@@ -51,9 +51,8 @@ class Estimator {
   /// False if the sweep's time is not after the last estimate's; then the estimate stays.
   bool predict(double stamp_s, double set_back_s, SweepPrediction& prediction);
 
-  /// Finishes the sweep of the last predict(). `middle_s`, `revolution_s`, `tilt_moment`: from SweepCorrectorReport.
-  const FilterState& update(const std::vector<FusionInput>& measurements, double middle_s, double revolution_s,
-                            const std::optional<Eigen::Matrix2d>& tilt_moment = std::nullopt);
+  /// Finishes the sweep of the last predict().
+  const FilterState& update(const std::vector<FusionInput>& measurements, const SweepFindings& findings);
 
   /// Adds a source of poses whose stamps differ from the sweeps'. A pose is used within `tolerance_s` of a sweep.
   void addSource(const std::string& name, double tolerance_s);

@@ -133,7 +133,7 @@ SweepCondition OdometryPipeline::condition(const SweepFindings& findings, const 
   condition.low_visibility = findings.low_visibility;
   condition.frozen = findings.frozen;
   condition.time_jump = findings.time_jump;
-  condition.time_field_refused = result.timing.guessed();
+  condition.time_field_refused = findings.time_field_refused;
   condition.point_missing = missing(kIcpPointToPoint);
   condition.plane_missing = missing(kIcpPointToPlane);
   condition.corners_missing = missing(kCornerSvd);
@@ -175,13 +175,12 @@ SweepCorrectorReport OdometryPipeline::deskew(Sweep& sweep, const SweepFindings&
   return report;
 }
 
-void OdometryPipeline::estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report,
-                                SweepResult& result) {
+void OdometryPipeline::estimate(const SweepPrediction& prediction, const SweepFindings& findings, SweepResult& result) {
   std::vector<FusionInput> inputs;
   for (const SourceResult& source : result.sources) {
     inputs.push_back({source.name, source.used ? &source.measurement : nullptr, source.kind});
   }
-  const FilterState& state = estimator_.update(inputs, report.middle_s, report.revolution_s, report.tilt_moment);
+  const FilterState& state = estimator_.update(inputs, findings);
   describeState(result);
   result.pose_set = estimator_.takePoseSet();
   result.refused_poses = estimator_.refusedPoses();
@@ -223,15 +222,16 @@ SweepResult OdometryPipeline::step(Sweep& sweep) {
   if (!prediction) return refuse();
 
   SweepResult result;
-  const SweepFindings findings = check_.check(sweep);
+  SweepFindings findings = check_.check(sweep);
   const SweepCorrectorReport report = deskew(sweep, findings, *prediction);
+  report.addTo(findings);
   result.timing = report.timing;
   result.times.correction_ms = stage.lapMs();
 
   measure(*prediction, result);  // the measurements record their own times
   stage.lapMs();
 
-  estimate(*prediction, report, result);
+  estimate(*prediction, findings, result);
   result.times.fusion_ms = stage.lapMs();
 
   registration_.place(result.state);

@@ -116,7 +116,7 @@ class OdometryPipeline {
   std::optional<SweepPrediction> predict(double stamp_s);
   SweepCorrectorReport deskew(Sweep& sweep, const SweepFindings& findings, const SweepPrediction& prediction);
   void measure(const SweepPrediction& prediction, SweepResult& result);
-  void estimate(const SweepPrediction& prediction, const SweepCorrectorReport& report, SweepResult& result);
+  void estimate(const SweepPrediction& prediction, const SweepFindings& findings, SweepResult& result);
   void describeState(SweepResult& result) const;
   SweepCondition condition(const SweepFindings& findings, const SweepResult& result);
   const MonitorOutput& judge(const SweepResult& result);

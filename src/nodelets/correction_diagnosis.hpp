@@ -57,7 +57,7 @@ class CorrectionDiagnosis {
     progress_.diagnose(status, "sweep");
     status.add("points of the last sweep", points_);
     status.addf("azimuth coverage", "%.2f", findings_.azimuth_coverage);
-    status.addf("ratio of far points", "%.3f", findings_.far_ratio);
+    status.addf("range of view (m)", "%.1f", findings_.view_range_m);
     status.add("repetitions", findings_.repetitions);
     status.add("clouds without usable points", refused_.count);
     status.add("clouds without a prediction", unmatched);

@@ -166,8 +166,7 @@ class FusionUkfNodelet : public GraphNodelet {
     for (const SweepAccount::Source& source : account.sources) {
       inputs.push_back({source.name, source.measurement ? &*source.measurement : nullptr, source.kind});
     }
-    const SweepFindings found = account.findings.value_or(SweepFindings());
-    estimator_->update(inputs, found.middle_s, found.revolution_s, found.tilt_moment);
+    estimator_->update(inputs, account.findings.value_or(SweepFindings()));
     sources_->addPoses(estimator_->externalMeasurements(), account);
     if (!estimator_->covarianceIsWhole()) {
       NODELET_ERROR_THROTTLE(1.0, "increment or its covariance not finite: the odometry's covariance leaves it out");

@@ -68,10 +68,7 @@ class SweepCorrectionNodelet : public GraphNodelet {
     const CloudReadResult read = readCloud(cloud, sweep_);
     SweepFindings findings = check_->check(sweep_);
     const SweepCorrectorReport report = corrector_->correct(sweep_, task.prediction, task.T_cog_lidar, corrected_);
-    findings.middle_s = report.middle_s;
-    findings.revolution_s = report.revolution_s;
-    findings.tilt_moment = report.tilt_moment;
-    findings.time_field_refused = report.timing.guessed();
+    report.addTo(findings);
     check_publisher_.publish(messages::SweepCheckConstPtr(
         boost::make_shared<messages::SweepCheck>(toMessage(findings, sweep_.size(), cloud.header))));
     if (isLeftOut(findings, task.first())) corrected_.clear();

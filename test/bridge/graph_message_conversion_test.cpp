@@ -163,6 +163,7 @@ FilterState someState() {
   state.speed_error = {2.5, 0.75};
   state.clock_jump = true;
   state.set_back_s = 0.3;
+  state.view_range_m = 12.0;
   state.stamp_error_s = 0.007;
   state.started = false;
   state.motion_status = MotionStatus::kObserved;
@@ -201,6 +202,7 @@ TEST(GraphMessages, StateThereAndBack) {
   EXPECT_EQ(back->speed_error.kept, 0.75);
   EXPECT_TRUE(back->clock_jump);
   EXPECT_EQ(back->set_back_s, 0.3);
+  EXPECT_EQ(back->view_range_m, 12.0);
   EXPECT_EQ(back->stamp_error_s, 0.007);
   EXPECT_FALSE(back->started);
   EXPECT_EQ(back->motion_status, MotionStatus::kObserved);
@@ -253,14 +255,14 @@ TEST(GraphMessages, ConditionTellsWhatTheSweepsCheckFound) {
   findings.incomplete = findings.frozen = true;
   findings.repetitions = 4;
   findings.middle_s = -0.05;
-  findings.far_ratio = 0.25;
+  findings.view_range_m = 42.0;
   findings.azimuth_coverage = 0.5;
   const messages::SweepCheck check = toMessage(findings, 77, someHeader());
   EXPECT_EQ(check.points, 77);
   account.findings = fromMessage(check);
   EXPECT_EQ(account.findings->repetitions, 4);
   EXPECT_EQ(account.findings->middle_s, -0.05);
-  EXPECT_EQ(account.findings->far_ratio, 0.25);
+  EXPECT_EQ(account.findings->view_range_m, 42.0);
   EXPECT_EQ(account.findings->azimuth_coverage, 0.5);
   account.sources = {{"gps", std::nullopt, false}};
   SweepCondition condition = conditionOf(toMessage(someState(), account, someHeader()));

@@ -27,7 +27,7 @@ class EstimatorTest : public testing::Test {
     SweepPrediction prediction;
     if (!accepted.taken() || !estimator.predict(stamp_s, accepted.set_back_s, prediction)) return estimator.state();
     const Measurement point = measured(time_s - begin_s), plane = point;
-    return estimator.update({{kIcpPointToPoint, &point}, {kIcpPointToPlane, &plane}}, 0.0, 0.0);
+    return estimator.update({{kIcpPointToPoint, &point}, {kIcpPointToPlane, &plane}}, SweepFindings());
   }
   void drive(double from_s, double to_s, double clock_s = kClock_s) {
     for (double t = from_s; t < to_s - 0.05; t += 0.1) sweep(t, clock_s + t);

@@ -299,7 +299,7 @@ void drive(FieldSource& source) {
       inputs.push_back({one.name, one.measurement ? &*one.measurement : nullptr, one.kind});
     }
     const Pose T_odom_cog_previous = filter.state().T_odom_cog;
-    const FilterState& state = filter.correct(inputs, sweep.findings ? sweep.findings->middle_s : 0.0);
+    const FilterState& state = filter.correct(inputs, sweep.findings.value_or(SweepFindings()));
     promiseState(state);
     if (state.dt_s > 0.0) covariance.propagate(T_odom_cog_previous, state.T_odom_cog, incrementOf(state));
     promiseCovariance(covariance.covariance(), "the odometry's covariance is one");

@@ -10,6 +10,7 @@ namespace fail_aware {
 namespace {
 
 constexpr double kNewMapDistance_m = 0.1;
+constexpr double kMapViews = 1.5;               // a map is this many ranges of view long, at most
 constexpr double kNewMapTilt_rad_per_m = 0.09;  // 0.1 deg where the position is off by 2 cm
 
 double squared(double value) { return value * value; }
@@ -33,8 +34,9 @@ Vector6d DriftModel::walkVariances(double distance_m) const {
   return variances;
 }
 
-double DriftModel::mapReplaced(double distance_m) const {
-  return map_length_m > 0.0 ? std::min(1.0, distance_m / map_length_m) : 1.0;
+double DriftModel::mapReplaced(double distance_m, double view_range_m) const {
+  const double length_m = view_range_m > 0.0 ? std::min(map_length_m, kMapViews * view_range_m) : map_length_m;
+  return length_m > 0.0 ? std::min(1.0, distance_m / length_m) : 1.0;
 }
 
 Matrix6d DriftModel::transient(const Matrix6d& registration) const {

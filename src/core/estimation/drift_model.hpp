@@ -56,8 +56,9 @@ struct DriftModel {
 
   /// Variances that the distance of one sweep adds to the pose and to the map alike.
   Vector6d walkVariances(double distance_m) const;
-  /// Ratio of the map around the vehicle that one sweep replaces, 0..1.
-  double mapReplaced(double distance_m) const;
+  /// Ratio of the map around the vehicle that one sweep replaces, 0..1. A sweep that sees less far than usual is compared
+  /// with a shorter map. view_range_m 0: not known.
+  double mapReplaced(double distance_m, double view_range_m = 0.0) const;
   /// The pose's jitter about the map. `registration`: what a sweep's registration adds to the pose's covariance.
   Matrix6d transient(const Matrix6d& registration) const;
 

@@ -46,6 +46,7 @@ OdometryIncrement incrementOf(const FilterState& state) {
   increment.dt_s = state.dt_s;
   increment.speed_error = state.speed_error;
   increment.doubt = state.doubt;
+  increment.view_range_m = state.view_range_m;
   // before a motion is known, a map that begins with a sweep is reported as an insertion
   const bool begins = state.map_update == MapUpdate::kInsert && !state.measurement_applied &&
                       state.motion_status == MotionStatus::kUnknown;

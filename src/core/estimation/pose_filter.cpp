@@ -127,9 +127,10 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
   return true;
 }
 
-const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements, double middle_s) {
+const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements, const SweepFindings& findings) {
   const Pose T_odom_cog_previous = state_.T_odom_cog;
   FilterState next = stateFrom(prediction_);
+  next.view_range_m = findings.view_range_m;
   next.started = started_ || canBegin(measurements);
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
@@ -177,7 +178,7 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   started_ = true;
   state_ = next;
   const bool forget_history = map.begins || next.clock_jump || motion_.velocityObservableAgain();
-  motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
+  motion_.update({prediction_, state_, ukf_.state(), findings.middle_s, measured, forget_history});
   if (state_.dt_s > 0.0) state_.speed_error = motion_.deadReckoning().speedError();
   state_.motion_status = motionStatus();
   const double speed_mps = motion_.motion().velocity_body_mps.x();

@@ -26,6 +26,7 @@
 #include "core/parameters/check.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/fusion_input.hpp"
+#include "core/types/sweep_findings.hpp"
 #include "core/types/sweep_prediction.hpp"
 #include "core/types/sweep_time.hpp"
 
@@ -68,8 +69,8 @@ class PoseFilter {
   /// False if the sweep's time is not after the last estimate's.
   bool predict(const SweepTime& time, SweepPrediction& prediction);
 
-  /// Finishes the sweep of the last predict(). `middle_s`: from SweepCorrectorReport.
-  const FilterState& correct(const std::vector<FusionInput>& measurements, double middle_s = 0.0);
+  /// Finishes the sweep of the last predict().
+  const FilterState& correct(const std::vector<FusionInput>& measurements, const SweepFindings& findings = {});
 
   /// Sets the vehicle's pose at the last estimate from outside: odom is moved under the vehicle. Motion, increments and
   /// P (about the vehicle) stay; odom_reset_count increases. A pose that is not finite: returns false, nothing changes.

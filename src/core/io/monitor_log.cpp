@@ -36,6 +36,7 @@ struct MonitorLogTable {
     v("speed_kept", s.speed_error.kept);
     v("odom_reset_count", s.odom_reset_count);
     v("map_update", s.map_update);
+    v("view_range", s.view_range_m);
     v("filter_nis", s.filter_nis);
     auto& f = s.fusion;
     v("has_measurement", f.has_measurement);

@@ -1,5 +1,7 @@
 #include "core/preprocessing/sweep_check.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <string_view>
 
@@ -10,18 +12,19 @@ namespace fail_aware {
 namespace {
 
 constexpr std::size_t kComparedPoints = 20000;
+constexpr double kFarRatio = 0.02;  // of the points: beyond the range of view
 
-void look(const std::vector<Eigen::Vector3f>& points, double visible_range_m, SweepFindings& findings) {
-  const auto far = static_cast<float>(visible_range_m * visible_range_m);
+void look(const std::vector<Eigen::Vector3f>& points, SweepFindings& findings) {
   // An odd stride visits all beams of a column of 64 or 128; so does any stride without a common factor.
   const std::size_t stride = (points.size() / kComparedPoints) | 1u;
-  std::size_t looked_at = 0, beyond = 0;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    if (points[i].squaredNorm() > far) ++beyond;
-    ++looked_at;
-  }
+  std::vector<float> squares_m2;
+  squares_m2.reserve(points.size() / stride + 1);
+  for (std::size_t i = 0; i < points.size(); i += stride) squares_m2.push_back(points[i].squaredNorm());
+  const auto far =
+      squares_m2.end() - 1 - static_cast<std::ptrdiff_t>(kFarRatio * static_cast<double>(squares_m2.size()));
+  std::nth_element(squares_m2.begin(), far, squares_m2.end());
   findings.azimuth_coverage = azimuthCoverage(points, stride);
-  findings.far_ratio = static_cast<double>(beyond) / static_cast<double>(looked_at);
+  findings.view_range_m = std::sqrt(static_cast<double>(*far));
 }
 
 std::size_t fingerprint(const std::vector<Eigen::Vector3f>& points) {
@@ -49,11 +52,11 @@ SweepFindings SweepCheck::check(const Sweep& sweep) {
     repetitions_ = 0;
     return findings;
   }
-  look(sweep.points_lidar, params_.visible_range_m, findings);
+  look(sweep.points_lidar, findings);
   findings.incomplete = findings.azimuth_coverage < params_.min_azimuth_coverage;
   findings.partial_start = findings.incomplete && !any_;
   any_ = true;
-  findings.low_visibility = findings.far_ratio < params_.min_far_ratio;
+  findings.low_visibility = findings.view_range_m < params_.min_view_range_m;
   const std::size_t print = fingerprint(sweep.points_lidar);
   repetitions_ = last_fingerprint_ == print ? repetitions_ + 1 : 0;
   last_fingerprint_ = print;

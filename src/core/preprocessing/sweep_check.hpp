@@ -4,7 +4,7 @@
 // incomplete      fewer than min_azimuth_coverage of the azimuth's sectors (5 deg each) hold points: half a sweep, or a
 //                 blanked sector. A driver that publishes part of a revolution per cloud needs a lower
 //                 min_azimuth_coverage.
-// low_visibility  fewer than min_far_ratio of the points lie beyond visible_range_m: fog, spray, a dirty window
+// low_visibility  fewer than 2 % of the points lie beyond min_view_range_m: fog, spray, a dirty window
 // frozen          the points are, bit for bit, those of each of the last frozen_sweeps sweeps: a driver that repeats
 //                 itself (a simulator without noise does the same while the vehicle stands: 0 switches this off)
 // repeats         the points are those of the last sweep: nothing new to register, the sweep counts as empty
@@ -27,16 +27,14 @@ namespace fail_aware {
 
 struct SweepCheckParams {
   double min_azimuth_coverage = 0.75;  ///< ratio of the sectors; 0: off, for a lidar without full azimuth
-  double visible_range_m = 15.0;
-  double min_far_ratio = 0.02;  ///< 0: off
-  int frozen_sweeps = 3;        ///< repetitions in a row; 0: off
-  double max_gap_s = 0.5;       ///< between stamps
+  double min_view_range_m = 15.0;      ///< 0: off
+  int frozen_sweeps = 3;               ///< repetitions in a row; 0: off
+  double max_gap_s = 0.5;              ///< between stamps
 
   template <class Self, class Visitor>
   static void visit(Self& self, Visitor&& v) {
     v("min_azimuth_coverage", self.min_azimuth_coverage, within(0.0, 1.0));
-    v("visible_range_m", self.visible_range_m, requirePositive);
-    v("min_far_ratio", self.min_far_ratio, within(0.0, 1.0));
+    v("min_view_range_m", self.min_view_range_m, requireNotNegative);
     v("frozen_sweeps", self.frozen_sweeps, within(0, 1000));
     v("max_gap_s", self.max_gap_s, requirePositive);
   }

@@ -14,6 +14,7 @@
 #include "core/preprocessing/timing.hpp"
 #include "core/preprocessing/vertical_reference.hpp"
 #include "core/types/corrected_sweep.hpp"
+#include "core/types/sweep_findings.hpp"
 #include "core/types/sweep_prediction.hpp"
 #include "fail_aware_lidar_odometry/sweep.hpp"
 
@@ -27,6 +28,14 @@ struct SweepCorrectorReport {
   double middle_s = 0.0;
   double revolution_s = 0.0;  ///< of the head, from the points' times (revolution.hpp); 0: not known
   Eigen::Matrix2d tilt_moment = Eigen::Matrix2d::Zero();  ///< VerticalReference::tiltMoment()
+
+  /// What the estimator and the monitor need of it.
+  void addTo(SweepFindings& findings) const {
+    findings.middle_s = middle_s;
+    findings.revolution_s = revolution_s;
+    findings.tilt_moment = tilt_moment;
+    findings.time_field_refused = timing.guessed();
+  }
 };
 
 class SweepCorrector {

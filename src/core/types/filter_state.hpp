@@ -36,8 +36,9 @@ struct FilterState {
   /// The interval of the stamps since the last inserted sweep is not the time driven: the increment is not a motion
   /// over dt_s.
   bool clock_jump = false;
-  double set_back_s = 0.0;   ///< from SweepPrediction
-  int odom_reset_count = 0;  ///< number of setPose() calls: references with another number belong to another odom
+  double set_back_s = 0.0;    ///< from SweepPrediction
+  double view_range_m = 0.0;  ///< from SweepFindings; 0: not known
+  int odom_reset_count = 0;   ///< number of setPose() calls: references with another number belong to another odom
   MapUpdate map_update = MapUpdate::kSkip;
 
   bool motionObserved() const { return motion_status == MotionStatus::kObserved; }

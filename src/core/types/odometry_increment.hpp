@@ -21,6 +21,7 @@ struct OdometryIncrement {
   SpeedError speed_error;
   MotionDoubt doubt;
   MapUpdate map_update = MapUpdate::kInsert;
+  double view_range_m = 0.0;  ///< 0: not known
   /// Mean square error of the tilt about odom's axes (VerticalReference::tiltMoment()); none: not known anew.
   std::optional<Eigen::Matrix2d> tilt_moment{};
 };

@@ -15,7 +15,7 @@ struct SweepFindings {
   bool time_jump = false;
   bool partial_start = false;
   double azimuth_coverage = 0.0;  ///< ratio of the sectors that hold points; 0 for an empty sweep
-  double far_ratio = 0.0;         ///< ratio of the points beyond visible_range_m
+  double view_range_m = 0.0;      ///< 2 % of the points are farther; 0 for an empty sweep
   int repetitions = 0;            ///< consecutive sweeps that repeated the previous one
   // From SweepCorrectorReport, not from SweepCheck.
   double middle_s = 0.0;                       ///< middle of the points' times, s relative to the stamp

@@ -38,6 +38,16 @@ TEST(DriftModel, TheWayReplacesTheMap) {
   EXPECT_EQ(model.mapReplaced(80.0), 1.0);
 }
 
+TEST(DriftModel, AShortViewIsComparedWithAShortMap) {
+  DriftModel params;
+  params.map_length_m = 50.0;
+  const DriftModel model(params);
+  EXPECT_EQ(model.mapReplaced(2.0, 80.0), model.mapReplaced(2.0)) << "a usual view";
+  EXPECT_GT(model.mapReplaced(2.0, 10.0), 3.0 * model.mapReplaced(2.0)) << "fog";
+  EXPECT_EQ(model.mapReplaced(0.0, 10.0), 0.0) << "standing still";
+  EXPECT_EQ(DriftModel(independentDrift()).mapReplaced(2.0, 10.0), 1.0);
+}
+
 TEST(DriftModel, WalksGrowWithTheRootOfTheWay) {
   DriftModel params;
   params.position_per_root_metre_m = 0.01;

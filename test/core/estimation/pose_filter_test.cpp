@@ -98,7 +98,9 @@ double worstPredictionInBraking(double middle_s, double told_middle_s) {
     if (!prediction.motionKnown()) predicted_m = driven_m;  // searched for
     const double x_m = distance_m(t_s + middle_s) - predicted_m * middle_s / kDt_s;
     const Measurement measurement = measured(pose(x_m, 0, 0, 0, 0, 0));
-    filter.correct({{"m", i > 0 ? &measurement : nullptr}}, told_middle_s);
+    SweepFindings findings;
+    findings.middle_s = told_middle_s;
+    filter.correct({{"m", i > 0 ? &measurement : nullptr}}, findings);
   }
   return worst_m;
 }

@@ -35,7 +35,7 @@ TEST(SweepCheck, NothingIsWrongWithAStreet) {
     const SweepFindings findings = check.check(streetSweep(i));
     EXPECT_FALSE(findings.incomplete || findings.low_visibility || findings.frozen || findings.time_jump) << i;
     EXPECT_EQ(findings.azimuth_coverage, 1.0);
-    EXPECT_GT(findings.far_ratio, 0.1);
+    EXPECT_GT(findings.view_range_m, 20.0);
     EXPECT_EQ(findings.repetitions, 0);
   }
 }
@@ -63,10 +63,14 @@ TEST(SweepCheck, RangesCutAtTenMetresAreLowVisibility) {
   keepOnly(sweep, [](const Eigen::Vector3f& p) { return p.norm() <= 10.0f; });
   const SweepFindings findings = check.check(sweep);
   EXPECT_TRUE(findings.low_visibility);
-  EXPECT_EQ(findings.far_ratio, 0.0);
+  EXPECT_NEAR(findings.view_range_m, 10.0, 0.5);
   sweep = streetSweep(1);
   keepOnly(sweep, [](const Eigen::Vector3f& p) { return p.norm() <= 25.0f; });
   EXPECT_FALSE(check.check(sweep).low_visibility);
+  SweepCheckParams off;
+  off.min_view_range_m = 0.0;
+  keepOnly(sweep, [](const Eigen::Vector3f& p) { return p.norm() <= 10.0f; });
+  EXPECT_FALSE(SweepCheck(off).check(sweep).low_visibility);
 }
 
 TEST(SweepCheck, AFirstSweepThatIsAPartOfARevolutionIsLeftOut) {
