@@ -127,7 +127,9 @@ OdometryCovariance::Confirmation OdometryCovariance::takeRegistration(const Odom
   const bool too_wide = !(D.diagonal().head<2>().maxCoeff() < kMaxUnconfirmedSigma_m * kMaxUnconfirmedSigma_m);
   const bool out_of_sight = next.open_sweeps > kMaxUnconfirmedSweeps || (next.open_sweeps != kConfirmed && too_wide);
   const bool inserted = increment.map_update == MapUpdate::kInsert;
-  step.replaced = out_of_sight || restarted ? 1.0 : inserted ? drift_.mapReplaced(step.step_m.norm(), increment.view_range_m) : 0.0;
+  step.replaced = out_of_sight || restarted ? 1.0
+                  : inserted                ? drift_.mapReplaced(step.step_m.norm(), increment.view_range_m)
+                                            : 0.0;
   if (restarted || (out_of_sight && measured)) {
     next.open_sweeps = kConfirmed;
   } else if (out_of_sight) {
