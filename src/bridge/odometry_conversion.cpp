@@ -1,6 +1,6 @@
 #include "bridge/odometry_conversion.hpp"
 
-#include "core/estimation/odometry_covariance.hpp"
+#include "core/estimation/increment_covariance.hpp"
 
 namespace fail_aware {
 

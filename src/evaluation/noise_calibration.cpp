@@ -162,19 +162,21 @@ std::vector<Eigen::Matrix2d> covariancesAt(const std::vector<DriftRun>& runs, co
     const std::vector<MonitorInput>& log = runs[run].log;
     const auto propagate = [&](std::size_t i, OdometryCovariance& covariance) {
       const FilterState& s = log[i].state;
-      covariance.propagate(log[i - 1].state.T_odom_cog, s.T_odom_cog, incrementOf(s));
+      return covariance.propagate(log[i - 1].state.T_odom_cog, s.T_odom_cog, incrementOf(s));
     };
     OdometryCovariance since_start(params);
     std::size_t now = 0;
     while (k < samples.size() && samples[k].run == run) {
       const std::size_t begin = samples[k].begin;
       while (now < begin) propagate(++now, since_start);
-      OdometryCovariance since_begin = since_start;
-      since_begin.mark(log[begin].state.T_odom_cog);
+      OdometryCovariance from_begin = since_start;
+      DriftSinceMark since_begin = from_begin.mark(log[begin].state.T_odom_cog);
       std::size_t i = begin;
       for (; k < samples.size() && samples[k].run == run && samples[k].begin == begin; ++k) {
-        while (i < samples[k].end) propagate(++i, since_begin);
-        covariances.push_back(since_begin.sinceMark().topLeftCorner<2, 2>());
+        while (i < samples[k].end) {
+          if (propagate(++i, from_begin)) since_begin.add(from_begin.lastStep());
+        }
+        covariances.push_back(since_begin.covariance().topLeftCorner<2, 2>());
       }
     }
   }

@@ -28,6 +28,7 @@ struct DriftState {
 
 /// One sweep; covariances, the step and I - K about the previous body's axes.
 struct DriftStep {
+  Eigen::Matrix3d R_odom_previous = Eigen::Matrix3d::Identity();  ///< the previous body's axes
   Eigen::Vector3d step_m = Eigen::Vector3d::Zero();
   double turn_rad = 0.0;  ///< about the vertical axis
   double dt_s = 0.0;

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "core/estimation/increment_covariance.hpp"
 #include "core/estimation/largest_values.hpp"
-#include "core/estimation/odometry_covariance.hpp"
 #include "core/geometry/decompositions.hpp"
 
 namespace fail_aware {

@@ -5,6 +5,7 @@
 
 #include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -16,6 +17,8 @@ constexpr double kUnknownDistance_m = 15.0, kUnknownTurn_rad = 0.8;  // what the
 constexpr double kMostTilt_rad = 2.0 * kDegree;  // standard deviation of roll and of pitch in a sweep or a gap
 // farther from its last sweep a map of 100 m holds too little to compare
 constexpr double kComparedPlaces_m = 60.0;
+
+bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
 
 bool isConfirmed(const FilterState& state) { return state.measurement_applied && state.fusion.confirmed; }
 
@@ -106,6 +109,29 @@ void setIncrementCovariance(const IncrementScale& scale, const Matrix6d& Q, cons
   const double floor_rad = scale.floor_deg * kDegree;
   state.increment_covariance.diagonal().head<3>().array() += floor_m * floor_m;
   state.increment_covariance.diagonal().tail<3>().array() += floor_rad * floor_rad;
+}
+
+std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s) {
+  if (!isFinite(T_previous_now) || !isUsableInterval(dt_s)) return std::nullopt;
+  const Vector6d twist = logSe3(T_previous_now) / dt_s;
+  if (!twist.allFinite()) return std::nullopt;
+  return twist;
+}
+
+std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now, double dt_s) {
+  if (!increment_covariance.allFinite() || !isFinite(T_previous_now) || !isUsableInterval(dt_s)) return std::nullopt;
+  // In the newest body's axes the error is a right factor, T Exp(e); log(T Exp(e)) = log(T) + J_r^-1 e with
+  // J_r^-1 = I + ad/2 + ad^2/12 + O(ad^4).
+  const Vector6d increment = logSe3(T_previous_now);
+  Matrix6d ad = Matrix6d::Zero();
+  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = skew(increment.tail<3>());
+  ad.topRightCorner<3, 3>() = skew(increment.head<3>());
+  const Matrix6d J = Matrix6d::Identity() + 0.5 * ad + ad * ad / 12.0;
+  const Matrix6d about_now =
+      rotateCovariance(positiveSemidefinite(increment_covariance), T_previous_now.linear().transpose());
+  const Matrix6d covariance = symmetric(J * about_now * J.transpose()) / (dt_s * dt_s);
+  if (!covariance.allFinite()) return std::nullopt;
+  return covariance;
 }
 
 }  // namespace fail_aware

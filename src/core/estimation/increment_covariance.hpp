@@ -6,6 +6,8 @@
 // Failure: none. Cost: about 5 us.
 #pragma once
 
+#include <optional>
+
 #include "core/geometry/pose.hpp"
 #include "core/types/filter_state.hpp"
 #include "core/types/odometry_increment.hpp"
@@ -34,5 +36,12 @@ MotionDoubt clockDoubt(const SweepPrediction& prediction, const FilterState& sta
 
 /// The increment, for the accumulated covariance.
 OdometryIncrement incrementOf(const FilterState& state);
+
+/// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that
+/// makes the increment in dt_s. Nothing if the pose is not finite or dt_s is not > 0.
+std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s);
+
+/// Covariance of that twist, to first order; `increment_covariance` about the previous body's axes.
+std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now, double dt_s);
 
 }  // namespace fail_aware

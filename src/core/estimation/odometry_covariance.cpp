@@ -11,17 +11,6 @@ namespace fail_aware {
 
 namespace {
 
-// The nearest positive semidefinite matrix.
-Matrix6d positiveSemidefinite(const Matrix6d& C) {
-  Matrix6d S = symmetric(C);
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(S);
-  if (eigen.eigenvalues()[0] >= 0.0) return S;
-  const Matrix6d half = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  return half * half.transpose();
-}
-
-bool isUsableInterval(double dt_s) { return std::isfinite(dt_s) && dt_s > 0.0; }
-
 bool isUsable(const OdometryIncrement& increment) {
   return increment.motion.allFinite() && (!increment.registration || increment.registration->allFinite()) &&
          std::isfinite(increment.dt_s) && increment.dt_s >= 0.0 && std::isfinite(increment.doubt.sigma_m) &&
@@ -73,30 +62,25 @@ bool OdometryCovariance::propagate(const Pose& T_odom_cog_previous, const Pose& 
   if (!isFinite(T_odom_cog_previous) || !isFinite(T_odom_cog_now) || !isUsable(increment)) return false;
   const Pose T_previous_now = T_odom_cog_previous.inverse() * T_odom_cog_now;
   const Eigen::Matrix3d R_odom = T_odom_cog_previous.linear();
-  const Eigen::Matrix3d R_mark = T_odom_mark_.value_or(Pose::Identity()).linear().transpose() * R_odom;
-  DriftStep step;
+  DriftStep step{R_odom};
   step.step_m = T_previous_now.translation();
   step.turn_rad = rpyFromRotation(T_previous_now.linear()).z();
   step.dt_s = increment.dt_s;
   step.speed_error = increment.speed_error;
   step.motion = positiveSemidefinite(increment.motion);
-  DriftState since_start = since_start_, since_mark = since_mark_;
+  DriftState since_start = since_start_;
   predictDrift(step, R_odom, since_start);
-  if (T_odom_mark_) predictDrift(step, R_mark, since_mark);
 
   const Confirmation confirmation =
       takeRegistration(increment, rotateCovariance(since_start.inMap(), R_odom.transpose()), step);
   const MapDistance map_distance = extendMap(increment, T_odom_cog_previous, T_odom_cog_now, step);
   correctDrift(step, R_odom, since_start);
-  if (T_odom_mark_) correctDrift(step, R_mark, since_mark);
-  if (!since_start.C.allFinite() || !since_mark.C.allFinite() || !step.transient.allFinite()) return false;
+  if (!since_start.C.allFinite() || !step.transient.allFinite()) return false;
 
   confirmation_ = confirmation;
   map_distance_ = map_distance;
   since_start_ = since_start;
-  since_mark_ = since_mark;
   last_step_ = step;
-  if (T_odom_mark_) since_mark_covariance_ = since_mark_.pose();
   transient_cog_ = rotateCovariance(step.transient, T_previous_now.linear().transpose());
   largest_transient_cog_ += positiveSemidefinite(transient_cog_ - largest_transient_cog_);
   vertical_.advance(T_odom_cog_now.translation() - T_odom_cog_previous.translation(), increment.tilt_moment);
@@ -187,25 +171,17 @@ void OdometryCovariance::reset(const Matrix6d& start_covariance) {
   confirmation_ = Confirmation();
   last_step_ = DriftStep();
   map_distance_.reset();
-  T_odom_mark_.reset();
-  since_mark_ = DriftState();
-  since_mark_covariance_.setZero();
 }
 
 void OdometryCovariance::enterOdom() {
   since_start_.foldIntoMap(1.0);
-  since_mark_.foldIntoMap(1.0);
   confirmation_ = Confirmation();
   map_distance_.reset();
 }
 
-void OdometryCovariance::mark(const Pose& T_odom_mark) {
+DriftSinceMark OdometryCovariance::mark(const Pose& T_odom_mark) const {
   constexpr int kMap = DriftState::kMap, kInMap = DriftState::kInMap, kSpeed = DriftState::kSpeed;
-  since_mark_ = DriftState();
-  since_mark_covariance_.setZero();
-  T_odom_mark_.reset();
-  if (!isFinite(T_odom_mark)) return;
-  T_odom_mark_ = T_odom_mark;
+  if (!isFinite(T_odom_mark)) return {};
   // The pose is right by definition, so the map is off by -d. Unless it was measured and d is open since a predicted
   // pose: what the measured pose has to do with the map from before is not known.
   const Eigen::Matrix3d R_mark_odom = T_odom_mark.linear().transpose();
@@ -215,7 +191,8 @@ void OdometryCovariance::mark(const Pose& T_odom_mark) {
   Vector6d d_speed = since_start_.C.block<6, 1>(kInMap, kSpeed);
   d_speed << R_mark_odom * d_speed.head<3>(), R_mark_odom * d_speed.tail<3>();
   if (open) d_speed.setZero();
-  DriftState::Matrix& C = since_mark_.C;
+  DriftState at_mark;
+  DriftState::Matrix& C = at_mark.C;
   C.block<6, 6>(kInMap, kInMap) = C.block<6, 6>(kMap, kMap) = D;
   C.block<6, 6>(kMap, kInMap) = C.block<6, 6>(kInMap, kMap) = -D;
   C.block<6, 1>(kInMap, kSpeed) = d_speed;
@@ -225,29 +202,7 @@ void OdometryCovariance::mark(const Pose& T_odom_mark) {
   // The jitter of the mark itself stays: all that follows is seen from there.
   C.block<6, 6>(kMap, kMap) += transient_cog_;
   C.diagonal().segment<2>(DriftState::kHeadingBias) = drift_.biasVariances();
-}
-
-std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s) {
-  if (!isFinite(T_previous_now) || !isUsableInterval(dt_s)) return std::nullopt;
-  const Vector6d twist = logSe3(T_previous_now) / dt_s;
-  if (!twist.allFinite()) return std::nullopt;
-  return twist;
-}
-
-std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now, double dt_s) {
-  if (!increment_covariance.allFinite() || !isFinite(T_previous_now) || !isUsableInterval(dt_s)) return std::nullopt;
-  // In the newest body's axes the error is a right factor, T Exp(e); log(T Exp(e)) = log(T) + J_r^-1 e with
-  // J_r^-1 = I + ad/2 + ad^2/12 + O(ad^4).
-  const Vector6d increment = logSe3(T_previous_now);
-  Matrix6d ad = Matrix6d::Zero();
-  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = skew(increment.tail<3>());
-  ad.topRightCorner<3, 3>() = skew(increment.head<3>());
-  const Matrix6d J = Matrix6d::Identity() + 0.5 * ad + ad * ad / 12.0;
-  const Matrix6d about_now =
-      rotateCovariance(positiveSemidefinite(increment_covariance), T_previous_now.linear().transpose());
-  const Matrix6d covariance = symmetric(J * about_now * J.transpose()) / (dt_s * dt_s);
-  if (!covariance.allFinite()) return std::nullopt;
-  return covariance;
+  return {T_odom_mark.linear(), at_mark};
 }
 
 }  // namespace fail_aware

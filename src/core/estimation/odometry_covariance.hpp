@@ -24,6 +24,7 @@
 #include <optional>
 
 #include "core/estimation/drift_model.hpp"
+#include "core/estimation/drift_since_mark.hpp"
 #include "core/estimation/drift_state.hpp"
 #include "core/estimation/vertical_drift.hpp"
 #include "core/geometry/pose.hpp"
@@ -56,18 +57,17 @@ class OdometryCovariance {
   /// Of the error of the speed, m^2/s^2; 0 where it is observed.
   double speedVariance() const { return since_start_.speedVariance(); }
 
-  /// Begins anew; the mark is forgotten.
+  /// Begins anew.
   void reset(const Matrix6d& start_covariance = Matrix6d::Zero());
 
   /// The vehicle was set to another pose in odom, and a new map begins there. Covariances stay.
   void enterOdom();
 
-  /// From here on (the monitor's t1) sinceMark() is the covariance of T_mark_cog, about the mark's axes.
-  void mark(const Pose& T_odom_mark);
-  const Matrix6d& sinceMark() const { return since_mark_covariance_; }
-  /// The same with all that will make it grow.
-  const DriftState& driftSinceMark() const { return since_mark_; }
+  /// The pose counts as right from here on. Zero if it is not finite.
+  DriftSinceMark mark(const Pose& T_odom_mark) const;
 
+  /// Of the last propagate() that returned true.
+  const DriftStep& lastStep() const { return last_step_; }
   DriftRate rate() const;
 
  private:
@@ -88,23 +88,14 @@ class OdometryCovariance {
   DriftRate::Along rateOnWeakStretch() const;
 
   DriftModel drift_;
-  DriftState since_start_, since_mark_;
+  DriftState since_start_;
   VerticalDrift vertical_;  ///< since the start, in addition; nothing that is horizontal depends on it
   Matrix6d covariance_ = Matrix6d::Zero();
-  Matrix6d since_mark_covariance_ = Matrix6d::Zero();
   Matrix6d transient_cog_ = Matrix6d::Zero();          ///< jitter of the newest pose, about its own axes
   Matrix6d largest_transient_cog_ = Matrix6d::Zero();  ///< no less than any so far
-  std::optional<Pose> T_odom_mark_;
   std::optional<MapDistance> map_distance_;
   Confirmation confirmation_;
   DriftStep last_step_;
 };
-
-/// The constant body twist (m/s, rad/s; in the moving body's frame, hence also in that at the newest instant) that
-/// makes the increment in dt_s. Nothing if the pose is not finite or dt_s is not > 0.
-std::optional<Vector6d> twistFromIncrement(const Pose& T_previous_now, double dt_s);
-
-/// Covariance of that twist, to first order; `increment_covariance` about the previous body's axes.
-std::optional<Matrix6d> twistCovariance(const Matrix6d& increment_covariance, const Pose& T_previous_now, double dt_s);
 
 }  // namespace fail_aware

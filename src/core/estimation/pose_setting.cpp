@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/estimation/odometry_covariance.hpp"
+#include "core/estimation/increment_covariance.hpp"
 
 namespace fail_aware {
 

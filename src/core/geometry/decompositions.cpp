@@ -26,6 +26,14 @@ Eigen::Vector2d symmetricEigenvalues(const Eigen::Matrix2d& C) {
   return {mean - spread, mean + spread};
 }
 
+Matrix6d positiveSemidefinite(const Matrix6d& C) {
+  Matrix6d S = symmetric(C);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(S);
+  if (eigen.eigenvalues()[0] >= 0.0) return S;
+  const Matrix6d half = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  return half * half.transpose();
+}
+
 Matrix6d inverseOf(const Matrix6d& A) { return A.inverse(); }
 
 Vector6d solutionOf(const Matrix6d& H, const Vector6d& b) { return H.ldlt().solve(b); }

@@ -24,6 +24,9 @@ typename Matrix::PlainObject symmetric(const Matrix& C) {
   return 0.5 * plain + 0.5 * plain.transpose();
 }
 
+/// The nearest positive semidefinite matrix to C, symmetrized.
+Matrix6d positiveSemidefinite(const Matrix6d& C);
+
 /// By LU with partial pivoting; the result is not finite if A is singular.
 Matrix6d inverseOf(const Matrix6d& A);
 

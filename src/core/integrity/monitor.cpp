@@ -107,7 +107,7 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
 Eigen::Matrix2d FailAwareMonitor::horizontalCovarianceOdom() const {
   if (!indicator_.started()) return Eigen::Matrix2d::Zero();
   const Eigen::Matrix3d R = mark_.T_odom.linear();
-  return (R * covariance_.sinceMark().topLeftCorner<3, 3>() * R.transpose()).topLeftCorner<2, 2>();
+  return (R * mark_.since.covariance().topLeftCorner<3, 3>() * R.transpose()).topLeftCorner<2, 2>();
 }
 
 CovarianceGrowth FailAwareMonitor::growth(const FilterState& state, const DriftState& drift,
@@ -143,17 +143,16 @@ void FailAwareMonitor::keepMotion(const FilterState& state) {
 void FailAwareMonitor::begin(const FilterState& state, const Pose& T_odom_mark) {
   requested_ = Start::kNot;
   indicator_.start(state.time_s());
-  covariance_.mark(T_odom_mark);
   error_unbounded_ = false;
-  mark_ = {T_odom_mark, state.stamp_s, covariance_.driftSinceMark()};
+  const DriftSinceMark since = covariance_.mark(T_odom_mark);
+  mark_ = {T_odom_mark, state.stamp_s, since, since.state()};
 }
 
 // As if marked now: a mark takes over the error of the pose in the map, of the speed, and the biases.
 void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& output) const {
   if (!state.motionObserved() || !growth_rate_.known()) return;
-  OdometryCovariance marked = covariance_;
-  marked.mark(state.T_odom_cog);
-  const CovariancePrediction prediction = predictor_.predict(growth(state, marked.driftSinceMark(), state.T_odom_cog));
+  const DriftState at_mark = covariance_.mark(state.T_odom_cog).state();
+  const CovariancePrediction prediction = predictor_.predict(growth(state, at_mark, state.T_odom_cog));
   output.standby_time_to_failure = prediction.time_to_failure;
   output.standby_state = stateFor(prediction.time_to_alarm, prediction.time_to_failure, params_.thresholds,
                                   output.reasons, motion_.speed_mps());
@@ -162,12 +161,12 @@ void FailAwareMonitor::addStandby(const FilterState& state, MonitorOutput& outpu
 // Returns the time to the alarm. What a registration may take back at once counts in the radius and for the alarm, but
 // not in the time: a heading that is unknown for one sweep would be taken for one that stays so.
 TimeToFailure FailAwareMonitor::predictFailure(const FilterState& state, MonitorOutput& output) {
-  CovarianceGrowth now = growth(state, covariance_.driftSinceMark(), mark_.T_odom);
+  CovarianceGrowth now = growth(state, mark_.since.state(), mark_.T_odom);
   if (error_unbounded_) now.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
   const CovariancePrediction prediction = predictor_.predict(now);
   TimeToFailure time = prediction.time_to_failure;
   if (!growth_rate_.isBrieflyOpen()) {
-    mark_.drift = covariance_.driftSinceMark();
+    mark_.drift = mark_.since.state();
   } else if (time.status != TimeToFailureStatus::kReached) {
     time = predictor_.predict(growth(state, mark_.drift, mark_.T_odom)).time_to_failure;
   }
@@ -215,6 +214,7 @@ void FailAwareMonitor::accumulate(const FilterState& state) {
     error_unbounded_ = true;
     return;
   }
+  if (indicator_.started()) mark_.since.add(covariance_.lastStep());
   // What a drive begins with is unknown, and says nothing of what follows.
   if (!state.motionObserved() && !growth_rate_.known()) return;
   growth_rate_.add(covariance_.rate(), {speed_variance_before, covariance_.speedVariance(), state.speed_error.kept},
@@ -249,7 +249,7 @@ void FailAwareMonitor::judge(const FilterState& state, MonitorOutput& output) {
   TimeToFailure time_to_alarm;
   if (indicator_.started()) {
     output.time_to_failure_indicator = indicator_.timeToFailure();
-    output.covariance_since_start = covariance_.sinceMark();
+    output.covariance_since_start = mark_.since.covariance();
     output.sigma_x_m = std::sqrt(std::max(0.0, output.covariance_since_start(0, 0)));
     output.sigma_y_m = std::sqrt(std::max(0.0, output.covariance_since_start(1, 1)));
     if (growth_rate_.known()) time_to_alarm = predictFailure(state, output);

@@ -108,8 +108,8 @@ class FailAwareMonitor {
   struct Mark {
     Pose T_odom = Pose::Identity();
     double t1_stamp_s = -1.0;
-    DriftState
-        drift;  ///< since the mark, when the error last could not be taken back at once: what the time counts from
+    DriftSinceMark since;
+    DriftState drift;  ///< of `since`, when the error last could not be taken back at once: what the time counts from
   };
   Mark mark_;
   int odom_reset_count_ = 0;

@@ -4,8 +4,11 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "core/geometry/degree.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware::increment_covariance_test {
 namespace {
@@ -106,6 +109,52 @@ TEST(IncrementCovariance, FloorAndScaleAreKept) {
   setIncrementCovariance({0.5, 3.0, 0.0, 0.0, 0.0}, kMotion, known(), state);
   EXPECT_NEAR(state.increment_covariance(0, 0), 0.015, 1e-12);
   EXPECT_NEAR(state.motion_covariance(0, 0), 0.03, 1e-12) << "predictions that follow each other err alike";
+}
+
+const Matrix6d kIncrement = [] {
+  Matrix6d C = (Vector6d() << 4e-4, 1e-4, 2e-4, 1e-6, 1e-6, 4e-6).finished().asDiagonal();
+  C(1, 5) = C(5, 1) = 1e-5;
+  return C;
+}();
+
+Pose perturbed(const Pose& T, const Vector6d& error) {
+  Pose out = T;
+  out.translation() += error.head<3>();
+  out.linear() = expSo3(error.tail<3>()) * T.linear();
+  return out;
+}
+
+TEST(IncrementTwist, RecoversAConstantTwistAndRefusesBadIntervals) {
+  Vector6d twist;
+  twist << 20.0, 0.3, -0.1, 0.02, -0.01, 0.5;
+  const std::optional<Vector6d> got = twistFromIncrement(expSe3(0.1 * twist), 0.1);
+  ASSERT_TRUE(got);
+  EXPECT_TRUE(got->isApprox(twist, 1e-9));
+  using Limits = std::numeric_limits<double>;
+  for (const double dt : {0.0, -0.1, Limits::quiet_NaN(), Limits::infinity()}) {
+    EXPECT_FALSE(twistFromIncrement(Pose::Identity(), dt));
+    EXPECT_FALSE(twistCovariance(kIncrement, Pose::Identity(), dt));
+  }
+  EXPECT_FALSE(twistCovariance(Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()), Pose::Identity(), 0.1));
+}
+
+TEST(IncrementTwist, CovarianceAgainstFiniteDifferences) {
+  Vector6d twist;
+  twist << 30.0, 0.3, -0.1, 0.1, -0.2, 0.8;
+  const double dt = 0.1;
+  const Pose increment = expSe3(dt * twist);
+  Matrix6d J;
+  const double h = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    const Vector6d e = h * Vector6d::Unit(i);
+    J.col(i) = (*twistFromIncrement(perturbed(increment, e), dt) - *twistFromIncrement(perturbed(increment, -e), dt)) /
+               (2.0 * h);
+  }
+  const Matrix6d expected = J * kIncrement * J.transpose();
+  const std::optional<Matrix6d> got = twistCovariance(kIncrement, increment, dt);
+  ASSERT_TRUE(got);
+  const Vector6d scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+  EXPECT_LT((scale.asDiagonal() * (*got - expected) * scale.asDiagonal()).cwiseAbs().maxCoeff(), 1e-5);
 }
 
 }  // namespace
