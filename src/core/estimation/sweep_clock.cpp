@@ -89,25 +89,22 @@ std::optional<double> SweepClock::period_s() const {
 SweepTime SweepClock::next(double stamp_s, double set_back_s) {
   SweepTime sweep(stamp_s);
   if (!std::isfinite(stamp_s)) return sweep;
-  if (lastExplains(set_back_s)) set_back_s = 0.0;
-  sweep.set_back_s = set_back_s;
+  sweep.set_back_s = lastExplains(set_back_s) ? 0.0 : set_back_s;
   if (last_.stamp_s) {
-    const double stamps_apart_s = secondsBetween(*last_.stamp_s, stamp_s);
-    last_apart_s_ = stamps_apart_s;
-    double since_s = stamps_apart_s + last_.error_s - offset_s_, apart_s = stamps_apart_s;
-    if (set_back_s > 0.0 && wasSetBack(since_s, set_back_s)) {
-      offset_s_ -= set_back_s + line_.period_s();
-      since_s += set_back_s + line_.period_s();
-      apart_s += set_back_s + line_.period_s();
+    const double stamps_apart_s = last_apart_s_ = secondsBetween(*last_.stamp_s, stamp_s);
+    double since_s = stamps_apart_s + last_.error_s - offset_s_, found_s = 0.0;
+    if (wasSetBack(since_s, sweep.set_back_s)) {
+      found_s = uncounted_s(sweep.set_back_s);
+      offset_s_ -= found_s;
+      since_s += found_s;
       sweep.set_back_s = 0.0;
       jitter_.interrupt();
     }
     ++intervals_;
-    const Interval found = interval(since_s, apart_s);
+    const Interval found = interval(since_s, stamps_apart_s + found_s);
     sweep.error_s = last_.error_s + stamps_apart_s - found.seconds;
     if (found.seconds == since_s) sweep.error_s = offset_s_;
-    const double uncounted_s = sweep.set_back_s > 0.0 ? sweep.set_back_s + line_.period_s() : 0.0;
-    sweep.interval_sigma_s = std::hypot(found.sigma_s, kSetBackSigma * uncounted_s);
+    sweep.interval_sigma_s = std::hypot(found.sigma_s, kSetBackSigma * uncounted_s(sweep.set_back_s));
   } else if (line_.empty()) {
     line_.add(last_.turn, last_.time_s, noise_s());
   }
@@ -127,12 +124,12 @@ bool SweepClock::lastExplains(double set_back_s) const {
 
 // True if the refused stamp came one revolution after the last sweep.
 bool SweepClock::wasSetBack(double since_s, double set_back_s) const {
-  if (!hasPeriod()) return false;
+  if (!hasPeriod() || !(set_back_s > 0.0)) return false;
   const auto fits = [this](double interval_s) {
     return std::abs(interval_s - std::max(1.0, std::round(interval_s / line_.period_s())) * line_.period_s()) <=
            tolerance_s();
   };
-  return !fits(since_s) && fits(since_s + set_back_s + line_.period_s());
+  return !fits(since_s) && fits(since_s + uncounted_s(set_back_s));
 }
 
 SweepClock::Interval SweepClock::interval(double since_s, double stamps_apart_s) {

@@ -90,6 +90,8 @@ class SweepClock {
 
   bool lastExplains(double set_back_s) const;
   bool wasSetBack(double since_s, double set_back_s) const;
+  /// The stamps do not count this time if the refused stamp came one revolution after the last sweep.
+  double uncounted_s(double set_back_s) const { return set_back_s > 0.0 ? set_back_s + line_.period_s() : 0.0; }
   Interval interval(double since_s, double stamps_apart_s);
   void followRevolution(double revolution_s);
   void setPeriod(double period_s, double sigma_s);
