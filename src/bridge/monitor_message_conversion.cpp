@@ -1,9 +1,8 @@
 #include "bridge/monitor_message_conversion.hpp"
 
-#include <string>
+#include <vector>
 
 #include "bridge/graph_message_conversion.hpp"
-#include "core/types/measurement.hpp"
 #include "fail_aware_lidar_odometry/PoseMeasurement.h"
 
 namespace fail_aware {
@@ -19,16 +18,10 @@ SweepCondition conditionOf(const messages::FilterState& message) {
   condition.time_field_refused = message.sweep_time_field_refused != 0;
   condition.no_answer = message.deadline_missed != 0;
   condition.ahead = aheadOf(message.min_information_ahead, message.information_ahead_distance);
-  for (std::size_t i = 0; i < message.measurement_names.size(); ++i) {
-    if (i >= message.measurement_status.size()) break;
-    const bool missing = message.measurement_status[i] != messages::PoseMeasurement::OK;
-    const std::string& name = message.measurement_names[i];
-    if (name == kIcpPointToPoint) condition.point_missing = missing;
-    if (name == kCornerSvd) condition.corners_missing = missing;
-    if (name != kIcpPointToPlane) continue;
-    condition.plane_missing = missing;
-    if (missing) continue;
-    if (i < message.min_information_ratio.size()) condition.min_information_ratio = message.min_information_ratio[i];
+  const std::vector<double>& ratios = message.min_information_ratio;
+  for (std::size_t i = 0; i < message.measurement_names.size() && i < message.measurement_status.size(); ++i) {
+    const bool ok = message.measurement_status[i] == messages::PoseMeasurement::OK;
+    condition.add(message.measurement_names[i], ok, i < ratios.size() ? ratios[i] : condition.min_information_ratio);
   }
   return condition;
 }

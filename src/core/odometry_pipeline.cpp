@@ -123,10 +123,6 @@ void OdometryPipeline::measure(const SweepPrediction& prediction, SweepResult& r
 
 SweepCondition OdometryPipeline::condition(const SweepFindings& findings, const SweepResult& result) {
   SweepCondition condition;
-  const auto missing = [&](const char* source) {
-    return result.of(source).used && !result.of(source).measurement.ok();
-  };
-  const Measurement& planes = result.of(kIcpPointToPlane).measurement;
   condition.empty = corrected_.points_lidar.empty();
   condition.dropped_before = std::exchange(refused_sweeps_, 0);
   condition.incomplete = findings.incomplete;
@@ -134,12 +130,10 @@ SweepCondition OdometryPipeline::condition(const SweepFindings& findings, const 
   condition.frozen = findings.frozen;
   condition.time_jump = findings.time_jump;
   condition.time_field_refused = findings.time_field_refused;
-  condition.point_missing = missing(kIcpPointToPoint);
-  condition.plane_missing = missing(kIcpPointToPlane);
-  condition.corners_missing = missing(kCornerSvd);
-  if (planes.ok()) {
-    condition.min_information_ratio = planes.min_information_ratio;
-    condition.ahead = planes.ahead;
+  condition.ahead = result.of(kIcpPointToPlane).measurement.ahead;
+  for (const SourceResult& source : result.sources) {
+    const Measurement& measurement = source.measurement;
+    if (source.used) condition.add(source.name, measurement.ok(), measurement.min_information_ratio);
   }
   return condition;
 }

@@ -1,7 +1,10 @@
 // The condition of a sweep: input of the fail-aware monitor (integrity/monitor.hpp) in addition to the filter's state.
 #pragma once
 
+#include <string>
+
 #include "core/types/information_ahead.hpp"
+#include "core/types/measurement.hpp"
 
 namespace fail_aware {
 
@@ -19,6 +22,14 @@ struct SweepCondition {
   bool corners_missing = false;
   double min_information_ratio = 1.0;  ///< weakest horizontal direction, point-to-plane ICP; 1: not known
   InformationAhead ahead;
+
+  /// A source that is used; `ok`: its measurement is usable.
+  void add(const std::string& source, bool ok, double information_ratio) {
+    if (source == kIcpPointToPoint) point_missing = !ok;
+    if (source == kIcpPointToPlane) plane_missing = !ok;
+    if (source == kCornerSvd) corners_missing = !ok;
+    if (source == kIcpPointToPlane && ok) min_information_ratio = information_ratio;
+  }
 };
 
 }  // namespace fail_aware
