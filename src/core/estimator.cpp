@@ -36,16 +36,14 @@ double Estimator::sinceNewest_s(double stamp_s) const {
 }
 
 bool Estimator::predict(double stamp_s, double set_back_s, SweepPrediction& prediction) {
-  if (!filter_.predict(clock_.next(stamp_s, set_back_s), prediction)) return false;
-  prediction_ = prediction;
-  return true;
+  return filter_.predict(clock_.next(stamp_s, set_back_s), prediction);
 }
 
 const FilterState& Estimator::update(const std::vector<FusionInput>& measurements, const SweepFindings& findings) {
   external_.clear();
   refused_.clear();
   for (auto& [name, source] : sources_) {
-    external_.push_back({name, source.measure(prediction_, T_base_cog_)});
+    external_.push_back({name, source.measure(filter_.prediction(), T_base_cog_)});
     if (const std::string why = source.timeFault(); !why.empty()) refused_.push_back({name, why});
   }
   std::vector<FusionInput> inputs = measurements;
@@ -61,15 +59,15 @@ const FilterState& Estimator::update(const std::vector<FusionInput>& measurement
   increment.tilt_moment = findings.tilt_moment;
   covariance_is_whole_ =
       !(state.dt_s > 0.0) || odometry_covariance_.propagate(T_odom_cog_previous, state.T_odom_cog, increment);
-  takeSetPose(prediction_.motionKnown());
+  takeSetPose(filter_.prediction().motionKnown());
   return state;
 }
 
 void Estimator::noteRefused(const std::vector<FusionInput>& inputs) {
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     if (inputs[i].kind != FusionInput::Kind::kExternal || !inputs[i].measurement) continue;
-    const Vector6d off =
-        stateDifference(vectorFromPose(inputs[i].measurement->T_odom_cog), vectorFromPose(prediction_.T_odom_cog));
+    const Vector6d off = stateDifference(vectorFromPose(inputs[i].measurement->T_odom_cog),
+                                         vectorFromPose(filter_.prediction().T_odom_cog));
     const std::string why = refusalOf(filter_.state().fusion, i, off);
     if (!why.empty()) refused_.push_back({inputs[i].name, why});
   }

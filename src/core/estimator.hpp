@@ -94,7 +94,6 @@ class Estimator {
   SweepClock clock_;
   StampSequence stamps_;
   std::optional<double> newest_stamp_s_;
-  SweepPrediction prediction_;
   PoseSetting pose_setting_;
   PoseSet pose_set_;
   std::map<std::string, ExternalPoseSource> sources_;

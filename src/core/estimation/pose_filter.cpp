@@ -128,13 +128,31 @@ bool PoseFilter::predict(const SweepTime& time, SweepPrediction& prediction) {
 }
 
 const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measurements, const SweepFindings& findings) {
-  const Pose T_odom_cog_previous = state_.T_odom_cog;
   FilterState next = stateFrom(prediction_);
   next.view_range_m = findings.view_range_m;
   next.started = started_ || canBegin(measurements);
   const Matrix6d predicted_P = ukf_.covariance();
   std::vector<FusionInput> inputs = measurements;
   leaveOutCornersOfConvoys(inputs);
+  const Vector6d innovation = applyMeasurements(inputs, next);
+  ConsistencyMonitor::Inflation inflation;
+  if (started_) inflation = judgeIncrement(inputs, innovation, next);
+  state_ = next;
+  if (!state_.started) return state_;
+  if (state_.measurement_applied || !started_) first_motion_.addMeasured();
+  MapUpdatePolicy::Sweep sweep = sweepForMap(state_, observesTilt(state_.fusion, predicted_P));
+  sweep.motion_lost = inflation.motion_lost;
+  const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
+  state_.map_update = map.update;
+  if (map.out_of_sight) consistency_.clear();
+  if (inflation.motion_lost) first_motion_.forget();
+  started_ = true;
+  trackMotion(findings.middle_s, map.begins);
+  return state_;
+}
+
+// Returns what they measure, all together, less the prediction.
+Vector6d PoseFilter::applyMeasurements(std::vector<FusionInput>& inputs, FilterState& next) {
   const bool doubted = doubtPrediction(inputs);
   next.fusion = correctPrediction(inputs);
   const Vector6d predicted = ukf_.state();
@@ -149,41 +167,24 @@ const FilterState& PoseFilter::correct(const std::vector<FusionInput>& measureme
   next.T_odom_cog = poseFromVector(ukf_.state());
   next.covariance = ukf_.covariance();
   next.sigma_yaw_rad = std::sqrt(next.covariance(5, 5));
-  ConsistencyMonitor::Inflation inflation;
-  if (started_) {
-    next.T_previous_now = T_odom_cog_previous.inverse() * next.T_odom_cog;
-    const double factor = motion_.deadReckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
-    setIncrementCovariance({params_.increment_scale, factor, params_.increment_floor_m, params_.increment_per_metre_m,
-                            params_.increment_floor_deg},
-                           process_noise_, prediction_, next);
-    const bool is_compared = next.measurement_applied && !doubted && prediction_.motionKnown() &&
-                             next.dt_s <= kLongInterval_s && (motion_.lastMeasured() || motion_.previousMeasured());
-    const Vector6d innovation = is_compared ? stateDifference(next.fusion.z, predicted) : Vector6d::Zero().eval();
-    inflation = addInflation(inputs, innovation, next);
-    next.clock_jump = next.clock_jump || inflation.sweeps_lost;
-    motion_.setVelocityUnobservable(inflation.velocity_unobservable, next.measurement_applied);
-  }
-  if (!next.started) {
-    state_ = next;
-    return state_;
-  }
-  if (next.measurement_applied || !started_) first_motion_.addMeasured();
-  MapUpdatePolicy::Sweep sweep = sweepForMap(next, observesTilt(next.fusion, predicted_P));
-  sweep.motion_lost = inflation.motion_lost;
-  const MapUpdatePolicy::Decision map = map_update_policy_.add(measurements, sweep);
-  next.map_update = map.update;
-  if (map.out_of_sight) consistency_.clear();
-  if (inflation.motion_lost) first_motion_.forget();
-  const bool measured = next.measurement_applied || map.begins;
-  started_ = true;
-  state_ = next;
-  const bool forget_history = map.begins || next.clock_jump || motion_.velocityObservableAgain();
-  motion_.update({prediction_, state_, ukf_.state(), findings.middle_s, measured, forget_history});
-  if (state_.dt_s > 0.0) state_.speed_error = motion_.deadReckoning().speedError();
-  state_.motion_status = motionStatus();
-  const double speed_mps = motion_.motion().velocity_body_mps.x();
-  if (first_motion_.mustSearchAgain(state_.motion_status, speed_mps, state_.speed_error)) loseMotion();
-  return state_;
+  return stateDifference(next.fusion.z, predicted);
+}
+
+// The increment since the last estimate, and how far it is to be believed.
+ConsistencyMonitor::Inflation PoseFilter::judgeIncrement(const std::vector<FusionInput>& inputs,
+                                                         const Vector6d& innovation, FilterState& next) {
+  next.T_previous_now = state_.T_odom_cog.inverse() * next.T_odom_cog;
+  const double factor = motion_.deadReckoning().active() ? params_.dead_reckoning_increment_factor : 1.0;
+  setIncrementCovariance({params_.increment_scale, factor, params_.increment_floor_m, params_.increment_per_metre_m,
+                          params_.increment_floor_deg},
+                         process_noise_, prediction_, next);
+  const bool is_compared = next.measurement_applied && !next.clock_jump && prediction_.motionKnown() &&
+                           next.dt_s <= kLongInterval_s && (motion_.lastMeasured() || motion_.previousMeasured());
+  const ConsistencyMonitor::Inflation inflation =
+      addInflation(inputs, is_compared ? innovation : Vector6d::Zero().eval(), next);
+  next.clock_jump = next.clock_jump || inflation.sweeps_lost;
+  motion_.setVelocityUnobservable(inflation.velocity_unobservable, next.measurement_applied);
+  return inflation;
 }
 
 MapUpdatePolicy::Sweep PoseFilter::sweepForMap(const FilterState& state, bool observes_tilt) const {
@@ -195,6 +196,16 @@ MapUpdatePolicy::Sweep PoseFilter::sweepForMap(const FilterState& state, bool ob
   sweep.measured = state.measurement_applied;
   sweep.velocity_unobservable = motion_.velocityUnobservable();
   return sweep;
+}
+
+void PoseFilter::trackMotion(double middle_s, bool map_begins) {
+  const bool measured = state_.measurement_applied || map_begins;
+  const bool forget_history = map_begins || state_.clock_jump || motion_.velocityObservableAgain();
+  motion_.update({prediction_, state_, ukf_.state(), middle_s, measured, forget_history});
+  if (state_.dt_s > 0.0) state_.speed_error = motion_.deadReckoning().speedError();
+  state_.motion_status = motionStatus();
+  const double speed_mps = motion_.motion().velocity_body_mps.x();
+  if (first_motion_.mustSearchAgain(state_.motion_status, speed_mps, state_.speed_error)) loseMotion();
 }
 
 void PoseFilter::loseMotion() {
@@ -279,10 +290,7 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   const ConsistencyMonitor::Inflation inflation = consistency_.add(sweep);
   // after a predicted pose the accumulated covariance would otherwise take back what this measurement does not know
   if (inflation.unbelievable) state.fusion.confirmed = false;
-  state.doubt = inflation.doubt;
-  const MotionDoubt of_clock = clockDoubt(prediction_, state);
-  state.doubt.sigma_m = std::hypot(state.doubt.sigma_m, of_clock.sigma_m);
-  state.doubt.sigma_yaw_rad = std::hypot(state.doubt.sigma_yaw_rad, of_clock.sigma_yaw_rad);
+  state.doubt = sumOf(inflation.doubt, clockDoubt(prediction_, state));
   state.increment_covariance += covarianceOf(state.doubt);
   return inflation;
 }

@@ -79,6 +79,8 @@ class PoseFilter {
   /// The fusion's parameters, used from the next sweep on.
   void setFusion(const MeasurementFusion& params) { fusion_ = params; }
 
+  /// Of the last predict() that returned true.
+  const SweepPrediction& prediction() const { return prediction_; }
   const FilterState& state() const { return state_; }
 
   /// The state with a motion that a vehicle can follow. After a clock jump the increment between two estimates may undo
@@ -90,6 +92,10 @@ class PoseFilter {
   FusionResult correctPrediction(const std::vector<FusionInput>& inputs);
   bool doubtPrediction(std::vector<FusionInput>& inputs);
   MotionStatus motionStatus() const;
+  Vector6d applyMeasurements(std::vector<FusionInput>& inputs, FilterState& next);
+  ConsistencyMonitor::Inflation judgeIncrement(const std::vector<FusionInput>& inputs, const Vector6d& innovation,
+                                               FilterState& next);
+  void trackMotion(double middle_s, bool map_begins);
   MapUpdatePolicy::Sweep sweepForMap(const FilterState& state, bool observes_tilt) const;
   void loseMotion();
   ConsistencyMonitor::Inflation addInflation(const std::vector<FusionInput>& inputs, const Vector6d& innovation,

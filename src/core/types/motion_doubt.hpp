@@ -2,6 +2,8 @@
 // registration takes it back.
 #pragma once
 
+#include <cmath>
+
 #include "core/geometry/pose.hpp"
 
 namespace fail_aware {
@@ -11,6 +13,11 @@ struct MotionDoubt {
   double sigma_m = 0.0;  ///< along the road and across it
   double sigma_yaw_rad = 0.0;
 };
+
+/// Of two errors that know nothing of each other.
+inline MotionDoubt sumOf(const MotionDoubt& a, const MotionDoubt& b) {
+  return {std::hypot(a.sigma_m, b.sigma_m), std::hypot(a.sigma_yaw_rad, b.sigma_yaw_rad)};
+}
 
 /// About the body's axes.
 inline Matrix6d covarianceOf(const MotionDoubt& doubt) {
