@@ -16,6 +16,20 @@ constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
 constexpr double kFastest_mps = 80.0;       // no car on a road is faster
 constexpr double kFastestTurn_rad_s = 3.0;  // half a turn a second
 
+// The mean velocity since the last estimate, and the covariance of the distance; the body's axes.
+struct MeanVelocity {
+  Eigen::Vector3d velocity_mps;
+  Eigen::Matrix3d R;
+};
+
+// From the last estimate to the state z with covariance R.
+MeanVelocity meanVelocity(const MotionTracker::Sweep& sweep, const Vector6d& z, const Matrix6d& R) {
+  const Eigen::Matrix3d R_odom_body = sweep.state.T_odom_cog.linear();
+  const Pose T_previous_measured = sweep.prediction.T_odom_cog_previous.inverse() * poseFromVector(z);
+  return {logSe3(T_previous_measured).head<3>() / sweep.state.dt_s,
+          R_odom_body.transpose() * poseCovarianceFromState(R, z).topLeftCorner<3, 3>() * R_odom_body};
+}
+
 }  // namespace
 
 void MotionTracker::reset(const Eigen::Vector3d& sigmas_mps, double yaw_rate_sigma_rad_s) {
@@ -81,21 +95,19 @@ MotionDerivatives MotionTracker::historyDerivatives() const {
 
 DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const {
   const FilterState& state = sweep.state;
-  const SweepPrediction& prediction = sweep.prediction;
-  const Eigen::Matrix3d R_odom_body = state.T_odom_cog.linear();
-  const Pose T_previous_measured = prediction.T_odom_cog_previous.inverse() * poseFromVector(state.fusion.z);
-  const double yaw_previous_rad = rpyFromRotation(prediction.T_odom_cog_previous.linear()).z();
+  const MeanVelocity mean = meanVelocity(sweep, state.fusion.z, state.fusion.R);
   DeadReckoning::Measured measured;
   if (previous_measured_) {
-    measured.velocity_mps = logSe3(T_previous_measured).head<3>() / state.dt_s;
+    const Eigen::Matrix3d R_odom_body = state.T_odom_cog.linear();
+    const double yaw_previous_rad = rpyFromRotation(sweep.prediction.T_odom_cog_previous.linear()).z();
+    measured.velocity_mps = mean.velocity_mps;
     measured.yaw_rate_rad_s = wrapAngle(state.fusion.z[5] - yaw_previous_rad) / state.dt_s;
     measured.P_previous = R_odom_body.transpose() * position_covariance_ * R_odom_body;
   } else {  // an increment from a prediction includes the prediction's error; one from a measured pose does not
     measured.velocity_mps = historyDerivatives().velocity_body_mps;
     measured.yaw_rate_rad_s = historyDerivatives().rpy_rates_rad_s.z();
   }
-  measured.R = R_odom_body.transpose() * poseCovarianceFromState(state.fusion.R, state.fusion.z).topLeftCorner<3, 3>() *
-               R_odom_body;
+  measured.R = mean.R;
   // While the speed is not known, a little of an error of the height would be taken for metres per second.
   measured.R.topRightCorner<2, 1>().setZero();
   measured.R.bottomLeftCorner<1, 2>().setZero();
@@ -107,11 +119,9 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
 void MotionTracker::addMotion(const Sweep& sweep, DeadReckoning::Measured& measured) const {
   const std::optional<MotionMeasurement>& motion = sweep.state.fusion.motion;
   if (!motion) return;
-  const Eigen::Matrix3d R_odom_body = sweep.state.T_odom_cog.linear();
-  const Pose T_previous_now = sweep.prediction.T_odom_cog_previous.inverse() * poseFromVector(motion->z);
-  measured.motion_velocity_mps = logSe3(T_previous_now).head<3>() / sweep.state.dt_s;
-  measured.R_motion =
-      R_odom_body.transpose() * poseCovarianceFromState(motion->R, motion->z).topLeftCorner<3, 3>() * R_odom_body;
+  const MeanVelocity mean = meanVelocity(sweep, motion->z, motion->R);
+  measured.motion_velocity_mps = mean.velocity_mps;
+  measured.R_motion = mean.R;
 }
 
 // No registration was used; only the road's profile measured the motion.
@@ -157,36 +167,43 @@ DeadReckoning::Measured MotionTracker::measuredTurn(const Sweep& sweep) const {
 void MotionTracker::updateMotion(const Sweep& sweep) {
   const FilterState& state = sweep.state;
   const MotionDerivatives last = state.dt_s > kLongInterval_s ? fading(motion_, state.dt_s) : motion_;
-  const bool motion_measured =
-      state.measurement_applied && !state.clock_jump && !velocity_unobservable_ && !velocity_was_unobservable_;
-  if (motion_measured) {
-    motion_ = historyDerivatives();
+  const bool unobservable = velocity_unobservable_ || velocity_was_unobservable_;
+  if (state.measurement_applied && !state.clock_jump && !unobservable) {
+    followPoses(sweep, last);
   } else {
-    motion_.rpy_accelerations_rad_s2.setZero();
-    motion_.rpy_rates_rad_s.head<2>().setZero();
-    motion_.acceleration_body_mps2.setZero();
-  }
-  if (state.dt_s > 0.0) {
-    if (!state.measurement_applied) {
-      const DeadReckoning::Measured motion = motionAlone(sweep);
-      filterVelocity(last, state.dt_s, motion.R_motion ? &motion : nullptr);
-    } else if (!state.clock_jump && (velocity_unobservable_ || velocity_was_unobservable_)) {
-      MotionDerivatives steady = last;
-      steady.acceleration_body_mps2.setZero();
-      const DeadReckoning::Measured turn = measuredTurn(sweep);
-      filterVelocity(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
-    } else if (motion_measured) {
-      DeadReckoning::Measured measured = measuredMotion(sweep);
-      addMotion(sweep, measured);
-      const MotionDerivatives of_poses = motion_;
-      filterVelocity(last, state.dt_s, &measured);
-      blendVelocity(of_poses, dead_reckoning_.sureness(measured));
-    }
+    coast(sweep, last);
   }
   const double speed = motion_.velocity_body_mps.norm();
   if (speed > kFastest_mps) motion_.velocity_body_mps *= kFastest_mps / speed;
   double& yaw_rate = motion_.rpy_rates_rad_s.z();
   yaw_rate = std::clamp(yaw_rate, -kFastestTurn_rad_s, kFastestTurn_rad_s);
+}
+
+void MotionTracker::followPoses(const Sweep& sweep, const MotionDerivatives& last) {
+  const MotionDerivatives of_poses = historyDerivatives();
+  motion_ = of_poses;
+  if (!(sweep.state.dt_s > 0.0)) return;
+  DeadReckoning::Measured measured = measuredMotion(sweep);
+  addMotion(sweep, measured);
+  filterVelocity(last, sweep.state.dt_s, &measured);
+  blendVelocity(of_poses, dead_reckoning_.sureness(measured));
+}
+
+void MotionTracker::coast(const Sweep& sweep, const MotionDerivatives& last) {
+  const FilterState& state = sweep.state;
+  motion_.rpy_accelerations_rad_s2.setZero();
+  motion_.rpy_rates_rad_s.head<2>().setZero();
+  motion_.acceleration_body_mps2.setZero();
+  if (!(state.dt_s > 0.0)) return;
+  if (!state.measurement_applied) {
+    const DeadReckoning::Measured motion = motionAlone(sweep);
+    filterVelocity(last, state.dt_s, motion.R_motion ? &motion : nullptr);
+  } else if (!state.clock_jump) {
+    MotionDerivatives steady = last;
+    steady.acceleration_body_mps2.setZero();
+    const DeadReckoning::Measured turn = measuredTurn(sweep);
+    filterVelocity(steady, state.dt_s, previous_measured_ ? &turn : nullptr);
+  }
 }
 
 }  // namespace fail_aware

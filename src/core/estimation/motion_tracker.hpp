@@ -63,6 +63,8 @@ class MotionTracker {
   void remember(const Sweep& sweep);
   MotionDerivatives historyDerivatives() const;
   void updateMotion(const Sweep& sweep);
+  void followPoses(const Sweep& sweep, const MotionDerivatives& last);
+  void coast(const Sweep& sweep, const MotionDerivatives& last);
   void filterVelocity(const MotionDerivatives& last, double dt_s, const DeadReckoning::Measured* measured);
   /// Takes `ratio` of the velocity that the poses give in place of the filter's.
   void blendVelocity(const MotionDerivatives& of_poses, double ratio);
