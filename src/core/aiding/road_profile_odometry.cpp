@@ -112,35 +112,22 @@ std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Roa
   return params_.min_speed_mps + kStep_mps * static_cast<double>(k);
 }
 
-std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double expected_mps,
-                                                                         double expected_sigma_mps) {
-  if (!params_.enabled || static_cast<int>(window_.size()) < params_.min_sweeps) return std::nullopt;
-  const std::vector<RoadProfile> all = window_.profiles(0.0);
-  const double span_s = all.front().age_s;
-  double acceleration = 0.0, middle_mps = 0.0;
-  const double since_s = window_.newestStamp_s() - last_stamp_s_;
-  if (last_ && since_s <= kLastIsNear_s) {
-    acceleration = last_->acceleration_mps2;
-    middle_mps = last_->speed_mps + acceleration * (since_s - 0.5 * span_s);
-  } else if (std::isfinite(expected_sigma_mps)) {
-    middle_mps = expected_mps;
-  } else {
-    const std::optional<double> found = searchAllSpeeds(all);
-    if (!found) return std::nullopt;
-    middle_mps = *found;
-  }
-  const auto scoreAt = [&](double middle, double a) { return score(all, middle + 0.5 * a * span_s, a); };
-  // alternate between the speed in the middle of the window and the acceleration: they are nearly independent
+RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<RoadProfile>& profiles,
+                                                      const MiddleMotion& motion) const {
+  return score(profiles, motion.speed_mps + 0.5 * motion.acceleration_mps2 * profiles.front().age_s,
+               motion.acceleration_mps2);
+}
+
+// Alternates between the speed in the middle of the window and the acceleration: they are nearly independent.
+void RoadProfileOdometry::climb(const std::vector<RoadProfile>& profiles, MiddleMotion& motion) const {
   double speed_step = 0.5, acceleration_step = 1.0;
   for (int round = 0; round < 4; ++round) {
-    for (double* value : {&middle_mps, &acceleration}) {
-      double& step = value == &middle_mps ? speed_step : acceleration_step;
+    for (double* value : {&motion.speed_mps, &motion.acceleration_mps2}) {
+      double& step = value == &motion.speed_mps ? speed_step : acceleration_step;
       const double was = *value;
       const auto correlation = [&](double v) {  // the energy falls with the speed: less road is seen twice
         *value = v;
-        const double c = scoreAt(middle_mps, acceleration).correlation;
-        *value = was;
-        return c;
+        return score(profiles, motion).correlation;
       };
       const double left = correlation(was - step), here = correlation(was), right = correlation(was + step);
       if (here >= left && here >= right) {
@@ -150,13 +137,34 @@ std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double 
         *value = was + (left > right ? -step : step);
       }
     }
-    acceleration = std::clamp(acceleration, -params_.max_acceleration_mps2, params_.max_acceleration_mps2);
+    motion.acceleration_mps2 =
+        std::clamp(motion.acceleration_mps2, -params_.max_acceleration_mps2, params_.max_acceleration_mps2);
   }
+}
+
+std::optional<RoadProfileOdometry::Speed> RoadProfileOdometry::findSpeed(double expected_mps,
+                                                                         double expected_sigma_mps) {
+  if (!params_.enabled || static_cast<int>(window_.size()) < params_.min_sweeps) return std::nullopt;
+  const std::vector<RoadProfile> all = window_.profiles(0.0);
+  const double span_s = all.front().age_s;
+  MiddleMotion motion;
+  const double since_s = window_.newestStamp_s() - last_stamp_s_;
+  if (last_ && since_s <= kLastIsNear_s) {
+    motion.acceleration_mps2 = last_->acceleration_mps2;
+    motion.speed_mps = last_->speed_mps + last_->acceleration_mps2 * (since_s - 0.5 * span_s);
+  } else if (std::isfinite(expected_sigma_mps)) {
+    motion.speed_mps = expected_mps;
+  } else {
+    const std::optional<double> found = searchAllSpeeds(all);
+    if (!found) return std::nullopt;
+    motion.speed_mps = *found;
+  }
+  climb(all, motion);
   Speed speed;
-  speed.acceleration_mps2 = acceleration;
-  speed.speed_mps = middle_mps + 0.5 * acceleration * span_s;
-  const Score here = scoreAt(middle_mps, acceleration);
-  const double opposite = scoreAt(-middle_mps, -acceleration).energy;
+  speed.acceleration_mps2 = motion.acceleration_mps2;
+  speed.speed_mps = motion.speed_mps + 0.5 * motion.acceleration_mps2 * span_s;
+  const Score here = score(all, motion);
+  const double opposite = score(all, {-motion.speed_mps, -motion.acceleration_mps2}).energy;
   const double mirrored = std::max(0.0, opposite / std::max(here.energy, kSmallestEnergy));
   speed.sigma_mps = std::hypot(params_.speed_sigma_mps, params_.mirrored_sigma_mps * mirrored);
   // The result's own sigma is not part of the tolerance: the next results share all sweeps but one, and the filter

@@ -103,8 +103,14 @@ class RoadProfileOdometry {
   struct Score {
     double energy = 0.0, correlation = 0.0;
   };
+  struct MiddleMotion {
+    double speed_mps = 0.0;  ///< in the middle of the window
+    double acceleration_mps2 = 0.0;
+  };
 
   Score score(const std::vector<RoadProfile>& profiles, double speed_mps, double acceleration_mps2) const;
+  Score score(const std::vector<RoadProfile>& profiles, const MiddleMotion& motion) const;
+  void climb(const std::vector<RoadProfile>& profiles, MiddleMotion& motion) const;
   std::optional<double> searchAllSpeeds(const std::vector<RoadProfile>& profiles) const;
 
   Params params_;
