@@ -32,7 +32,7 @@ struct DriftStep {
   Eigen::Vector3d step_m = Eigen::Vector3d::Zero();
   double turn_rad = 0.0;  ///< about the vertical axis
   double dt_s = 0.0;
-  SpeedError speed_error;
+  SpeedError speed_error{};
   Matrix6d motion = Matrix6d::Zero();        ///< what d gets
   Matrix6d left = Matrix6d::Identity();      ///< I - K: what the registration leaves of d
   Matrix6d registration = Matrix6d::Zero();  ///< K R K^T

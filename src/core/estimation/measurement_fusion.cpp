@@ -32,7 +32,7 @@ std::optional<Matrix6d> inverseOfCovariance(const Matrix6d& C) {
   if (!C.allFinite() || C.diagonal().minCoeff() < 0.0) return std::nullopt;
   const Vector6d scale = C.diagonal().cwiseMax(kSmallestFusedVariance).cwiseSqrt();
   const Vector6d inverse_scale = scale.cwiseInverse();
-  Matrix6d correlation = inverse_scale.asDiagonal() * (0.5 * C + 0.5 * C.transpose()) * inverse_scale.asDiagonal();
+  Matrix6d correlation = inverse_scale.asDiagonal() * symmetric(C) * inverse_scale.asDiagonal();
   correlation.diagonal().setOnes();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen = symmetricEigen(correlation);
   if (eigen.info() != Eigen::Success || !(eigen.eigenvalues()[0] >= kIndefinite)) return std::nullopt;
@@ -234,7 +234,7 @@ FusionResult MeasurementFusion::fuse(const Vector6d& predicted_state, const Matr
     result.prediction_invalid = true;
     return result;
   }
-  const Matrix6d P = withBoundedVariances(0.5 * predicted_P + 0.5 * predicted_P.transpose());
+  const Matrix6d P = withBoundedVariances(symmetric(predicted_P));
   result.z = predicted_state;
   result.R = P;
 

@@ -30,15 +30,10 @@ IcpPointToPoint::Params narrowing(const Relocalization::Params& params, const Ic
   return one;
 }
 
-IcpPointToPoint::Params fromOneSeed(const IcpPointToPoint::Params& usual) {
+IcpPointToPoint::Params fromOneSeed(const IcpPointToPoint::Params& usual, double min_inlier_ratio) {
   IcpPointToPoint::Params one = usual;
   one.seeds = 1;
-  return one;
-}
-
-IcpPointToPoint::Params strict(const Relocalization::Params& params, const IcpPointToPoint::Params& usual) {
-  IcpPointToPoint::Params one = fromOneSeed(usual);
-  one.min_inlier_ratio = params.min_inlier_ratio;
+  one.min_inlier_ratio = min_inlier_ratio;
   return one;
 }
 
@@ -69,8 +64,8 @@ Relocalization::Relocalization(const Params& params, const IcpPointToPoint::Para
     : params_(params),
       wide_(widened(params, usual)),
       narrowing_(narrowing(params, usual)),
-      usual_(fromOneSeed(usual)),
-      strict_(strict(params, usual)) {}
+      usual_(fromOneSeed(usual, usual.min_inlier_ratio)),
+      strict_(fromOneSeed(usual, params.min_inlier_ratio)) {}
 
 bool Relocalization::isNeeded(const Matrix6d& covariance) const {
   return params_.enabled && covariance.diagonal().head<2>().maxCoeff() > params_.min_sigma_m * params_.min_sigma_m;
