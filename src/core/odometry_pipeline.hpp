@@ -86,13 +86,9 @@ class OdometryPipeline {
   /// Resets everything; the next sweep is the first.
   void reset();
 
-  /// Sets the pose of base_link in odom; the next sweep applies it (estimation/pose_setting.hpp). Returns why the pose
-  /// is refused; empty: it is accepted. SweepResult::pose_set gives the outcome.
+  /// These three as the estimator's: of base_link in odom. Offer each pose no later than the sweep it belongs to.
   std::string setPose(const ExternalPose& pose) { return estimator_.setPose(pose); }
-
-  /// A source of external poses (estimation/external_pose.hpp). Offer each pose no later than the sweep it belongs to.
   void addSource(const std::string& name, double tolerance_s) { estimator_.addSource(name, tolerance_s); }
-  /// Returns why the pose cannot be used; empty: the pose waits for its sweep.
   std::string offer(const std::string& source, const ExternalPose& pose) { return estimator_.offer(source, pose); }
 
   /// The tilt and drift estimated so far.

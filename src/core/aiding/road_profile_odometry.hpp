@@ -16,7 +16,6 @@
 // Cost: 2 ms per sweep, 3 ms for a place; a speed 30 ms, near the last one 5 ms.
 #pragma once
 
-#include <cstddef>
 #include <limits>
 #include <optional>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/moving_median.hpp"
-#include "core/stamp_difference.hpp"
 
 namespace fail_aware {
 

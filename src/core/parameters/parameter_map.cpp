@@ -51,6 +51,24 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+// The known key that the user probably meant, or an empty string.
+std::string nearestKey(const std::string& key, const std::vector<std::string>& known_keys) {
+  if (key.empty()) return "";
+  for (const std::string& known : known_keys) {
+    if (endsWith(known, '.' + key)) return known;
+  }
+  std::string nearest;
+  std::size_t nearest_distance = std::max<std::size_t>(2, key.size() / 3) + 1;
+  for (const std::string& known : known_keys) {
+    const std::size_t distance = editDistance(key, known);
+    if (distance < nearest_distance) {
+      nearest = known;
+      nearest_distance = distance;
+    }
+  }
+  return nearest;
+}
+
 using Fields = std::vector<detail::ParameterField>;
 
 std::vector<std::string> keysOf(const Fields& fields) {
@@ -212,23 +230,6 @@ std::string formatDouble(double value) {
   }
   if (text.find('.') == std::string::npos) text.insert(std::min(text.find('e'), text.size()), ".0");
   return text;
-}
-
-std::string nearestKey(const std::string& key, const std::vector<std::string>& known_keys) {
-  if (key.empty()) return "";
-  for (const std::string& known : known_keys) {
-    if (endsWith(known, '.' + key)) return known;
-  }
-  std::string nearest;
-  std::size_t nearest_distance = std::max<std::size_t>(2, key.size() / 3) + 1;
-  for (const std::string& known : known_keys) {
-    const std::size_t distance = editDistance(key, known);
-    if (distance < nearest_distance) {
-      nearest = known;
-      nearest_distance = distance;
-    }
-  }
-  return nearest;
 }
 
 }  // namespace fail_aware

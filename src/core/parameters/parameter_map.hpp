@@ -117,7 +117,4 @@ bool parseDouble(const std::string& text, double& value);
 /// The shortest text that reads back as the same double, always with a dot ("1.0", "1.0e-07", "inf").
 std::string formatDouble(double value);
 
-/// The known key that the user probably meant, or an empty string.
-std::string nearestKey(const std::string& key, const std::vector<std::string>& known_keys);
-
 }  // namespace fail_aware
