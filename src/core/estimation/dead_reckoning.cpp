@@ -148,8 +148,8 @@ MotionDerivatives DeadReckoning::filter(const MotionDerivatives& before, double 
   observed_in_a_row_ = measured && observes(*measured) ? observed_in_a_row_ + 1 : 0;
   MotionDerivatives motion = predict(before, dt_s);
   if (measured) {
-    if (measured->R_motion) {
-      correctVelocity(measured->motion_velocity_mps, *measured->R_motion, Eigen::Matrix3d::Zero(), dt_s, motion);
+    if (const std::optional<MeanVelocity>& alone = measured->motion) {
+      correctVelocity(alone->velocity_mps, alone->R, Eigen::Matrix3d::Zero(), dt_s, motion);
     }
     correctVelocity(measured->velocity_mps, measured->R, measured->P_previous, dt_s, motion);
     correctYawRate(*measured, dt_s, motion);

@@ -58,6 +58,12 @@ class DeadReckoning {
     }
   };
 
+  /// Since the last estimate, with the covariance of the distance, m^2.
+  struct MeanVelocity {
+    Eigen::Vector3d velocity_mps;
+    Eigen::Matrix3d R;
+  };
+
   /// The motion since the last estimate as one sweep measures it.
   struct Measured {
     Eigen::Vector3d velocity_mps = Eigen::Vector3d::Zero();
@@ -66,9 +72,7 @@ class DeadReckoning {
     double yaw_variance = 0.0;                    ///< of the measured heading, rad^2
     /// Of the last estimate's position, from which the velocity is measured, m^2: after dead reckoning larger than R.
     Eigen::Matrix3d P_previous = Eigen::Matrix3d::Zero();
-    /// What sources of kind kMotion measured, and its covariance (of the increment, m^2).
-    Eigen::Vector3d motion_velocity_mps = Eigen::Vector3d::Zero();
-    std::optional<Eigen::Matrix3d> R_motion;
+    std::optional<MeanVelocity> motion;  ///< what sources of kind kMotion measured
   };
 
   explicit DeadReckoning(const Params& params) : params_(params) {}

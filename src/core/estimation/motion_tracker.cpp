@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/estimation/largest_values.hpp"
 #include "core/geometry/degree.hpp"
@@ -16,18 +17,19 @@ constexpr double kDoubtfulTurn_rad = 0.5 * kDegree;
 constexpr double kFastest_mps = 80.0;       // no car on a road is faster
 constexpr double kFastestTurn_rad_s = 3.0;  // half a turn a second
 
-// The mean velocity since the last estimate, and the covariance of the distance; the body's axes.
-struct MeanVelocity {
-  Eigen::Vector3d velocity_mps;
-  Eigen::Matrix3d R;
-};
-
 // From the last estimate to the state z with covariance R.
-MeanVelocity meanVelocity(const MotionTracker::Sweep& sweep, const Vector6d& z, const Matrix6d& R) {
+DeadReckoning::MeanVelocity meanVelocity(const MotionTracker::Sweep& sweep, const Vector6d& z, const Matrix6d& R) {
   const Eigen::Matrix3d R_odom_body = sweep.state.T_odom_cog.linear();
   const Pose T_previous_measured = sweep.prediction.T_odom_cog_previous.inverse() * poseFromVector(z);
   return {logSe3(T_previous_measured).head<3>() / sweep.state.dt_s,
           R_odom_body.transpose() * poseCovarianceFromState(R, z).topLeftCorner<3, 3>() * R_odom_body};
+}
+
+// By the sources that measure the motion alone (the road's profile).
+std::optional<DeadReckoning::MeanVelocity> motionAlone(const MotionTracker::Sweep& sweep) {
+  const std::optional<MotionMeasurement>& motion = sweep.state.fusion.motion;
+  if (!motion) return std::nullopt;
+  return meanVelocity(sweep, motion->z, motion->R);
 }
 
 }  // namespace
@@ -95,7 +97,7 @@ MotionDerivatives MotionTracker::historyDerivatives() const {
 
 DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const {
   const FilterState& state = sweep.state;
-  const MeanVelocity mean = meanVelocity(sweep, state.fusion.z, state.fusion.R);
+  const DeadReckoning::MeanVelocity mean = meanVelocity(sweep, state.fusion.z, state.fusion.R);
   DeadReckoning::Measured measured;
   if (previous_measured_) {
     const Eigen::Matrix3d R_odom_body = state.T_odom_cog.linear();
@@ -113,23 +115,6 @@ DeadReckoning::Measured MotionTracker::measuredMotion(const Sweep& sweep) const 
   measured.R.bottomLeftCorner<1, 2>().setZero();
   measured.yaw_variance = state.fusion.R(5, 5);
   if (previous_measured_ && state.dt_s > kLongGap_s) dead_reckoning_.widenForGap(state.dt_s, measured);
-  return measured;
-}
-
-void MotionTracker::addMotion(const Sweep& sweep, DeadReckoning::Measured& measured) const {
-  const std::optional<MotionMeasurement>& motion = sweep.state.fusion.motion;
-  if (!motion) return;
-  const MeanVelocity mean = meanVelocity(sweep, motion->z, motion->R);
-  measured.motion_velocity_mps = mean.velocity_mps;
-  measured.R_motion = mean.R;
-}
-
-// No registration was used; only the road's profile measured the motion.
-DeadReckoning::Measured MotionTracker::motionAlone(const Sweep& sweep) const {
-  DeadReckoning::Measured measured;
-  measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
-  measured.yaw_variance = kLargestVariance;
-  addMotion(sweep, measured);
   return measured;
 }
 
@@ -184,7 +169,7 @@ void MotionTracker::followPoses(const Sweep& sweep, const MotionDerivatives& las
   motion_ = of_poses;
   if (!(sweep.state.dt_s > 0.0)) return;
   DeadReckoning::Measured measured = measuredMotion(sweep);
-  addMotion(sweep, measured);
+  measured.motion = motionAlone(sweep);
   filterVelocity(last, sweep.state.dt_s, &measured);
   blendVelocity(of_poses, dead_reckoning_.sureness(measured));
 }
@@ -196,8 +181,11 @@ void MotionTracker::coast(const Sweep& sweep, const MotionDerivatives& last) {
   motion_.acceleration_body_mps2.setZero();
   if (!(state.dt_s > 0.0)) return;
   if (!state.measurement_applied) {
-    const DeadReckoning::Measured motion = motionAlone(sweep);
-    filterVelocity(last, state.dt_s, motion.R_motion ? &motion : nullptr);
+    DeadReckoning::Measured measured;  // by the road's profile alone
+    measured.R = kLargestVariance * Eigen::Matrix3d::Identity();
+    measured.yaw_variance = kLargestVariance;
+    measured.motion = motionAlone(sweep);
+    filterVelocity(last, state.dt_s, measured.motion ? &measured : nullptr);
   } else if (!state.clock_jump) {
     MotionDerivatives steady = last;
     steady.acceleration_body_mps2.setZero();

@@ -70,8 +70,6 @@ class MotionTracker {
   void blendVelocity(const MotionDerivatives& of_poses, double ratio);
   DeadReckoning::Measured measuredMotion(const Sweep& sweep) const;
   DeadReckoning::Measured measuredTurn(const Sweep& sweep) const;
-  DeadReckoning::Measured motionAlone(const Sweep& sweep) const;
-  void addMotion(const Sweep& sweep, DeadReckoning::Measured& measured) const;
 
   DeadReckoning dead_reckoning_;
   MotionHistory history_;

@@ -31,8 +31,8 @@ DeadReckoning::Measured measured(double speed_mps, double sigma_along_m, double 
 /// The map does not observe the road's direction; a source of kind kMotion does.
 DeadReckoning::Measured measuredByMotion(double speed_mps, double sigma_along_m) {
   DeadReckoning::Measured m = measured(speed_mps, 100.0);
-  m.motion_velocity_mps.x() = speed_mps;
-  m.R_motion = Eigen::Vector3d(sigma_along_m, 100.0, 100.0).cwiseAbs2().asDiagonal();
+  m.motion = {speed_mps * Eigen::Vector3d::UnitX(),
+              Eigen::Vector3d(sigma_along_m, 100.0, 100.0).cwiseAbs2().asDiagonal()};
   return m;
 }
 
