@@ -1,5 +1,6 @@
 #include "core/preprocessing/correction.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "point_block.hpp"
@@ -76,6 +77,12 @@ const char* toString(CorrectionStatus status) {
     case CorrectionStatus::kNoMotion: return "no_motion";
   }
   return "unknown";
+}
+
+double middleOf(const std::vector<float>& times_s) {
+  if (times_s.empty()) return 0.0;
+  const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
+  return 0.5 * (static_cast<double>(*first) + static_cast<double>(*last));
 }
 
 Vector6d lidarTwist(const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, const Pose& T_cog_lidar, double dt_s) {

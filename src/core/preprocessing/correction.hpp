@@ -41,6 +41,9 @@ struct SweepCorrectionParams {
   }
 };
 
+/// The middle between the first and the last time; 0 without times.
+double middleOf(const std::vector<float>& times_s);
+
 /// The lidar's constant twist (m/s, rad/s, lidar frame) that moves it from begin to end in dt (> 0).
 Vector6d lidarTwist(const Pose& T_odom_cog_begin, const Pose& T_odom_cog_end, const Pose& T_cog_lidar, double dt_s);
 

@@ -37,12 +37,6 @@ void correctBeams(const std::vector<std::uint16_t>& rings, const std::vector<std
   }
 }
 
-double middleOf(const std::vector<float>& times_s) {
-  if (times_s.empty()) return 0.0;
-  const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
-  return 0.5 * (static_cast<double>(*first) + static_cast<double>(*last));
-}
-
 }  // namespace
 
 void RegistrationCloud::redeskewBy(const Vector6d& delta_twist_cog, double still_s) {

@@ -1,6 +1,5 @@
 #include "core/preprocessing/sweep_corrector.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -73,11 +72,8 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
   if (seam && report.timing.source == TimingSource::kAzimuth) seam_.observe(*seam);
   report.correction = correctSweep(correction_, sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
                                    prediction.dt_s, T_cog_lidar, corrected);
-  if (report.correction == CorrectionStatus::kCorrected && !times_s_.empty()) {
-    const auto [first, last] = std::minmax_element(times_s_.begin(), times_s_.end());
-    // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was
-    report.middle_s = wholeMicroseconds(0.5 * (static_cast<double>(*first) + static_cast<double>(*last)));
-  }
+  // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was
+  if (report.correction == CorrectionStatus::kCorrected) report.middle_s = wholeMicroseconds(middleOf(times_s_));
   return report;
 }
 
