@@ -12,15 +12,15 @@ namespace {
 /// The weakest horizontal direction; nullopt where every horizontal direction is well observed.
 std::optional<WeakHorizontal> weakHorizontal(const NormalEquations& equations, const InformationSupport::Params& params,
                                              const Pose& T_odom_cog, double kernel_m, PlanePairs& pairs) {
-  const Eigen::Matrix2d horizontal = equations.H.topLeftCorner<2, 2>();
-  const Eigen::Vector2d weakest = weakestHorizontal(horizontal);
-  if (!(weakest.dot(horizontal * weakest) < params.below_ratio * equations.weight)) return std::nullopt;
+  const std::optional<Eigen::Vector2d> weakest =
+      weakDirection(equations.H.topLeftCorner<2, 2>(), equations.weight, params.below_ratio);
+  if (!weakest) return std::nullopt;
   InformationSupport support(params);
   pairs.forEach(T_odom_cog, kernel_m, kAsCorrected, [&](const PlanePair& pair, std::size_t) {
-    const double along = weakest.dot(pair.normal.head<2>());
+    const double along = weakest->dot(pair.normal.head<2>());
     support.add(pair.position, pair.weight * along * along, pair.weight * pair.normal_variance);
   });
-  return WeakHorizontal{weakest, support.countedRatio()};
+  return WeakHorizontal{*weakest, support.countedRatio()};
 }
 
 }  // namespace

@@ -35,8 +35,10 @@ double InformationSupport::countedRatio() const {
   return 0.0;
 }
 
-Eigen::Vector2d weakestHorizontal(const Eigen::Matrix2d& information) {
-  return symmetricEigen(information).eigenvectors().col(0);
+std::optional<Eigen::Vector2d> weakDirection(const Eigen::Matrix2d& information, double weight, double below_ratio) {
+  const Eigen::Vector2d weakest = symmetricEigen(information).eigenvectors().col(0);
+  if (!(weakest.dot(information * weakest) < below_ratio * weight)) return std::nullopt;
+  return weakest;
 }
 
 }  // namespace fail_aware

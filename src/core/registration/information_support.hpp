@@ -10,6 +10,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <unordered_map>
 
 #include "core/parameters/check.hpp"
@@ -54,7 +55,8 @@ struct WeakHorizontal {
   double counted_ratio;
 };
 
-/// The horizontal direction with the least information, a unit vector in odom.
-Eigen::Vector2d weakestHorizontal(const Eigen::Matrix2d& information);
+/// The horizontal direction with the least information, a unit vector in odom; nullopt if it has `below_ratio` of
+/// `weight` or more.
+std::optional<Eigen::Vector2d> weakDirection(const Eigen::Matrix2d& information, double weight, double below_ratio);
 
 }  // namespace fail_aware

@@ -135,12 +135,9 @@ std::optional<WeakHorizontal> PointPairs::weakHorizontal(std::size_t stride, con
                                                          Neighborhoods& neighborhoods) const {
   if (!params_.surface_information) return std::nullopt;
   const NormalEquations equations = linearize(stride, T_odom_cog, kernel_m, neighborhoods);
-  const Eigen::Matrix2d horizontal = equations.information.topLeftCorner<2, 2>();
-  if (!(equations.information_weight > 0.0)) return std::nullopt;
-  const Eigen::Vector2d weakest = weakestHorizontal(horizontal);
-  if (weakest.dot(horizontal * weakest) > params_.support.below_ratio * equations.information_weight) {
-    return std::nullopt;
-  }
+  const std::optional<Eigen::Vector2d> weakest = weakDirection(
+      equations.information.topLeftCorner<2, 2>(), equations.information_weight, params_.support.below_ratio);
+  if (!weakest) return std::nullopt;
   InformationSupport support(params_.support);
   VoxelMap::PointMatch match;
   const double kernel2 = kernel_m * kernel_m;
@@ -149,11 +146,11 @@ std::optional<WeakHorizontal> PointPairs::weakHorizontal(std::size_t stride, con
     if (!map_.findNearest(p, params_.max_distance_m, match)) continue;
     const double w = gemanMcClureWeight(match.distance2_m2, kernel2);
     forEachInformedDirection(map_.surface(match.voxel), [&](const Eigen::Vector3d& n) {
-      const double along = weakest.dot(n.head<2>());
+      const double along = weakest->dot(n.head<2>());
       support.add(p, w * along * along);
     });
   }
-  return WeakHorizontal{weakest, support.countedRatio()};
+  return WeakHorizontal{*weakest, support.countedRatio()};
 }
 
 }  // namespace fail_aware

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "core/parameters/check.hpp"
 #include "core/parameters/validate.hpp"
@@ -63,7 +64,10 @@ TEST(InformationSupport, WhatErrorsOfTheNormalMakeDoesNotCount) {
 TEST(InformationSupport, FindsTheWeakestHorizontalDirection) {
   const Eigen::Vector2d along(std::cos(0.3), std::sin(0.3)), across(-along.y(), along.x());
   const Eigen::Matrix2d information = 0.01 * along * along.transpose() + across * across.transpose();
-  EXPECT_NEAR(std::abs(weakestHorizontal(information).dot(along)), 1.0, 1e-9);
+  const std::optional<Eigen::Vector2d> weakest = weakDirection(information, 1.0, 0.02);
+  ASSERT_TRUE(weakest);
+  EXPECT_NEAR(std::abs(weakest->dot(along)), 1.0, 1e-9);
+  EXPECT_FALSE(weakDirection(information, 1.0, 0.005)) << "well observed";
 }
 
 TEST(InformationSupport, ParametersAreChecked) {
