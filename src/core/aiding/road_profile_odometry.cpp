@@ -41,8 +41,10 @@ void RoadProfileOdometry::clear() {
   last_.reset();
 }
 
-RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<RoadProfile>& profiles, double speed_mps,
-                                                      double acceleration_mps2) const {
+RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<RoadProfile>& profiles,
+                                                      const MiddleMotion& motion) const {
+  const double acceleration_mps2 = motion.acceleration_mps2;
+  const double speed_mps = motion.speed_mps + 0.5 * acceleration_mps2 * profiles.front().age_s;
   // in the newest sweep's frame; with room for the path behind or ahead
   const auto place = [&](double age_s) { return -speed_mps * age_s + 0.5 * acceleration_mps2 * age_s * age_s; };
   double low = 0.0, high = 0.0, aside = 0.0;
@@ -98,7 +100,7 @@ std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Roa
   constexpr double kStep_mps = 0.5;
   std::vector<double> energies;
   for (double v = params_.min_speed_mps; v <= params_.max_speed_mps; v += kStep_mps) {
-    energies.push_back(score(profiles, v, 0.0).energy);
+    energies.push_back(score(profiles, {v, 0.0}).energy);
   }
   const auto best = std::max_element(energies.begin(), energies.end());
   if (!(*best > 0.0)) return std::nullopt;
@@ -110,12 +112,6 @@ std::optional<double> RoadProfileOdometry::searchAllSpeeds(const std::vector<Roa
     if (aside && energies[i] > params_.max_second_peak * *best) return std::nullopt;
   }
   return params_.min_speed_mps + kStep_mps * static_cast<double>(k);
-}
-
-RoadProfileOdometry::Score RoadProfileOdometry::score(const std::vector<RoadProfile>& profiles,
-                                                      const MiddleMotion& motion) const {
-  return score(profiles, motion.speed_mps + 0.5 * motion.acceleration_mps2 * profiles.front().age_s,
-               motion.acceleration_mps2);
 }
 
 // Alternates between the speed in the middle of the window and the acceleration: they are nearly independent.

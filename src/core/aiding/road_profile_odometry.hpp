@@ -107,7 +107,6 @@ class RoadProfileOdometry {
     double acceleration_mps2 = 0.0;
   };
 
-  Score score(const std::vector<RoadProfile>& profiles, double speed_mps, double acceleration_mps2) const;
   Score score(const std::vector<RoadProfile>& profiles, const MiddleMotion& motion) const;
   void climb(const std::vector<RoadProfile>& profiles, MiddleMotion& motion) const;
   std::optional<double> searchAllSpeeds(const std::vector<RoadProfile>& profiles) const;
