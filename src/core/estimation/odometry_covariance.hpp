@@ -24,7 +24,6 @@
 #include <optional>
 
 #include "core/estimation/drift_model.hpp"
-#include "core/estimation/drift_since_mark.hpp"
 #include "core/estimation/drift_state.hpp"
 #include "core/estimation/vertical_drift.hpp"
 #include "core/geometry/pose.hpp"
