@@ -71,7 +71,6 @@ class Estimator {
   /// Resets everything; base_link is at odom's origin.
   void reset();
 
-  /// The fusion's parameters, used from the next sweep on.
   void setFusion(const MeasurementFusion& params) { filter_.setFusion(params); }
 
   const FilterState& state() const { return filter_.state(); }

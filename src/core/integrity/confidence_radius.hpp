@@ -15,7 +15,6 @@
 
 namespace fail_aware {
 
-/// The circle that holds a horizontal error with a given probability.
 class ConfidenceRadius {
  public:
   /// probability in (0, 1); degrees_of_freedom 0: Gaussian.

@@ -55,7 +55,6 @@ class KittiDirectory {
   std::string rings_folder_;
 };
 
-/// The drive as a source of sweeps.
 class KittiSweepSource : public SweepSource {
  public:
   /// Throws as KittiDirectory::open.

@@ -57,7 +57,6 @@ class SweepCorrector {
   /// One line: how the clouds contradict the timing's parameters (sweep_seam.hpp). Empty: they do not.
   std::string seamContradiction() const { return seam_.contradiction(); }
 
-  /// Starts again as a new object does.
   void reset() {
     timing_.reset();
     seam_.reset();

@@ -111,7 +111,6 @@ class VerticalReference {
   /// not corrected yet, and how well that is known. Grows where nothing stands upright; 0 before the first sweep.
   const Eigen::Matrix2d& tiltMoment() const { return tilt_moment_; }
 
-  /// Starts again as a new object does.
   void reset();
 
  private:
