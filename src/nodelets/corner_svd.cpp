@@ -41,10 +41,8 @@ class CornerSvdAlgorithm {
   void reset() { corners_.reset(); }
   void show(const messages::SweepPrediction& sweep) {
     if (markers_.getNumSubscribers() == 0) return;
-    std::vector<Corner> corners_odom;
-    for (const Corner& corner : corners_.cornersCog()) corners_odom.push_back(movedCorner(T_odom_cog_, corner));
     markers_.publish(boost::make_shared<const visualization_msgs::MarkerArray>(
-        cornerMarkers(corners_odom, corners_.referenceOdom(), sweep.header)));
+        cornerMarkers(movedCorners(T_odom_cog_, corners_.cornersCog()), corners_.referenceOdom(), sweep.header)));
   }
 
  private:

@@ -40,6 +40,12 @@ Corner movedCorner(const Pose& T_a_b, const Corner& corner_b) {
   return corner;
 }
 
+std::vector<Corner> movedCorners(const Pose& T_a_b, const std::vector<Corner>& corners_b) {
+  std::vector<Corner> corners;
+  for (const Corner& corner : corners_b) corners.push_back(movedCorner(T_a_b, corner));
+  return corners;
+}
+
 Corner atHeight(const Corner& corner_odom, double z_odom_m) {
   const Eigen::Vector3d direction = corner_odom.lineDirection();
   const Eigen::Vector3d slide = (z_odom_m - corner_odom.M.z()) / direction.z() * direction;
@@ -77,10 +83,11 @@ std::vector<CornerPair> matchCorners(const std::vector<Corner>& corners_odom, co
   std::vector<CornerPair> pairs;
   for (std::size_t i = 0; i < corners_odom.size(); ++i) {
     const Nearest& nearest = nearest_other[i];
-    if (nearest.index < 0 || nearest_corner[static_cast<std::size_t>(nearest.index)].index != static_cast<int>(i)) {
-      continue;
-    }
-    pairs.push_back({static_cast<int>(i), nearest.index, nearest.how.planes_swapped});
+    if (nearest.index < 0) continue;
+    const auto j = static_cast<std::size_t>(nearest.index);
+    if (nearest_corner[j].index != static_cast<int>(i)) continue;
+    const Corner corner = atHeight(corners_odom[i], others_odom[j].M.z());
+    pairs.push_back({i, j, nearest.how.planes_swapped ? withOtherPlane(corner) : corner});
   }
   return pairs;
 }

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "core/geometry/pose.hpp"
@@ -44,6 +45,7 @@ struct Corner {
 
 /// The corner in another frame: p_a = T_a_b p_b.
 Corner movedCorner(const Pose& T_a_b, const Corner& corner_b);
+std::vector<Corner> movedCorners(const Pose& T_a_b, const std::vector<Corner>& corners_b);
 
 /// Moves the corner along its line so that M.z() = z_odom_m. The corner is in odom (z up).
 Corner atHeight(const Corner& corner_odom, double z_odom_m);
@@ -52,9 +54,9 @@ Corner atHeight(const Corner& corner_odom, double z_odom_m);
 Corner withOtherPlane(const Corner& corner_odom);
 
 struct CornerPair {
-  int first;            ///< index into the corners
-  int second;           ///< index into the others
-  bool planes_swapped;  ///< first's planes are in the reverse order of second's: N is not in the same plane
+  std::size_t first;   ///< index into the corners
+  std::size_t second;  ///< index into the others
+  Corner corner;       ///< the first, at the height of the second, with N in the same plane
 };
 
 /// Mutually nearest corners, both in odom: M within `distance_m` at equal height and both normals within `angle_deg`.

@@ -73,15 +73,10 @@ double directionVariance(const CornerAlignment& params, const Corner& corner) {
 
 std::vector<Pair> associate(const CornerAlignment& params, const std::vector<Corner>& corners_cog,
                             const std::vector<Corner>& reference_odom, const Pose& T_odom_cog_predicted) {
-  std::vector<Corner> moved;
-  moved.reserve(corners_cog.size());
-  for (const Corner& corner : corners_cog) moved.push_back(movedCorner(T_odom_cog_predicted, corner));
   std::vector<Pair> pairs;
-  for (const CornerPair& match :
-       matchCorners(moved, reference_odom, params.association_distance_m, params.max_normal_difference_deg)) {
-    const Corner& reference = reference_odom[static_cast<std::size_t>(match.second)];
-    Corner corner = atHeight(moved[static_cast<std::size_t>(match.first)], reference.M.z());
-    if (match.planes_swapped) corner = withOtherPlane(corner);
+  for (const CornerPair& match : matchCorners(movedCorners(T_odom_cog_predicted, corners_cog), reference_odom,
+                                              params.association_distance_m, params.max_normal_difference_deg)) {
+    const Corner &corner = match.corner, &reference = reference_odom[match.second];
     if (!(corner.M + corner.J + corner.N).allFinite() || !(reference.M + reference.J + reference.N).allFinite()) {
       continue;
     }

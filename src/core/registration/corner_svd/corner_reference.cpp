@@ -33,18 +33,13 @@ void CornerReference::update(const std::vector<Corner>& corners_cog, const Pose&
   if (!isFinite(T_odom_cog)) return;
   if (params_.sweeps == 1) clear();
   for (Corner& corner : corners_odom_) ++corner.sweeps_unseen;
-  std::vector<Corner> seen;
-  seen.reserve(corners_cog.size());
-  for (const Corner& corner : corners_cog) seen.push_back(movedCorner(T_odom_cog, corner));
-
+  const std::vector<Corner> seen = movedCorners(T_odom_cog, corners_cog);
   std::vector<bool> known(seen.size(), false);
   for (const CornerPair& match :
        matchCorners(seen, corners_odom_, params_.merge_distance_m, params_.max_normal_difference_deg)) {
-    Corner& corner = corners_odom_[static_cast<std::size_t>(match.second)];
-    Corner sighting = atHeight(seen[static_cast<std::size_t>(match.first)], corner.M.z());
-    if (match.planes_swapped) sighting = withOtherPlane(sighting);
-    corner = blended(corner, sighting);
-    known[static_cast<std::size_t>(match.first)] = true;
+    Corner& corner = corners_odom_[match.second];
+    corner = blended(corner, match.corner);
+    known[match.first] = true;
   }
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (!known[i]) corners_odom_.push_back(seen[i]);

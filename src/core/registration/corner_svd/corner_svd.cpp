@@ -9,11 +9,8 @@ CornerSvd::CornerSvd(const CornerExtractor::Params& extraction, const CornerRefe
 Measurement CornerSvd::measure(const CorrectedSweep& sweep, const SweepPrediction& prediction,
                                const Pose& T_cog_lidar) {
   enterOdom(prediction.odom_reset_count);
-  corners_cog_.clear();
   const Eigen::Matrix3d R_odom_lidar = prediction.T_odom_cog.linear() * T_cog_lidar.linear();
-  for (const Corner& corner : extractor_.extract(sweep.points_lidar, R_odom_lidar)) {
-    corners_cog_.push_back(movedCorner(T_cog_lidar, corner));
-  }
+  corners_cog_ = movedCorners(T_cog_lidar, extractor_.extract(sweep.points_lidar, R_odom_lidar));
   motion_known_ = prediction.motionKnown();
   if (!motion_known_) return Measurement();
   return alignment_.align(corners_cog_, reference_.corners(), prediction.T_odom_cog, prediction.covariance);

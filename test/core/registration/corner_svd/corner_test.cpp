@@ -72,14 +72,16 @@ TEST(Corner, OnlyTheNearestOfEachOtherMatch) {
   const std::vector<Corner> before{cornerAt(20, 0), cornerAt(0.25, 0.0)};
   const std::vector<CornerPair> pairs = matchCorners(now, before, 0.5, 15.0);
   ASSERT_EQ(pairs.size(), 1u);
-  EXPECT_EQ(pairs[0].first, 1);
-  EXPECT_EQ(pairs[0].second, 1);
-  EXPECT_FALSE(pairs[0].planes_swapped);
+  EXPECT_EQ(pairs[0].first, 1u);
+  EXPECT_EQ(pairs[0].second, 1u);
+  EXPECT_EQ(pairs[0].corner.N, now[1].N);
 }
 
 TEST(Corner, HeightDoesNotCountAsDistance) {
   Corner high = atHeight(cornerAt(1, 1), 3.0);
-  EXPECT_EQ(matchCorners({high}, {cornerAt(1, 1)}, 0.1, 15.0).size(), 1u);
+  const std::vector<CornerPair> pairs = matchCorners({high}, {cornerAt(1, 1)}, 0.1, 15.0);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].corner.M, cornerAt(1, 1).M);
 }
 
 TEST(Corner, WallsThatLookElsewhereDoNotMatch) {
@@ -94,7 +96,7 @@ TEST(Corner, WallsThatLookElsewhereDoNotMatch) {
 TEST(Corner, PlanesInTheOtherOrderAreRecognised) {
   const std::vector<CornerPair> pairs = matchCorners({withOtherPlane(cornerAt(0, 0))}, {cornerAt(0, 0)}, 0.5, 15.0);
   ASSERT_EQ(pairs.size(), 1u);
-  EXPECT_TRUE(pairs[0].planes_swapped);
+  EXPECT_TRUE(pairs[0].corner.N.isApprox(cornerAt(0, 0).N));
 }
 
 TEST(Corner, ACornerThatIsNotFiniteMatchesNothing) {
