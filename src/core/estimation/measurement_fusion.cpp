@@ -93,10 +93,8 @@ void fuseByInformation(const std::vector<Candidate>& candidates, FusionResult* r
   double total = 0.0;
   int used = 0;
   for (const Candidate& c : candidates) {
-    const double w = result->weights[c.input];
-    if (w <= 0.0) continue;
-    total += w;
-    ++used;
+    total += result->weights[c.input];
+    used += result->weights[c.input] > 0.0 ? 1 : 0;
   }
   result->z = heaviest.z;
   result->R = heaviest.R;

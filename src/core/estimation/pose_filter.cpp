@@ -29,13 +29,6 @@ bool observesTilt(const FusionResult& fusion, const Matrix6d& predicted_P) {
   return fusion.R(3, 3) < kOpenVariance * predicted_P(3, 3) && fusion.R(4, 4) < kOpenVariance * predicted_P(4, 4);
 }
 
-const Measurement* planes(const std::vector<FusionInput>& inputs) {
-  const auto found = std::find_if(inputs.begin(), inputs.end(), [](const FusionInput& input) {
-    return input.name == kIcpPointToPlane && input.usable();
-  });
-  return found == inputs.end() ? nullptr : found->measurement;
-}
-
 FilterState stateFrom(const SweepPrediction& prediction) {
   FilterState state;
   state.stamp_s = prediction.stamp_s;
@@ -278,10 +271,12 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
   sweep.overruled = state.fusion.prediction_overruled;
-  if (const Measurement* measurement = planes(inputs)) {
-    sweep.inlier_ratio = measurement->inlier_ratio;
-    sweep.inliers = measurement->inliers;
-    sweep.rms_residual_m = measurement->rms_residual_m;
+  for (const FusionInput& input : inputs) {
+    if (input.name != kIcpPointToPlane || !input.usable()) continue;
+    sweep.inlier_ratio = input.measurement->inlier_ratio;
+    sweep.inliers = input.measurement->inliers;
+    sweep.rms_residual_m = input.measurement->rms_residual_m;
+    break;
   }
   const auto variances = state.increment_covariance.diagonal().array();
   sweep.increment_sigma_m = std::sqrt(variances.head<2>().maxCoeff());

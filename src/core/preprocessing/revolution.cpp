@@ -31,10 +31,8 @@ struct Line {
 
 Line fitLine(const std::vector<double>& x, const std::vector<double>& y) {
   const auto n = static_cast<Eigen::Index>(x.size());
-  const Eigen::ArrayXd dx =
-      Eigen::Map<const Eigen::ArrayXd>(x.data(), n) - Eigen::Map<const Eigen::ArrayXd>(x.data(), n).mean();
-  const Eigen::ArrayXd dy =
-      Eigen::Map<const Eigen::ArrayXd>(y.data(), n) - Eigen::Map<const Eigen::ArrayXd>(y.data(), n).mean();
+  const Eigen::Map<const Eigen::ArrayXd> xs(x.data(), n), ys(y.data(), n);
+  const Eigen::ArrayXd dx = xs - xs.mean(), dy = ys - ys.mean();
   const double slope = (dx * dy).sum() / dx.square().sum();
   return {slope, std::sqrt((dy - slope * dx).square().mean())};
 }
