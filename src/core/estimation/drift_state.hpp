@@ -56,12 +56,16 @@ class DriftSinceMark {
   DriftSinceMark(const Eigen::Matrix3d& R_odom_mark, const DriftState& at_mark)
       : R_odom_mark_(R_odom_mark), state_(at_mark) {}
 
-  /// The sweep that follows: OdometryCovariance::lastStep().
-  void add(const DriftStep& step) {
+  /// The sweep that follows: OdometryCovariance::lastStep(). False: the sum is not finite, and nothing changes.
+  bool add(const DriftStep& step) {
     const Eigen::Matrix3d R_mark_previous = R_odom_mark_.transpose() * step.R_odom_previous;
-    predictDrift(step, R_mark_previous, state_);
-    correctDrift(step, R_mark_previous, state_);
+    DriftState next = state_;
+    predictDrift(step, R_mark_previous, next);
+    correctDrift(step, R_mark_previous, next);
+    if (!next.C.allFinite()) return false;
+    state_ = next;
     covariance_ = state_.pose();
+    return true;
   }
 
   /// Of T_mark_cog; zero at the mark.

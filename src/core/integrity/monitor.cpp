@@ -210,11 +210,12 @@ void FailAwareMonitor::accumulate(const FilterState& state) {
   if (!last_ || !(state.dt_s > 0.0)) return;
   const Pose T_odom_previous = state.T_odom_cog * state.T_previous_now.inverse();
   const double speed_variance_before = covariance_.speedVariance();
-  if (!covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state))) {
+  const bool added = covariance_.propagate(T_odom_previous, state.T_odom_cog, incrementOf(state)) &&
+                     (!indicator_.started() || mark_.since.add(covariance_.lastStep()));
+  if (!added) {
     error_unbounded_ = true;
     return;
   }
-  if (indicator_.started()) mark_.since.add(covariance_.lastStep());
   // What a drive begins with is unknown, and says nothing of what follows.
   if (!state.motionObserved() && !growth_rate_.known()) return;
   growth_rate_.add(covariance_.rate(), {speed_variance_before, covariance_.speedVariance(), state.speed_error.kept},
