@@ -42,11 +42,8 @@ bool isUsable(const CovarianceGrowth& g) {
          g.speed_share <= 1.0 && (!g.weak_stretch || isUsable(*g.weak_stretch));
 }
 
-GrowingCovariance::GrowingCovariance(const CovarianceGrowth& growth)
-    : growth_(growth),
-      rate_(symmetric(growth.rate)),
-      speed_{growth.speed_forgotten_per_s, growth.speed_noise},
-      speed_share_(growth.speed_share) {
+GrowingCovariance::GrowingCovariance(const CovarianceGrowth& growth) : growth_(growth) {
+  growth_.rate = symmetric(growth.rate);
   S_ << growth.covariance, growth.cross, growth.cross.transpose(), growth.drivers;
   S_ = symmetric(S_);
   const double speed_mps = std::abs(growth.speed_mps);
@@ -63,24 +60,25 @@ double GrowingCovariance::begin(double t_s, double step_s) {
   L_.row(1) << 0.0, 0.0, v * c, 0.0, v * s, 0.0;
   L_(2, 3) = std::abs(v);  // by distance, whichever way
   const Eigen::Matrix3d R = Eigen::AngleAxisd(course, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  Q_.topLeftCorner<3, 3>() = R * rate_ * R.transpose();
-  along_ = speed_share_ * Eigen::Vector2d(c, s);
+  Q_.topLeftCorner<3, 3>() = R * growth_.rate * R.transpose();
+  along_ = growth_.speed_share * Eigen::Vector2d(c, s);
   return step_s;
 }
 
 void GrowingCovariance::enterWeakStretch() {
   const CovarianceGrowth::WeakStretch& weak = *growth_.weak_stretch;
   weak_from_s_ = std::numeric_limits<double>::infinity();
-  rate_(0, 0) = std::max(rate_(0, 0), weak.rate);
-  speed_share_ = weak.speed_share;
-  speed_ = {weak.speed_forgotten_per_s, 2.0 * weak.speed_forgotten_per_s * weak.speed_variance};
+  growth_.rate(0, 0) = std::max(growth_.rate(0, 0), weak.rate);
+  growth_.speed_share = weak.speed_share;
+  growth_.speed_forgotten_per_s = weak.speed_forgotten_per_s;
+  growth_.speed_noise = 2.0 * weak.speed_forgotten_per_s * weak.speed_variance;
   S_(5, 5) = std::max(S_(5, 5), weak.speed_variance);
 }
 
 // Solves dS/dt = L S + S L^T + Q; L^3 = 0, and L^2 Q = 0, since what L^2 takes in has no noise. The error of the speed
 // has a solution of its own: it moves the position in the direction `along_`.
 GrowingCovariance::Matrix GrowingCovariance::after(double dt_s) const {
-  const SpeedStep step = stepOf(speed_, dt_s);
+  const SpeedStep step = speedStep(dt_s);
   Matrix A = Matrix::Identity() + dt_s * L_ + 0.5 * dt_s * dt_s * L_ * L_;
   A.block<2, 1>(0, 5) = step.way_s * along_;
   A(5, 5) = step.kept;
@@ -94,22 +92,22 @@ GrowingCovariance::Matrix GrowingCovariance::after(double dt_s) const {
   return next;
 }
 
-GrowingCovariance::SpeedStep GrowingCovariance::stepOf(const SpeedWander& speed, double dt_s) {
-  const double k = speed.forgotten_per_s, x = k * dt_s;
+GrowingCovariance::SpeedStep GrowingCovariance::speedStep(double dt_s) const {
+  const double k = growth_.speed_forgotten_per_s, noise = growth_.speed_noise, x = k * dt_s;
   SpeedStep step;
   step.kept = std::exp(-x);
   if (x < 1e-3) {  // to first order in x: the differences below would lose their digits
     step.way_s = dt_s * (1.0 - 0.5 * x);
-    step.variance = speed.noise * dt_s * (1.0 - x);
-    step.cross = speed.noise * dt_s * dt_s * (0.5 - 0.5 * x);
-    step.way_variance = speed.noise * dt_s * dt_s * dt_s * (1.0 / 3.0 - 0.25 * x);
+    step.variance = noise * dt_s * (1.0 - x);
+    step.cross = noise * dt_s * dt_s * (0.5 - 0.5 * x);
+    step.way_variance = noise * dt_s * dt_s * dt_s * (1.0 / 3.0 - 0.25 * x);
     return step;
   }
   const double once = -std::expm1(-x) / k, twice = -std::expm1(-2.0 * x) / (2.0 * k);
   step.way_s = once;
-  step.variance = speed.noise * twice;
-  step.cross = speed.noise * (once - twice) / k;
-  step.way_variance = speed.noise * (dt_s - 2.0 * once + twice) / (k * k);
+  step.variance = noise * twice;
+  step.cross = noise * (once - twice) / k;
+  step.way_variance = noise * (dt_s - 2.0 * once + twice) / (k * k);
   return step;
 }
 

@@ -63,23 +63,15 @@ class GrowingCovariance {
   const Matrix& now() const { return S_; }
 
  private:
-  /// Error of the speed: w' = -forgotten_per_s w + noise.
-  struct SpeedWander {
-    double forgotten_per_s = 0.0;
-    double noise = 0.0;  ///< m^2/s^3
-  };
   /// What of w is left after a time, its way, and the covariance of (w, way) that the noise makes.
   struct SpeedStep {
     double kept = 1.0, way_s = 0.0, variance = 0.0, cross = 0.0, way_variance = 0.0;
   };
-  static SpeedStep stepOf(const SpeedWander& speed, double dt_s);
+  SpeedStep speedStep(double dt_s) const;
   void enterWeakStretch();
 
-  const CovarianceGrowth& growth_;
+  CovarianceGrowth growth_;  ///< on the present stretch
   Matrix S_;
-  Eigen::Matrix3d rate_;
-  SpeedWander speed_;
-  double speed_share_;
   double weak_from_s_ = std::numeric_limits<double>::infinity();
   Matrix L_ = Matrix::Zero(), Q_ = Matrix::Zero();
   Eigen::Vector2d along_ = Eigen::Vector2d::Zero();
