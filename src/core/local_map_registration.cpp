@@ -35,18 +35,13 @@ bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPredi
                                    const Pose& T_cog_lidar) {
   enterOdom(prediction.odom_reset_count);
   builder_.build(sweep, prediction, T_cog_lidar, scan_);
-  findRoadProfile(sweep, prediction);
+  road_profile_ = road_profile_aid_.find(sweep, scan_, prediction, track_);
+  if (road_profile_.map_is_wrong) map_.clearPoints();
   resolveGuess(sweep, prediction);
   applyGuess();
   findOpenCountry(prediction);
-  T_odom_cog_start_ = open_country_.pose ? open_country_.pose->T_odom_cog : guess_.T_odom_cog;
   prepared_ = scan_.usable;
   return prepared_;
-}
-
-void LocalMapRegistration::findRoadProfile(const CorrectedSweep& sweep, const SweepPrediction& prediction) {
-  road_profile_ = road_profile_aid_.find(sweep, scan_, prediction, track_);
-  if (road_profile_.map_is_wrong) map_.clearPoints();
 }
 
 void LocalMapRegistration::resolveGuess(const CorrectedSweep& sweep, const SweepPrediction& prediction) {

@@ -42,7 +42,9 @@ class LocalMapRegistration {
   const RegistrationCloud& cloud() const { return scan_.cloud; }
   const VoxelMap& map() const { return map_.map(); }
   /// Where both ICPs start: the initial guess or, in open country, the above-ground match.
-  const Pose& T_odom_cog_start() const { return T_odom_cog_start_; }
+  const Pose& T_odom_cog_start() const {
+    return open_country_.pose ? open_country_.pose->T_odom_cog : guess_.T_odom_cog;
+  }
 
   /// Registers the prepared sweep against the map from the start pose. kTooFewPoints if prepare() returned false;
   /// kNotConverged while tracking is lost after a gap.
@@ -64,7 +66,6 @@ class LocalMapRegistration {
 
  private:
   void enterOdom(int odom_reset_count);
-  void findRoadProfile(const CorrectedSweep& sweep, const SweepPrediction& prediction);
   void resolveGuess(const CorrectedSweep& sweep, const SweepPrediction& prediction);
   void applyGuess();
   void findOpenCountry(const SweepPrediction& prediction);
@@ -85,7 +86,6 @@ class LocalMapRegistration {
   bool prepared_ = false;
   RegistrationScan scan_;
   InitialGuess guess_;
-  Pose T_odom_cog_start_ = Pose::Identity();
   RoadProfileAid::Result road_profile_;
   OpenCountryAid::Result open_country_;
 };
