@@ -121,9 +121,12 @@ TEST_F(Calibrate, EtaStaysQuietInStartsThatDoNotFail) {
 /// Predictions that are far too early even at the smallest confidence, and an alarm that is up all the time.
 TEST_F(Calibrate, TheAlarmConfidenceIsNeverAboveTheConfidence) {
   MadeUpRun failing, sound;
-  failing.sweeps = sound.sweeps = 600;  // ten starts that fail and more
+  failing.sweeps = 600;  // ten starts that fail and more
+  sound.sweeps = 200;
   failing.drift_m = 0.02;
   PipelineParameters timid;
+  timid.profile.monitor.predictor.horizon_s = timid.profile.monitor.indicator.horizon_s = 12.0;  // quicker
+  timid.profile.monitor.thresholds.degraded_s = 9.0;
   timid.profile.monitor.drift.position_per_root_metre_m = 0.5;
   failing.write(folder_ / "failing", timid);
   sound.write(folder_ / "sound", timid);
