@@ -8,17 +8,19 @@ function(fail_aware_sources variable)
   set(${variable} ${sources} PARENT_SCOPE)
 endfunction()
 
-# fail_aware_configure(TARGET [UNITY] [OPTIMIZED] [PRECOMPILE HEADER...]): options of a library or an executable.
+# fail_aware_configure(TARGET [UNITY] [OPTIMIZED] [PRECOMPILE HEADER... | PRECOMPILED_BY TARGET]): options of a library or
+# an executable.
 #   UNITY       compiles the sources in groups of eight, so that Eigen's and ROS's templates are instantiated once a group.
 #               Names in anonymous namespaces must then differ within a group. Tests need not care: each has a
 #               namespace with its file's name.
 #   PRECOMPILE  these headers, and those that most sources include
+#   PRECOMPILED_BY  takes what the other executable, which is then built before, has precompiled
 #   OPTIMIZED   an executable that computes much in its own sources
 # Libraries are optimized as the build type says. Executables (tools, tests) leave the work to the libraries: with -O1 they
 # compile in four fifths of the time and run as fast. That is also why a library must call its own functions, not an
 # executable's copies of inline ones (-Bsymbolic-functions).
 function(fail_aware_configure target)
-  cmake_parse_arguments(with "UNITY;OPTIMIZED" "" "PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(with "UNITY;OPTIMIZED" "PRECOMPILED_BY" "PRECOMPILE" ${ARGN})
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion)
   get_target_property(type ${target} TYPE)
@@ -40,6 +42,12 @@ function(fail_aware_configure target)
   if(FAIL_AWARE_FAST_BUILD AND with_PRECOMPILE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)  # ccache keeps no such units
     target_precompile_headers(${target} PRIVATE
       <Eigen/Dense> <algorithm> <cmath> <functional> <optional> <string> <vector> ${with_PRECOMPILE})
+  endif()
+  if(with_PRECOMPILED_BY)
+    get_target_property(precompiled ${with_PRECOMPILED_BY} PRECOMPILE_HEADERS)
+    if(precompiled)
+      target_precompile_headers(${target} REUSE_FROM ${with_PRECOMPILED_BY})
+    endif()
   endif()
 endfunction()
 
