@@ -42,7 +42,10 @@ class FirstPoints {
     if (points_ == 0) return {};
     const std::string found = ": of the " + std::to_string(points_) + " points of " + scan_ + " " +
                               std::to_string(in_range_) + " are within registration.cloud.min_range_m and max_range_m";
-    return 2 * in_range_ < points_ ? found + "; a point must be x, y, z, intensity as float32, in m" : found;
+    if (2 * in_range_ < points_) return found + "; a point must be x, y, z, intensity as float32, in m";
+    return found +
+           "; a sweep needs registration.cloud.min_points of them after thinning, and "
+           "sensor.check.min_azimuth_coverage of the revolution";
   }
 
  private:

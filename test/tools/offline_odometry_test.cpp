@@ -575,6 +575,18 @@ TEST_F(OfflineOdometry, FailsWhenNoScanCanBeUsed) {
   expectRows(3, 3);
 }
 
+TEST_F(OfflineOdometry, SaysWhatASweepOfOnePointLacks) {
+  const fs::path drive = folder_ / "drive";
+  fs::create_directories(drive / "velodyne");
+  const float point[] = {5.0f, 1.0f, 0.0f, 0.0f};
+  for (int i = 0; i < 3; ++i)
+    std::ofstream(scan(drive, i), std::ios::binary).write(reinterpret_cast<const char*>(point), sizeof(point));
+  run(drive);
+  EXPECT_EQ(result_.exit_code, 1);
+  for (const char* key : {"registration.cloud.min_points", "sensor.check.min_azimuth_coverage"})
+    EXPECT_NE(result_.err.find(key), std::string::npos) << result_.err;
+}
+
 TEST_F(OfflineOdometry, PointsInDoublePrecisionAreTold) {
   const fs::path drive = folder_ / "drive";
   fs::create_directories(drive / "velodyne");
