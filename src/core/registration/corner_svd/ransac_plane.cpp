@@ -60,19 +60,24 @@ void selectInliers(const std::vector<Eigen::Vector3f>& points, const Plane& plan
   inliers.resize(count);
 }
 
-// Total least squares: the direction of least variance. Returns the RMS distance.
+// Total least squares: the direction of least variance. Returns the RMS distance. Sums of scalars: with outer products of
+// vectors all corners of a sweep take 4.3 ms in place of 3.0 ms.
 double fitPlane(const std::vector<Eigen::Vector3f>& points, const std::vector<int>& indices, Plane& plane) {
   const Eigen::Vector3d origin = points[static_cast<std::size_t>(indices.front())].cast<double>();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  double sx = 0, sy = 0, sz = 0, xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   for (const int index : indices) {
-    const Eigen::Vector3d q = points[static_cast<std::size_t>(index)].cast<double>() - origin;
-    sum += q;
-    squares += q * q.transpose();
+    const Eigen::Vector3f& p = points[static_cast<std::size_t>(index)];
+    const double x = static_cast<double>(p.x()) - origin.x(), y = static_cast<double>(p.y()) - origin.y(),
+                 z = static_cast<double>(p.z()) - origin.z();
+    sx += x, sy += y, sz += z;
+    xx += x * x, xy += x * y, xz += x * z, yy += y * y, yz += y * z, zz += z * z;
   }
   const double n = static_cast<double>(indices.size());
-  const Eigen::Vector3d mean = sum / n;
-  const auto eigen = symmetricEigen(Eigen::Matrix3d(squares / n - mean * mean.transpose()));
+  const Eigen::Vector3d mean(sx / n, sy / n, sz / n);
+  Eigen::Matrix3d covariance;
+  covariance << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  covariance = covariance / n - mean * mean.transpose();
+  const auto eigen = symmetricEigen(covariance);
   plane.normal = eigen.eigenvectors().col(0);
   plane.d_m = -plane.normal.dot(origin + mean);
   return std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
