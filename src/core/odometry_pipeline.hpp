@@ -86,7 +86,7 @@ class OdometryPipeline {
   /// Resets everything; the next sweep is the first.
   void reset();
 
-  /// These three as the estimator's: of base_link in odom. Offer each pose no later than the sweep it belongs to.
+  /// As Estimator's functions of these names. Offer a pose no later than the sweep that it belongs to.
   std::string setPose(const ExternalPose& pose) { return estimator_.setPose(pose); }
   void addSource(const std::string& name, double tolerance_s) { estimator_.addSource(name, tolerance_s); }
   std::string offer(const std::string& source, const ExternalPose& pose) { return estimator_.offer(source, pose); }

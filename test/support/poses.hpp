@@ -7,6 +7,7 @@
 
 #include "core/geometry/decompositions.hpp"
 #include "core/geometry/pose.hpp"
+#include "core/geometry/rotation.hpp"
 
 namespace fail_aware {
 
@@ -16,6 +17,14 @@ inline Vector6d vector6(double a, double b, double c, double d, double e, double
 
 inline Pose pose(double x, double y, double z, double roll, double pitch, double yaw) {
   return poseFromVector(vector6(x, y, z, roll, pitch, yaw));
+}
+
+/// The true pose where T is estimated, with this error (geometry/pose.hpp's convention).
+inline Pose perturbed(const Pose& T, const Vector6d& error) {
+  Pose out = T;
+  out.translation() += error.head<3>();
+  out.linear() = expSo3(error.tail<3>()) * T.linear();
+  return out;
 }
 
 /// Finite, symmetric, no eigenvalue negative.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "../../support/poses.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
 
@@ -116,13 +117,6 @@ const Matrix6d kIncrement = [] {
   C(1, 5) = C(5, 1) = 1e-5;
   return C;
 }();
-
-Pose perturbed(const Pose& T, const Vector6d& error) {
-  Pose out = T;
-  out.translation() += error.head<3>();
-  out.linear() = expSo3(error.tail<3>()) * T.linear();
-  return out;
-}
 
 TEST(IncrementTwist, RecoversAConstantTwistAndRefusesBadIntervals) {
   Vector6d twist;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../../support/independent_drift.hpp"
+#include "../../support/poses.hpp"
 #include "core/geometry/decompositions.hpp"
 #include "core/geometry/degree.hpp"
 #include "core/geometry/rotation.hpp"
@@ -39,13 +40,6 @@ Vector6d poseError(const Pose& T_true, const Pose& T_estimate) {
   e.head<3>() = T_true.translation() - T_estimate.translation();
   e.tail<3>() = logSo3(T_true.linear() * T_estimate.linear().transpose());
   return e;
-}
-
-Pose perturbed(const Pose& T, const Vector6d& error) {
-  Pose out = T;
-  out.translation() += error.head<3>();
-  out.linear() = expSo3(error.tail<3>()) * T.linear();
-  return out;
 }
 
 // With the drift since a mark, as the monitor has it.
