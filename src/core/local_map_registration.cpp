@@ -36,7 +36,7 @@ bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPredi
   enterOdom(prediction.odom_reset_count);
   builder_.build(sweep, prediction, T_cog_lidar, scan_);
   road_profile_ = road_profile_aid_.find(sweep, scan_, prediction, track_);
-  if (road_profile_.map_is_wrong) map_.clearPoints();
+  if (road_profile_.map_is_wrong && !resolver_.isDrivingOff()) map_.clearPoints();
   resolveGuess(sweep, prediction);
   applyGuess();
   findOpenCountry(prediction);
@@ -113,6 +113,7 @@ MeasurementStatus LocalMapRegistration::readiness() const {
 void LocalMapRegistration::applyGuessUncertainty(Measurement& measurement) const {
   measurement.clock_jump_suspected = guess_.clock_jump_suspected;
   addSearchedMotion(guess_, measurement);
+  addDriveOff(guess_, params_.initialization, measurement);
   if (!track_.speedWasObserved()) inflateAlongTrack(guess_, params_.initialization, measurement);
   if (open_country_.open_country) inflateInOpenCountry(params_.above_ground, guess_, measurement);
 }

@@ -10,8 +10,8 @@ namespace fail_aware {
 
 namespace {
 
-// In place of standstill_ratio in a sweep in which the vehicle surely stands. A tunnel without a niche has up to 0.04,
-// and all of it meets at standstill, too.
+// In place of standstill_ratio where nearly all meets at standstill. A tunnel without a niche has up to 0.04, and all
+// of it meets at standstill, too.
 constexpr double kSureRatio = 0.06;
 
 // A Kalman update: along `axis` (of length 1, in odom) the true position differs from the measured one by `offset_m`,
@@ -25,6 +25,10 @@ void addPosition(const Eigen::Vector3d& axis, double offset_m, double sigma_m, M
   measurement.covariance = symmetric(measurement.covariance - gain * C_along.transpose());
 }
 
+void inflateAlong(const Eigen::Vector3d& axis, double sigma_m, Measurement& measurement) {
+  measurement.covariance.topLeftCorner<3, 3>() += sigma_m * sigma_m * axis * axis.transpose();
+}
+
 }  // namespace
 
 void addSearchedMotion(const InitialGuess& guess, Measurement& measurement) {
@@ -35,15 +39,26 @@ void addSearchedMotion(const InitialGuess& guess, Measurement& measurement) {
   }
 }
 
+void addDriveOff(const InitialGuess& guess, const MotionInitialization::Params& params, Measurement& measurement) {
+  if (!guess.start || !measurement.ok() || measurement.min_information_ratio > params.standstill_ratio) return;
+  const Eigen::Vector3d forward = guess.T_odom_cog_previous.linear().col(0);
+  const double offset_m = forward.dot(guess.T_odom_cog.translation() - measurement.T_odom_cog.translation());
+  const double sigma_m = guess.start->sigma_m;
+  const bool found = guess.start->distance_m.has_value();
+  const double wrong_m = found ? std::max(0.0, std::abs(offset_m) - sigma_m) : sigma_m;
+  inflateAlong(forward, wrong_m, measurement);
+  if (found) addPosition(forward, offset_m, sigma_m, measurement);
+}
+
 void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params,
                        Measurement& measurement) {
   if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
+  const bool all_may_travel = measurement.min_information_ratio <= kSureRatio;
+  if (guess.start && !(guess.start->distance_m == 0.0 && all_may_travel)) return;
   const Eigen::Vector3d forward = guess.T_odom_cog_previous.linear().col(0);
   const double distance_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());
-  const double least_ratio = guess.surely_standing ? kSureRatio : params.standstill_ratio;
-  if (std::abs(distance_m) > params.standstill_m || measurement.min_information_ratio > least_ratio) return;
-  const double sigma_m = params.max_speed_mps * guess.dt_s;
-  measurement.covariance.topLeftCorner<3, 3>() += sigma_m * sigma_m * forward * forward.transpose();
+  if (std::abs(distance_m) > params.standstill_m || measurement.min_information_ratio > params.standstill_ratio) return;
+  inflateAlong(forward, params.max_speed_mps * guess.dt_s, measurement);
   measurement.degenerate_directions = std::min(measurement.degenerate_directions + 1, 6);
   measurement.min_information_ratio = 0.0;
 }

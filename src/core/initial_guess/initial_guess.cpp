@@ -1,5 +1,6 @@
 #include "core/initial_guess/initial_guess.hpp"
 
+#include "core/geometry/rotation.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -30,6 +31,7 @@ InitialGuess InitialGuessResolver::resolve(const CorrectedSweep& sweep, const Re
     take(findFirstMotion(sweep, scan, map, prediction.time_s(), guess));
     return guess;
   }
+  take(followDriveOff(sweep, scan, map, prediction.time_s(), guess));
   take(relocalize(scan, map, track, guess));
   take(detectClockJump(scan, map, track, prediction, guess));
   take(refineDeskew(scan, map, prediction.sigma_yaw_rad, guess));
@@ -41,6 +43,7 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
                                                                    double time_s, const InitialGuess& guess) {
   if (map.empty()) {
     first_motion_.setFirst(sweep, scan.T_cog_lidar);
+    drive_off_.clear();
     first_time_s_ = time_s;
     return std::nullopt;
   }
@@ -49,7 +52,6 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
   if (!motion) return std::nullopt;
   InitialGuess found = guess;
   found.twist_cog = motion->twist_cog;
-  found.surely_standing = motion->surely_standing;
   found.twist_found = InitialGuess::Found::kFirstMotion;
   // from the first sweep: the last estimate may be a prediction at standstill
   found.T_odom_cog = map.first().T_odom_cog * expSe3(motion->twist_cog * since_first_s);
@@ -58,6 +60,24 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
   found.covariance.topRows<2>().setZero();
   found.covariance.leftCols<2>().setZero();
   found.covariance.topLeftCorner<2, 2>().diagonal().setConstant(step_m * step_m);
+  return found;
+}
+
+InitialGuessResolver::Better InitialGuessResolver::followDriveOff(const CorrectedSweep& sweep,
+                                                                  const RegistrationScan& scan, const LocalMap& map,
+                                                                  double time_s, const InitialGuess& guess) {
+  if (map.empty() || !searchesFrom(map.first())) drive_off_.clear();
+  if (map.empty() || !searchesFrom(map.first()) || first_motion_.params().standstill_m == 0.0) return std::nullopt;
+  const Pose T_first_cog = map.first().T_odom_cog.inverse() * guess.T_odom_cog;
+  const double predicted_m = T_first_cog.translation().x(), turned_rad = rpyFromRotation(T_first_cog.linear()).z();
+  InitialGuess found = guess;
+  found.start = drive_off_.add(
+      {secondsBetween(map.first().time_s, time_s), guess.dt_s, predicted_m},
+      [&](double ratio) { return first_motion_.findDistance(sweep, scan.T_cog_lidar, turned_rad, ratio); });
+  if (!found.start) return std::nullopt;
+  if (const std::optional<double>& distance_m = found.start->distance_m) {
+    found.T_odom_cog.translation() += (*distance_m - predicted_m) * guess.T_odom_cog.linear().col(0);
+  }
   return found;
 }
 
@@ -116,6 +136,7 @@ InitialGuessResolver::Better InitialGuessResolver::refineDeskew(const Registrati
 void InitialGuessResolver::reset() {
   first_motion_.reset();
   first_time_s_.reset();
+  drive_off_.clear();
   clock_jump_detector_.reset();
 }
 

@@ -4,6 +4,7 @@
 //
 // Each of these functions of scan, map and guess may return a better guess, in this order:
 // - while no motion is known: search for the first motion (motion_initialization.hpp);
+// - near the first sweep of a drive that began at standstill: its distance (drive_off.hpp);
 // - after a gap: relocalization in the map (relocalization.hpp);
 // - where the point clouds contradict the stamps: the pose by another interval (clock_jump_detector.hpp);
 // - unless tracking is lost: deskew refinement (deskew_refinement.hpp).
@@ -16,6 +17,7 @@
 
 #include "core/initial_guess/clock_jump_detector.hpp"
 #include "core/initial_guess/deskew_refinement.hpp"
+#include "core/initial_guess/drive_off.hpp"
 #include "core/initial_guess/estimate_track.hpp"
 #include "core/initial_guess/motion_initialization.hpp"
 #include "core/initial_guess/relocalization.hpp"
@@ -34,9 +36,10 @@ struct InitialGuess {
   Vector6d twist_cog = Vector6d::Zero();  ///< m/s and rad/s
   Found twist_found = Found::kNothing;    ///< otherwise twist_cog is the prediction's
   double searched_sigma_m = 0.0;          ///< sigma of the position from the search for the first motion; 0: no search
-  bool surely_standing = false;           ///< the search for the first motion found that the vehicle stands
-  bool clock_jump_suspected = false;      ///< the pose follows another interval than the stamps'
-  bool lost = false;                      ///< tracking is lost after a gap
+  /// Near the first sweep of a drive that began at standstill; T_odom_cog has the distance, if one was found.
+  std::optional<DriveOff::Place> start;
+  bool clock_jump_suspected = false;            ///< the pose follows another interval than the stamps'
+  bool lost = false;                            ///< tracking is lost after a gap
   Pose T_odom_cog_previous = Pose::Identity();  ///< the last estimate
   double dt_s = 0.0;                            ///< time since the last estimate; 0: there is none
 };
@@ -57,12 +60,17 @@ class InitialGuessResolver {
   /// The search for the first motion begins at the map's first sweep.
   bool searchesFrom(const LocalMap::Sweep& first) const { return first_time_s_ == first.time_s; }
 
+  /// A vehicle that stood at the first sweep stands no longer, and is still near it.
+  bool isDrivingOff() const { return drive_off_.isDrivingOff(); }
+
   void reset();
 
  private:
   using Better = std::optional<InitialGuess>;
   Better findFirstMotion(const CorrectedSweep& sweep, const RegistrationScan& scan, const LocalMap& map, double time_s,
                          const InitialGuess& guess);
+  Better followDriveOff(const CorrectedSweep& sweep, const RegistrationScan& scan, const LocalMap& map, double time_s,
+                        const InitialGuess& guess);
   Better relocalize(const RegistrationScan& scan, const LocalMap& map, const EstimateTrack& track,
                     const InitialGuess& guess) const;
   Better detectClockJump(const RegistrationScan& scan, const LocalMap& map, const EstimateTrack& track,
@@ -72,6 +80,7 @@ class InitialGuessResolver {
 
   MotionInitialization first_motion_;
   std::optional<double> first_time_s_;  ///< time of the sweep that first_motion_ holds
+  DriveOff drive_off_;
   Relocalization relocalization_;
   ClockJumpDetector clock_jump_detector_;
   DeskewRefinement deskew_refinement_;

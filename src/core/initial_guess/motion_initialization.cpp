@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "core/initial_guess/drive_off.hpp"
+#include "core/initial_guess/sweep_match.hpp"
 #include "core/moving_median.hpp"
 #include "core/preprocessing/voxel_filter.hpp"
 
@@ -13,35 +14,17 @@ namespace fail_aware {
 namespace {
 
 constexpr double kMostTried = 10000.0;
-constexpr double kRounding = 1e-9;  // 0.7 / 0.1 is less than 7
-// Probability that a place meets nothing at the right speed: it was hidden, or it moves. On 135 starts at highway speed
-// and in open country 0.05 to 0.2 find the speed equally often.
-constexpr double kUnmet = 0.1;
-// The vote of a point that something hid from the first sweep: about that of a point that is seen twice. Of 120 starts
-// on highways 115 find the speed if such a point counts as one that meets nothing, 118 with 0.5, 119 with 0.7 and 0.9.
-constexpr double kHidden = 0.7;
+constexpr double kRounding = 1e-9;   // 0.7 / 0.1 is less than 7
 constexpr double kFineKernel = 0.3;  // the kernel of the last search, as a ratio of kernel_m
-// A cell with this vote meets the first sweep; at a true standstill at least this ratio of the cells does. In 57
-// simulated starts from standstill (16 to 64 beams) it is 0.92 or more, with the wrong standstill of tunnels and of
-// convoys 0.89 or less.
-constexpr double kMet = 0.5, kStandingRatio = 0.9;
-
 // The log likelihood of another speed must be above the median of all speeds by this much. In a smooth tunnel the best
 // speed is above it by 2 to 8, on highways by 6 to 30.
 constexpr double kStandsOut = 10.0;
-
-double logLikelihood(const std::vector<double>& votes) {
-  double sum = 0.0;
-  for (const double vote : votes) sum += std::log(vote + kUnmet);
-  return sum;
-}
 
 /// A motion and how well it fits.
 struct Tried {
   Vector6d twist = Vector6d::Zero();
   double likelihood = -std::numeric_limits<double>::infinity();
   double votes = 0.0;
-  double met_ratio = 0.0;  ///< of the cells
 
   bool operator<(const Tried& other) const { return likelihood < other.likelihood; }
 };
@@ -49,12 +32,10 @@ struct Tried {
 /// Scores motions of one sweep against the first one.
 struct Search {
   const MotionInitialization::Params& params;
-  const AboveGroundPoints& standing;
-  const VoxelMap& first;
-  const OcclusionImage& hidden_in_first;
+  const SweepMatcher& matcher;
   double dt_s;
 
-  Tried score(double speed_mps, double yaw_rate_rps, double kernel_m, double hidden) const {
+  Tried score(double speed_mps, double yaw_rate_rps, double kernel_m, HiddenPoints hidden) const {
     Tried tried;
     if (speed_mps < params.min_speed_mps || speed_mps > params.max_speed_mps ||
         std::abs(yaw_rate_rps) > params.max_yaw_rate_rps + kRounding ||
@@ -63,13 +44,9 @@ struct Search {
     }
     tried.twist[0] = speed_mps;
     tried.twist[5] = yaw_rate_rps;
-    const std::vector<double> votes = votesOfPlaces(
-        standing, first, expSe3(tried.twist * dt_s), kernel_m,
-        [&](const Eigen::Vector3d& point) { return hidden > 0.0 && hidden_in_first.hides(point) ? hidden : 0.0; });
-    tried.likelihood = logLikelihood(votes);
-    tried.votes = std::accumulate(votes.begin(), votes.end(), 0.0);
-    const auto met = std::count_if(votes.begin(), votes.end(), [](double vote) { return vote >= kMet; });
-    if (!votes.empty()) tried.met_ratio = static_cast<double>(met) / static_cast<double>(votes.size());
+    const SweepMatch match = matcher.match(expSe3(tried.twist * dt_s), kernel_m, hidden);
+    tried.likelihood = match.log_likelihood;
+    tried.votes = match.votes;
     return tried;
   }
 
@@ -82,7 +59,7 @@ struct Search {
       Tried best;
       for (int k = -yaws; k <= yaws; ++k) {
         best = std::max(best, score(params.min_speed_mps + i * params.step_mps, k * params.step_yaw_rate_rps,
-                                    params.kernel_m, kHidden));
+                                    params.kernel_m, HiddenPoints::kHaveAVote));
       }
       all.push_back(best);
     }
@@ -96,9 +73,9 @@ struct Search {
     Tried best;
     for (int i = -4; i <= 4; ++i) {
       for (int k = -4; k <= 4; ++k) {
-        best = std::max(
-            best, score(coarse.twist[0] + kStep * i * params.step_mps,
-                        coarse.twist[5] + kStep * k * params.step_yaw_rate_rps, kFineKernel * params.kernel_m, 0.0));
+        best = std::max(best, score(coarse.twist[0] + kStep * i * params.step_mps,
+                                    coarse.twist[5] + kStep * k * params.step_yaw_rate_rps,
+                                    kFineKernel * params.kernel_m, HiddenPoints::kMeetNothing));
       }
     }
     return best;
@@ -151,6 +128,11 @@ std::vector<Eigen::Vector3f> MotionInitialization::thinned(const CorrectedSweep&
   return points_cog;
 }
 
+AboveGroundPoints MotionInitialization::aboveGround(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
+                                                    std::size_t enough) const {
+  return findAboveGroundPoints(thinned(sweep, T_cog_lidar), params_.above_ground, enough);
+}
+
 void MotionInitialization::setFirst(const CorrectedSweep& sweep, const Pose& T_cog_lidar) {
   const std::vector<Eigen::Vector3f> points_cog = thinned(sweep, T_cog_lidar);
   first_.clear();
@@ -162,9 +144,9 @@ void MotionInitialization::setFirst(const CorrectedSweep& sweep, const Pose& T_c
 std::optional<MotionInitialization::Found> MotionInitialization::find(const CorrectedSweep& sweep,
                                                                       const Pose& T_cog_lidar, double dt_s) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
-  constexpr std::size_t kEnough = 2000;
-  const AboveGroundPoints standing = findAboveGroundPoints(thinned(sweep, T_cog_lidar), params_.above_ground, kEnough);
-  const Search search{params_, standing, first_, hidden_in_first_, dt_s};
+  const AboveGroundPoints above_ground = aboveGround(sweep, T_cog_lidar, 2000);
+  const SweepMatcher matcher(above_ground, first_, hidden_in_first_);
+  const Search search{params_, matcher, dt_s};
   const std::vector<Tried> tried = search.bySpeed();
   const auto best = std::max_element(tried.begin(), tried.end());
   if (best->votes <= 0.0) return std::nullopt;  // no above-ground points, or no match
@@ -175,7 +157,15 @@ std::optional<MotionInitialization::Found> MotionInitialization::find(const Corr
     // the standstill with the narrow kernel against the other with the wide one
     if (moving != nullptr && found < *moving) found = search.refined(*moving);
   }
-  return Found{found.twist, found.votes, stands() && found.met_ratio >= kStandingRatio};
+  return Found{found.twist, found.votes};
+}
+
+std::optional<double> MotionInitialization::findDistance(const CorrectedSweep& sweep, const Pose& T_cog_lidar,
+                                                         double turned_rad, double standing_ratio) const {
+  if (first_.empty()) return std::nullopt;
+  const AboveGroundPoints above_ground = aboveGround(sweep, T_cog_lidar, 1000);
+  const SweepMatcher matcher(above_ground, first_, hidden_in_first_);
+  return findDrivenOff(matcher, {params_.kernel_m, kFineKernel * params_.kernel_m}, turned_rad, standing_ratio);
 }
 
 void MotionInitialization::reset() { first_.clear(); }

@@ -45,6 +45,65 @@ TEST(FirstMotion, WhatIsCorrelatedMovesAlong) {
   EXPECT_EQ(measurement.covariance, measurement.covariance.transpose().eval());
 }
 
+/// Near the start, at a distance of x_m from the last estimate.
+InitialGuess guessNearStart(double x_m, std::optional<double> distance_m, double sigma_m) {
+  InitialGuess guess = guessAt(x_m);
+  guess.start = DriveOff::Place{distance_m, sigma_m};
+  return guess;
+}
+
+TEST(FirstMotion, ADriveOffOverrulesAStandstillThatLittleInforms) {
+  const MotionInitialization::Params params;
+  Measurement standing = measuredAt(0.0);
+  standing.covariance = 1e-4 * Matrix6d::Identity();
+  standing.min_information_ratio = 0.05;
+  addDriveOff(guessNearStart(0.8, 0.8, 0.05), params, standing);
+  EXPECT_NEAR(standing.T_odom_cog.translation().x(), 0.8, 0.01);
+  EXPECT_LT(standing.covariance(0, 0), 0.05 * 0.05);
+  EXPECT_NEAR(standing.covariance(1, 1), 1e-4, 1e-12);
+
+  Measurement agreeing = measuredAt(0.78);
+  agreeing.covariance = 1e-4 * Matrix6d::Identity();
+  addDriveOff(guessNearStart(0.8, 0.8, 0.05), params, agreeing);
+  EXPECT_NEAR(agreeing.T_odom_cog.translation().x(), 0.78, 0.002) << "the more precise one";
+}
+
+TEST(FirstMotion, WithoutADistanceADriveOffIsDoubt) {
+  const MotionInitialization::Params params;
+  Measurement measurement = measuredAt(0.0);
+  addDriveOff(guessNearStart(0.8, std::nullopt, 0.5), params, measurement);
+  EXPECT_EQ(measurement.T_odom_cog.translation().x(), 0.0);
+  EXPECT_NEAR(measurement.covariance(0, 0), 0.01 + 0.5 * 0.5, 1e-12);
+  EXPECT_EQ(measurement.covariance(1, 1), 0.01);
+}
+
+TEST(FirstMotion, ADriveOffAddsNothingToMuchInformation) {
+  const MotionInitialization::Params params;
+  Measurement informed = measuredAt(0.0), missing = measuredAt(0.0), away = measuredAt(0.0);
+  informed.min_information_ratio = 0.2;
+  missing.status = MeasurementStatus::kNotConverged;
+  addDriveOff(guessNearStart(0.8, 0.8, 0.05), params, informed);
+  addDriveOff(guessNearStart(0.8, 0.8, 0.05), params, missing);
+  addDriveOff(guessAt(0.8), params, away);
+  for (const Measurement& measurement : {informed, missing, away}) {
+    EXPECT_EQ(measurement.T_odom_cog.translation().x(), 0.0);
+    EXPECT_EQ(measurement.covariance(0, 0), 0.01);
+  }
+}
+
+TEST(FirstMotion, NearTheStartAStandstillNeedsLessInformation) {
+  const MotionInitialization::Params params;
+  for (const double ratio : {0.05, 0.1}) {
+    Measurement measurement = measuredAt(0.0);
+    measurement.min_information_ratio = ratio;
+    inflateAlongTrack(guessNearStart(0.0, 0.0, 0.02), params, measurement);
+    EXPECT_EQ(measurement.covariance(0, 0) > 1.0, ratio < 0.06) << ratio;
+  }
+  Measurement driving = measuredAt(0.25);
+  inflateAlongTrack(guessNearStart(0.25, 0.25, 0.05), params, driving);
+  EXPECT_EQ(driving.covariance(0, 0), 0.01) << "it does not stand";
+}
+
 TEST(FirstMotion, StandstillIsDoubtedWhereLittleInforms) {
   const MotionInitialization::Params params;
   Measurement measurement = measuredAt(0.2);

@@ -128,23 +128,19 @@ TEST(MotionInitialization, WhatACarHidesSpeaksForNoSpeed) {
   expectTwist(initialization.find(convoy(2.7, 9), Pose::Identity(), 0.1), 27.0, 0.0);
 }
 
-TEST(MotionInitialization, IsSureOfAStandstillWhereNearlyAllMeets) {
+TEST(MotionInitialization, FindsTheDistanceFromTheFirstSweep) {
+  constexpr double kStandingRatio = 0.9;
   SyntheticDrive drive;
   MotionInitialization initialization(testParams(), kMinRange_m);
+  EXPECT_FALSE(initialization.findDistance(drive.sweep(0.0, 1), drive.T_cog_lidar, 0.0, kStandingRatio));
   initialization.setFirst(drive.sweep(0.0, 1), drive.T_cog_lidar);
-  const auto standing =
-      initialization.find(drive.sweep(0.1, 1), drive.T_cog_lidar, 0.1);  // the beams hit the same spots
-  ASSERT_TRUE(standing);
-  EXPECT_TRUE(standing->surely_standing);
-  drive.twist_cog = planarTwist(8.0, 0.0);
-  const auto driving = twistFound(drive, testParams());
-  ASSERT_TRUE(driving);
-  EXPECT_FALSE(driving->surely_standing);
-  MotionInitialization amid_hedges(testParams(), kMinRange_m);
-  amid_hedges.setFirst(hedgesAndPoles(0.0, 8, 1), Pose::Identity());
-  const auto hedges = amid_hedges.find(hedgesAndPoles(2.7, 8, 2), Pose::Identity(), 0.1);
-  ASSERT_TRUE(hedges);
-  EXPECT_FALSE(hedges->surely_standing) << "hedges meet at standstill, too";
+  const auto here = initialization.findDistance(drive.sweep(0.5, 1), drive.T_cog_lidar, 0.0, kStandingRatio);
+  ASSERT_TRUE(here);
+  EXPECT_EQ(*here, 0.0) << "the beams hit the same spots";
+  drive.twist_cog = planarTwist(1.5, 0.2);
+  const auto ahead = initialization.findDistance(drive.sweep(1.0, 2), drive.T_cog_lidar, 0.2, kStandingRatio);
+  ASSERT_TRUE(ahead);
+  EXPECT_NEAR(*ahead, 1.5, 0.1);
 }
 
 TEST(MotionInitialization, FindsStandstillAndReverse) {
