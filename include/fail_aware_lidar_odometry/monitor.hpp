@@ -34,7 +34,8 @@ enum ReasonBit : std::uint32_t {
   kReasonNoAnswer = 1u << 17,          ///< a stage of the graph was silent: a nodelet is dead, hangs, or is too slow
   kReasonMotionUnknown = 1u << 18,     ///< the motion was not observed yet: t1 waits for it. Explains UNKNOWN
   kReasonTimeFieldRefused = 1u << 19,  ///< the cloud's time field cannot be read: its points are timed by a guess
-  kReasonWeakRoadAhead = 1u << 20      ///< a tunnel or the like is in view: explains the time, does not degrade
+  kReasonWeakRoadAhead = 1u << 20,     ///< a tunnel or the like is in view: explains the time, does not degrade
+  kReasonPointTimesContradicted = 1u << 21  ///< the clouds contradict the settings that time their points
 };
 
 /// "STALE|NO_MEASUREMENT"; empty for none; a bit without a name as "BIT_n".

@@ -168,6 +168,7 @@ messages::SweepCheck toMessage(const SweepFindings& findings, std::size_t points
   message.frozen = findings.frozen;
   message.time_jump = findings.time_jump;
   message.time_field_refused = findings.time_field_refused;
+  message.point_times_contradicted = findings.point_times_contradicted;
   message.azimuth_coverage = findings.azimuth_coverage;
   message.view_range = findings.view_range_m;
   message.repetitions = static_cast<std::uint32_t>(findings.repetitions);
@@ -185,6 +186,7 @@ SweepFindings fromMessage(const messages::SweepCheck& message) {
   findings.frozen = message.frozen != 0;
   findings.time_jump = message.time_jump != 0;
   findings.time_field_refused = message.time_field_refused != 0;
+  findings.point_times_contradicted = message.point_times_contradicted != 0;
   findings.azimuth_coverage = message.azimuth_coverage;
   findings.view_range_m = finiteOr0(message.view_range);
   findings.repetitions = static_cast<int>(message.repetitions);
@@ -240,6 +242,7 @@ messages::FilterState toMessage(const FilterState& state, const SweepAccount& ac
   message.sweep_low_visibility = findings.low_visibility;
   message.sweep_frozen = findings.frozen;
   message.sweep_time_field_refused = findings.time_field_refused;
+  message.sweep_point_times_contradicted = findings.point_times_contradicted;
   message.time_jump = findings.time_jump;
   return message;
 }

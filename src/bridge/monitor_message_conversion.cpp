@@ -16,6 +16,7 @@ SweepCondition conditionOf(const messages::FilterState& message) {
   condition.frozen = message.sweep_frozen != 0;
   condition.time_jump = message.time_jump != 0;
   condition.time_field_refused = message.sweep_time_field_refused != 0;
+  condition.point_times_contradicted = message.sweep_point_times_contradicted != 0;
   condition.no_answer = message.deadline_missed != 0;
   condition.ahead = aheadOf(message.min_information_ahead, message.information_ahead_distance);
   const std::vector<double>& ratios = message.min_information_ratio;

@@ -130,6 +130,7 @@ SweepCondition OdometryPipeline::condition(const SweepFindings& findings, const 
   condition.frozen = findings.frozen;
   condition.time_jump = findings.time_jump;
   condition.time_field_refused = findings.time_field_refused;
+  condition.point_times_contradicted = findings.point_times_contradicted;
   condition.ahead = result.of(kIcpPointToPlane).measurement.ahead;
   for (const SourceResult& source : result.sources) {
     const Measurement& measurement = source.measurement;

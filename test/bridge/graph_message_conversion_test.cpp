@@ -47,7 +47,8 @@ TEST(GraphMessages, ReasonBitsAndStatesAreTheCores) {
   EXPECT_EQ(Message::REASON_MOTION_UNKNOWN, kReasonMotionUnknown);
   EXPECT_EQ(Message::REASON_TIME_FIELD_REFUSED, kReasonTimeFieldRefused);
   EXPECT_EQ(Message::REASON_WEAK_ROAD_AHEAD, kReasonWeakRoadAhead);
-  EXPECT_EQ(reasonText(Message::REASON_WEAK_ROAD_AHEAD << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
+  EXPECT_EQ(Message::REASON_POINT_TIMES_CONTRADICTED, kReasonPointTimesContradicted);
+  EXPECT_EQ(reasonText(Message::REASON_POINT_TIMES_CONTRADICTED << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
   EXPECT_EQ(Message::UNKNOWN, static_cast<int>(FailAwareState::kUnknown));
   EXPECT_EQ(Message::OK, static_cast<int>(FailAwareState::kOk));
   EXPECT_EQ(Message::DEGRADED, static_cast<int>(FailAwareState::kDegraded));
@@ -269,14 +270,19 @@ TEST(GraphMessages, ConditionTellsWhatTheSweepsCheckFound) {
   EXPECT_FALSE(condition.no_answer) << "nobody waits for it";
   EXPECT_TRUE(condition.incomplete && condition.frozen);
   EXPECT_FALSE(condition.low_visibility || condition.time_jump || condition.time_field_refused);
+  EXPECT_FALSE(condition.point_times_contradicted);
   account.findings->incomplete = account.findings->frozen = false;
   account.findings->low_visibility = account.findings->time_jump = true;
   findings.time_field_refused = true;
   EXPECT_TRUE(fromMessage(toMessage(findings, 77, someHeader())).time_field_refused);
-  account.findings->time_field_refused = true;
+  EXPECT_FALSE(fromMessage(toMessage(findings, 77, someHeader())).point_times_contradicted);
+  findings.point_times_contradicted = true;
+  EXPECT_TRUE(fromMessage(toMessage(findings, 77, someHeader())).point_times_contradicted);
+  account.findings->time_field_refused = account.findings->point_times_contradicted = true;
   condition = conditionOf(toMessage(someState(), account, someHeader()));
   EXPECT_FALSE(condition.incomplete || condition.frozen);
   EXPECT_TRUE(condition.low_visibility && condition.time_jump && condition.time_field_refused);
+  EXPECT_TRUE(condition.point_times_contradicted);
 }
 
 TEST(GraphMessages, TimesToFailureAreNeverMistaken) {

@@ -28,7 +28,7 @@ constexpr std::uint32_t kDegradedReasons = kReasonNoMeasurement | kReasonPredict
                                            kReasonMeasurementsDisagree | kReasonWeakDirection | kReasonSweepIncomplete |
                                            kReasonSweepEmpty | kReasonMissingIcpPoint | kReasonMissingIcpPlane |
                                            kReasonTimeJump | kReasonDroppedSweeps | kReasonLowVisibility |
-                                           kReasonNoAnswer | kReasonTimeFieldRefused;
+                                           kReasonNoAnswer | kReasonTimeFieldRefused | kReasonPointTimesContradicted;
 
 struct FailureThresholds {
   double comfortable_deceleration_mps2 = 2.0;  ///< of the safe stop

@@ -88,6 +88,7 @@ std::uint32_t FailAwareMonitor::reasonsFor(const FilterState& state, const Sweep
   add(condition.frozen, kReasonFrozenCloud);
   add(condition.time_jump, kReasonTimeJump);
   add(condition.time_field_refused, kReasonTimeFieldRefused);
+  add(condition.point_times_contradicted, kReasonPointTimesContradicted);
   add(condition.no_answer, kReasonNoAnswer);
   add(condition.dropped_before > 0, kReasonDroppedSweeps);
   add(startPending() || (indicator_.started() && !growth_rate_.known() && !state.motionObserved()),

@@ -59,6 +59,7 @@ struct MonitorLogTable {
     v("sweep_frozen", c.frozen);
     v("sweep_time_jump", c.time_jump);
     v("sweep_time_field_refused", c.time_field_refused);
+    v("sweep_point_times_contradicted", c.point_times_contradicted);
     v("sweep_no_answer", c.no_answer);
     v("sweep_dropped_before", c.dropped_before);
     v("sweep_point_missing", c.point_missing);

@@ -70,6 +70,7 @@ SweepCorrectorReport SweepCorrector::correct(Sweep& sweep, const SweepPrediction
     report.revolution_s = revolutionFromTimes(sweep.points_lidar, times_s_);
   }
   if (seam && report.timing.source == TimingSource::kAzimuth) seam_.observe(*seam);
+  report.point_times_contradicted = seam_.contradicted();
   report.correction = correctSweep(correction_, sweep, times_s_, prediction.T_odom_cog_previous, prediction.T_odom_cog,
                                    prediction.dt_s, T_cog_lidar, corrected);
   // to the microsecond, as stamps are: what is computed from the two must not depend on when the drive was

@@ -28,6 +28,7 @@ struct SweepCorrectorReport {
   double middle_s = 0.0;
   double revolution_s = 0.0;  ///< of the head, from the points' times (revolution.hpp); 0: not known
   Eigen::Matrix2d tilt_moment = Eigen::Matrix2d::Zero();  ///< VerticalReference::tiltMoment()
+  bool point_times_contradicted = false;                  ///< SweepSeamCheck::contradicted()
 
   /// What the estimator and the monitor need of it.
   void addTo(SweepFindings& findings) const {
@@ -35,6 +36,7 @@ struct SweepCorrectorReport {
     findings.revolution_s = revolution_s;
     findings.tilt_moment = tilt_moment;
     findings.time_field_refused = timing.guessed();
+    findings.point_times_contradicted = point_times_contradicted;
   }
 };
 

@@ -38,11 +38,15 @@ class SweepSeamCheck {
   void observe(const SweepSeam& seam);
   void reset() { seams_.clear(); }
 
+  /// Most of the last sweeps contradict the parameters.
+  bool contradicted() const;
+
   /// One line for people: what the clouds show, what the parameters say and what to set. Empty: no contradiction.
   std::string contradiction() const;
 
  private:
   bool contradicts(const SweepSeam& seam) const;
+  std::vector<SweepSeam> contradicting() const;
 
   SweepTimingParams params_;
   std::deque<SweepSeam> seams_;

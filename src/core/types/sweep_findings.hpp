@@ -22,6 +22,7 @@ struct SweepFindings {
   double revolution_s = 0.0;                   ///< time of one revolution of the head, s; 0: not known
   std::optional<Eigen::Matrix2d> tilt_moment;  ///< none: not known anew
   bool time_field_refused = false;             ///< TimingResult::guessed()
+  bool point_times_contradicted = false;       ///< SweepSeamCheck::contradicted()
 };
 
 /// Nothing of the sweep is used. `first`: of a drive.

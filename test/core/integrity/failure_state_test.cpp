@@ -70,6 +70,7 @@ TEST(StateFor, Reasons) {
   EXPECT_EQ(unknownWith(kReasonFrozenCloud), State::kFailing);
   EXPECT_EQ(stateAt(50.0, kReasonPredictionOnly), State::kDegraded);
   EXPECT_EQ(stateAt(50.0, kReasonTimeFieldRefused), State::kDegraded);
+  EXPECT_EQ(stateAt(50.0, kReasonPointTimesContradicted), State::kDegraded);
   EXPECT_EQ(stateAt(2.0, kReasonPredictionOnly), State::kFailing);
   EXPECT_EQ(unknownWith(kReasonPredictionOnly), State::kUnknown);
   EXPECT_EQ(stateAt(50.0, kReasonMissingCorners | kReasonEtaThreshold | kReasonCovarianceLimit), State::kOk);

@@ -553,6 +553,8 @@ TEST(FailAwareMonitor, EachConditionHasItsReason) {
       {"time jump", kReasonTimeJump, true, [](FilterState&, SweepCondition& c) { c.time_jump = true; }},
       {"time field", kReasonTimeFieldRefused, true,
        [](FilterState&, SweepCondition& c) { c.time_field_refused = true; }},
+      {"point times", kReasonPointTimesContradicted, true,
+       [](FilterState&, SweepCondition& c) { c.point_times_contradicted = true; }},
       {"no answer", kReasonNoAnswer, true, [](FilterState&, SweepCondition& c) { c.no_answer = true; }},
       {"dropped", kReasonDroppedSweeps, true, [](FilterState&, SweepCondition& c) { c.dropped_before = 2; }},
       {"none", kReasonNoMeasurement, false, [](FilterState& s, SweepCondition&) { s.fusion.valid_inputs = 0; }},

@@ -216,6 +216,25 @@ TEST(SweepCorrector, TakesThePeriodThatTheSweepClockFound) {
   }
 }
 
+TEST(SweepCorrector, TellsThatTheCloudsContradictTheTiming) {
+  for (const bool clockwise : {true, false}) {
+    SweepTimingParams timing = timingParams();
+    timing.clockwise = clockwise;
+    SweepCorrector corrector = makeCorrector(timing);
+    for (int i = 0; i < 5; ++i) {
+      Sweep sweep;
+      sweep.stamp_s = 3.0 + kPeriod_s * i;
+      for (const Eigen::Vector3f& point : scan(sweep.stamp_s, 0.5).sweep.points_lidar) {
+        sweep.points_lidar.insert(sweep.points_lidar.end(), 3, point);  // the order of fewer points tells nothing
+      }
+      CorrectedSweep corrected;
+      SweepFindings findings;
+      corrector.correct(sweep, predictionAt(sweep.stamp_s, kPeriod_s), kT_cog_lidar, corrected).addTo(findings);
+      EXPECT_EQ(findings.point_times_contradicted, !clockwise && i >= 2) << clockwise << i;
+    }
+  }
+}
+
 TEST(SweepCorrector, MissingRingsComeFromTheOrder) {
   Sweep sweep;
   std::vector<std::uint16_t> rings;

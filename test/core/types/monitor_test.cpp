@@ -24,6 +24,7 @@ TEST(ReasonText, NamesJoined) {
   EXPECT_EQ(reasonText(kReasonStale | kReasonMissingCorners | kReasonLowVisibility),
             "STALE|MISSING_CORNERS|LOW_VISIBILITY");
   EXPECT_EQ(reasonText(kReasonTimeFieldRefused | kReasonWeakRoadAhead), "TIME_FIELD_REFUSED|WEAK_ROAD_AHEAD");
+  EXPECT_EQ(reasonText(kReasonPointTimesContradicted), "POINT_TIMES_CONTRADICTED");
   EXPECT_EQ(reasonText(kReasonFrozenCloud | (1u << 31)), "FROZEN_CLOUD|BIT_31");
   EXPECT_EQ(reasonText(kReasonNoMeasurement | kReasonPredictionOnly | kReasonPredictionOverruled |
                        kReasonMeasurementsDisagree | kReasonWeakDirection | kReasonSweepIncomplete | kReasonSweepEmpty |
