@@ -48,7 +48,8 @@ TEST(GraphMessages, ReasonBitsAndStatesAreTheCores) {
   EXPECT_EQ(Message::REASON_TIME_FIELD_REFUSED, kReasonTimeFieldRefused);
   EXPECT_EQ(Message::REASON_WEAK_ROAD_AHEAD, kReasonWeakRoadAhead);
   EXPECT_EQ(Message::REASON_POINT_TIMES_CONTRADICTED, kReasonPointTimesContradicted);
-  EXPECT_EQ(reasonText(Message::REASON_POINT_TIMES_CONTRADICTED << 1).rfind("BIT_", 0), 0u);  // no bit without a constant
+  EXPECT_EQ(reasonText(Message::REASON_POINT_TIMES_CONTRADICTED << 1).rfind("BIT_", 0),
+            0u);  // no bit without a constant
   EXPECT_EQ(Message::UNKNOWN, static_cast<int>(FailAwareState::kUnknown));
   EXPECT_EQ(Message::OK, static_cast<int>(FailAwareState::kOk));
   EXPECT_EQ(Message::DEGRADED, static_cast<int>(FailAwareState::kDegraded));
