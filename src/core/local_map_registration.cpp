@@ -36,7 +36,7 @@ bool LocalMapRegistration::prepare(const CorrectedSweep& sweep, const SweepPredi
   enterOdom(prediction.odom_reset_count);
   builder_.build(sweep, prediction, T_cog_lidar, scan_);
   road_profile_ = road_profile_aid_.find(sweep, scan_, prediction, track_);
-  if (road_profile_.map_is_wrong && !resolver_.isDrivingOff()) map_.clearPoints();
+  if (road_profile_.map_is_wrong && !resolver_.mayDriveOff()) map_.clearPoints();
   resolveGuess(sweep, prediction);
   applyGuess();
   findOpenCountry(prediction);

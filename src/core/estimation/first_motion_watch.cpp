@@ -10,6 +10,7 @@ namespace {
 constexpr int kSpeedKnown = -1;
 constexpr double kGuessed_mps = 5.0;     // sigma of the first speed: 2 m/s at most if a search found it, else 15
 constexpr double kMeasured_mps = 3.0;    // with a smaller sigma the speed is measured, though not precisely
+constexpr double kStands_mps = 0.5;      // an observed standstill may end unseen: the search may begin again
 constexpr int kManyGuessed = 10;         // sweeps: a guess over fewer is hardly in the map
 constexpr int kLatestRepetition = 1000;  // sweeps between two searches
 
@@ -17,16 +18,20 @@ constexpr int kLatestRepetition = 1000;  // sweeps between two searches
 
 bool FirstMotionWatch::mustSearchAgain(MotionStatus status, double speed_mps, const SpeedError& error) {
   if (guessed_sweeps_ == kSpeedKnown || status == MotionStatus::kUnknown) return false;
+  const bool slow = std::abs(speed_mps) < kGuessed_mps;
+  const double variance_m2_s2 = error.variance_m2_s2;
   if (status == MotionStatus::kDeadReckoning) {
-    if (error.variance_m2_s2 < kMeasured_mps * kMeasured_mps) return false;
-    const bool slow = std::abs(speed_mps) < kGuessed_mps;
-    const bool found = guessed_sweeps_ == 0 && error.variance_m2_s2 < kGuessed_mps * kGuessed_mps;
-    guessed_sweeps_ = found && !slow ? kSpeedKnown : guessed_sweeps_ + 1;  // one that stood may have driven off
+    const bool found = guessed_sweeps_ == 0 && variance_m2_s2 < kGuessed_mps * kGuessed_mps;
+    if (found && !slow) {  // one that stood may have driven off
+      guessed_sweeps_ = kSpeedKnown;
+    } else if (variance_m2_s2 >= kMeasured_mps * kMeasured_mps) {
+      ++guessed_sweeps_;
+    }
     return guessed_sweeps_ >= search_after_sweeps_ && slow;
   }
   const bool guessed_long = guessed_sweeps_ >= kManyGuessed;
-  const bool may_stand = !guessed_long && std::abs(speed_mps) < kGuessed_mps;
-  guessed_sweeps_ = may_stand ? 0 : kSpeedKnown;
+  const bool stands = std::abs(speed_mps) < kStands_mps;
+  guessed_sweeps_ = stands && !guessed_long ? 0 : kSpeedKnown;
   return guessed_long;
 }
 

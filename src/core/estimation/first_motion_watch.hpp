@@ -1,8 +1,9 @@
 // Whether the first motion of a drive is known, and when the search for it must begin again. Not in the paper.
 //
 // Two first motions may be wrong though everything fits: a map that was made at a guessed speed (in a tunnel) later
-// seems to confirm it; and a standstill that nothing observes (on highways). The search repeats after 20, 40, 80, ...
-// sweeps of such a standstill, as the vehicle may really stand.
+// seems to confirm it; and a standstill that nothing observes (on highways), from the start or after one that was
+// observed: the vehicle may have driven off unseen. The search repeats after 20, 40, 80, ... sweeps of such a standstill,
+// as the vehicle may really stand.
 // Cost: negligible.
 #pragma once
 

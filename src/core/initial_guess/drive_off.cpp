@@ -23,7 +23,9 @@ constexpr double kBeginsToStand = 0.8, kStillStands = 0.9;
 constexpr double kFirstAsked_s = 0.18, kLastAsked_s = 0.35;  // s since the first sweep: when the following may begin
 constexpr double kLeft_m = 7.0;                              // farther away the vehicle has left the start
 constexpr double kLongestWithout_s = 0.85;                   // without a distance, the vehicle is lost
-constexpr double kBack_m = 0.15;  // a vehicle that drives off does not come back; in tunnels, wrong distances do
+constexpr double kLastAsked_sweeps = 2.2;                    // at 5 Hz the motion is known from 0.4 s on
+constexpr double kBegins_m = 1.5;  // farther ahead, the search for the first motion found a speed
+constexpr double kBack_m = 0.15;   // a vehicle that drives off does not come back; in tunnels, wrong distances do
 constexpr double kStandingSigma_m = 0.02, kDistanceSigma_m = 0.05;
 constexpr double kDriveOff_mps2 = 3.0;
 
@@ -63,10 +65,10 @@ struct DistanceSearch {
 
 std::optional<double> findDrivenOff(const SweepMatcher& matcher, const DistanceKernels& kernels, double turned_rad,
                                     double standing_ratio) {
-  const DistanceSearch search{matcher, turned_rad};
   if (matcher.places() == 0.0) return std::nullopt;
-  const SweepMatch here = search.match(0.0, kernels.fine_m, HiddenPoints::kMeetNothing);
+  const SweepMatch here = matcher.match(Pose::Identity(), kernels.fine_m, HiddenPoints::kMeetNothing);
   if (here.met_ratio >= standing_ratio) return 0.0;
+  const DistanceSearch search{matcher, turned_rad};
   std::vector<DistanceTried> all;
   const DistanceTried coarse =
       search.best(kFirst_m, kLast_m, kDistanceStep_m, kernels.coarse_m, HiddenPoints::kHaveAVote, &all);
@@ -74,7 +76,8 @@ std::optional<double> findDrivenOff(const SweepMatcher& matcher, const DistanceK
   const bool ambiguous = std::any_of(all.begin(), all.end(), [&](const DistanceTried& other) {
     return std::abs(other.distance_m - coarse.distance_m) > kNextTo_m && other.log_likelihood > least;
   });
-  if (ambiguous) return std::nullopt;
+  const bool at_the_edge = coarse.distance_m < kFirst_m + kFineStep_m || coarse.distance_m > kLast_m - kFineStep_m;
+  if (ambiguous || at_the_edge) return std::nullopt;
   const DistanceTried fine =
       search.best(coarse.distance_m - 2.0 * kDistanceStep_m, coarse.distance_m + 2.0 * kDistanceStep_m, kFineStep_m,
                   kernels.fine_m, HiddenPoints::kMeetNothing);
@@ -85,31 +88,30 @@ std::optional<double> findDrivenOff(const SweepMatcher& matcher, const DistanceK
 }
 
 std::optional<DriveOff::Place> DriveOff::add(const Sweep& sweep, const Search& search) {
-  const bool left = std::abs(sweep.predicted_m) > kLeft_m;
-  if (left) clear();
-  const bool may_begin = !left && sweep.since_first_s >= kFirstAsked_s && sweep.since_first_s <= kLastAsked_s;
+  if (std::abs(sweep.predicted_m) > kLeft_m) clear();
+  const double last_asked_s = std::max(kLastAsked_s, kLastAsked_sweeps * sweep.dt_s);
+  const bool may_begin = sweep.since_first_s >= kFirstAsked_s && sweep.since_first_s <= last_asked_s &&
+                         std::abs(sweep.predicted_m) <= kBegins_m;
   if (state_ == State::kIdle && !may_begin) return std::nullopt;
-  const std::optional<double> distance_m = state_ == State::kLost ? std::nullopt : find(search);
+  const double without_s = sweep.since_first_s - found_after_s_;
+  const double gone_m = 0.5 * kDriveOff_mps2 * without_s * without_s;
+  std::optional<double> distance_m;
+  if (state_ != State::kLost) distance_m = search(state_ == State::kIdle ? kBeginsToStand : kStillStands);
   if (state_ == State::kIdle && distance_m != 0.0) return std::nullopt;
+  if (distance_m && std::abs(*distance_m) < farthest_m_ - kBack_m) {
+    state_ = State::kLost;
+    distance_m.reset();
+  }
   stands_ = distance_m == 0.0;
   if (distance_m) {
     state_ = State::kFollowing;
     farthest_m_ = std::max(farthest_m_, std::abs(*distance_m));
     found_after_s_ = sweep.since_first_s;
-    return Place{distance_m, *distance_m == 0.0 ? kStandingSigma_m : kDistanceSigma_m};
+    return Place{distance_m, stands_ ? kStandingSigma_m : kDistanceSigma_m};
   }
-  const double without_s = sweep.since_first_s - found_after_s_;
   if (without_s > kLongestWithout_s) state_ = State::kLost;
-  const double gone_m = 0.5 * kDriveOff_mps2 * without_s * without_s;
   // registration makes the same error in each of these sweeps: together they must not weigh more than one
   return Place{std::nullopt, std::sqrt(std::max(1.0, without_s / sweep.dt_s)) * (kDistanceSigma_m + gone_m)};
-}
-
-std::optional<double> DriveOff::find(const Search& search) {
-  const std::optional<double> distance_m = search(state_ == State::kFollowing ? kStillStands : kBeginsToStand);
-  const bool comes_back = distance_m && std::abs(*distance_m) < farthest_m_ - kBack_m;
-  if (comes_back) state_ = State::kLost;
-  return comes_back ? std::nullopt : distance_m;
 }
 
 }  // namespace fail_aware

@@ -53,8 +53,8 @@ void addDriveOff(const InitialGuess& guess, const MotionInitialization::Params& 
 void inflateAlongTrack(const InitialGuess& guess, const MotionInitialization::Params& params,
                        Measurement& measurement) {
   if (!measurement.ok() || !(guess.dt_s > 0.0)) return;
-  const bool all_may_travel = measurement.min_information_ratio <= kSureRatio;
-  if (guess.start && !(guess.start->distance_m == 0.0 && all_may_travel)) return;
+  const bool little_informs = measurement.min_information_ratio <= kSureRatio;
+  if (guess.start && !(guess.start->distance_m == 0.0 && little_informs)) return;
   const Eigen::Vector3d forward = guess.T_odom_cog_previous.linear().col(0);
   const double distance_m = forward.dot(measurement.T_odom_cog.translation() - guess.T_odom_cog_previous.translation());
   if (std::abs(distance_m) > params.standstill_m || measurement.min_information_ratio > params.standstill_ratio) return;

@@ -1,6 +1,5 @@
 #include "core/initial_guess/initial_guess.hpp"
 
-#include "core/geometry/rotation.hpp"
 #include "core/stamp_difference.hpp"
 
 namespace fail_aware {
@@ -66,17 +65,24 @@ InitialGuessResolver::Better InitialGuessResolver::findFirstMotion(const Correct
 InitialGuessResolver::Better InitialGuessResolver::followDriveOff(const CorrectedSweep& sweep,
                                                                   const RegistrationScan& scan, const LocalMap& map,
                                                                   double time_s, const InitialGuess& guess) {
-  if (map.empty() || !searchesFrom(map.first())) drive_off_.clear();
-  if (map.empty() || !searchesFrom(map.first()) || first_motion_.params().standstill_m == 0.0) return std::nullopt;
-  const Pose T_first_cog = map.first().T_odom_cog.inverse() * guess.T_odom_cog;
-  const double predicted_m = T_first_cog.translation().x(), turned_rad = rpyFromRotation(T_first_cog.linear()).z();
+  if (first_motion_.params().standstill_m == 0.0) return std::nullopt;
+  if (map.empty() && drive_off_.stands()) {  // after set_pose: this sweep becomes the first one
+    first_motion_.setFirst(sweep, scan.T_cog_lidar);
+    first_time_s_ = time_s;
+  }
+  if (map.empty() || !searchesFrom(map.first())) {
+    drive_off_.clear();
+    return std::nullopt;
+  }
+  const Vector6d step_m_rad = logSe3(map.first().T_odom_cog.inverse() * guess.T_odom_cog);
   InitialGuess found = guess;
   found.start = drive_off_.add(
-      {secondsBetween(map.first().time_s, time_s), guess.dt_s, predicted_m},
-      [&](double ratio) { return first_motion_.findDistance(sweep, scan.T_cog_lidar, turned_rad, ratio); });
+      {secondsBetween(map.first().time_s, time_s), guess.dt_s, step_m_rad[0]},
+      [&](double ratio) { return first_motion_.findDistance(sweep, scan.T_cog_lidar, step_m_rad[5], ratio); });
   if (!found.start) return std::nullopt;
-  if (const std::optional<double>& distance_m = found.start->distance_m) {
-    found.T_odom_cog.translation() += (*distance_m - predicted_m) * guess.T_odom_cog.linear().col(0);
+  if (found.start->distance_m) {
+    const double ahead_m = *found.start->distance_m - step_m_rad[0];
+    found.T_odom_cog.translation() += ahead_m * guess.T_odom_cog.linear().col(0);
   }
   return found;
 }
@@ -94,6 +100,7 @@ InitialGuessResolver::Better InitialGuessResolver::relocalize(const Registration
       relocalization_.find(scan.cloud, map.map(), guess.T_odom_cog, guess.covariance, gap);
   InitialGuess found = guess;
   found.T_odom_cog = T_odom_cog.value_or(guess.T_odom_cog);
+  found.start.reset();
   found.lost = !T_odom_cog;
   return found;
 }
@@ -115,6 +122,7 @@ InitialGuessResolver::Better InitialGuessResolver::detectClockJump(const Registr
   if (!T_odom_cog) return std::nullopt;
   InitialGuess found = guess;
   found.T_odom_cog = *T_odom_cog;
+  found.start.reset();
   found.lost = false;
   found.clock_jump_suspected = true;
   return found;

@@ -10,7 +10,8 @@
 // - unless tracking is lost: deskew refinement (deskew_refinement.hpp).
 // Frames: poses of the centre of gravity in odom.
 // Failure: the prediction, or `lost`.
-// Cost: one deskew refinement per sweep (a point-to-plane registration); the others only where needed (up to 200 ms).
+// Cost: one deskew refinement per sweep (a point-to-plane registration); the others only where needed (up to 200 ms;
+// near the start of a drive that began at standstill 8 to 20 ms).
 #pragma once
 
 #include <optional>
@@ -60,8 +61,8 @@ class InitialGuessResolver {
   /// The search for the first motion begins at the map's first sweep.
   bool searchesFrom(const LocalMap::Sweep& first) const { return first_time_s_ == first.time_s; }
 
-  /// A vehicle that stood at the first sweep stands no longer, and is still near it.
-  bool isDrivingOff() const { return drive_off_.isDrivingOff(); }
+  /// A vehicle that stood at the first sweep is still near it, and not seen to stand.
+  bool mayDriveOff() const { return drive_off_.isFollowing() && !drive_off_.stands(); }
 
   void reset();
 

@@ -86,7 +86,7 @@ class MotionInitialization {
   std::optional<Found> find(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double dt_s) const;
 
   /// How far the vehicle, if it stood at the first sweep, has come since, along its own axis (drive_off.hpp).
-  /// turned_rad: how far it has turned. standing_ratio: it stands if at least this ratio of the cells meets there.
+  /// turned_rad: how far it has turned. standing_ratio: it stands if at least this ratio of the places meets there.
   /// Returns nullopt before setFirst(), or if no distance stands out. Cost: 8 to 20 ms.
   std::optional<double> findDistance(const CorrectedSweep& sweep, const Pose& T_cog_lidar, double turned_rad,
                                      double standing_ratio) const;

@@ -40,9 +40,25 @@ TEST(FirstMotionWatch, AStandstillThatNothingObservesIsDoubtedLessAndLessOften) 
   EXPECT_EQ(sweepsUntilSearch(watch, 0.1, 15.0), 20);
 }
 
+TEST(FirstMotionWatch, AStandstillThatIsMeasuredThoughNotPreciselyIsNotDoubted) {
+  FirstMotionWatch watch;
+  EXPECT_EQ(sweepsUntilSearch(watch, 0.1, 1.0), 0);
+  EXPECT_EQ(sweepsUntilSearch(watch, 0.1, 4.0), 20);
+}
+
+TEST(FirstMotionWatch, AnObservedStandstillMayEndUnseen) {
+  FirstMotionWatch watch;
+  EXPECT_FALSE(watch.mustSearchAgain(MotionStatus::kObserved, 0.1, error(0.0)));
+  EXPECT_EQ(sweepsUntilSearch(watch, 0.1, 4.0), 20);
+  FirstMotionWatch driving;
+  EXPECT_FALSE(driving.mustSearchAgain(MotionStatus::kObserved, 1.0, error(0.0)));
+  EXPECT_EQ(sweepsUntilSearch(driving, 0.1, 4.0), 0) << "known for good";
+}
+
 TEST(FirstMotionWatch, AFoundSpeedIsBelieved) {
   FirstMotionWatch watch;
-  EXPECT_EQ(sweepsUntilSearch(watch, 20.0, 2.0), 0);
+  EXPECT_FALSE(watch.mustSearchAgain(MotionStatus::kDeadReckoning, 20.0, error(2.0)));
+  EXPECT_EQ(sweepsUntilSearch(watch, 0.1, 15.0), 0) << "known for good";
   EXPECT_FALSE(watch.mustSearchAgain(MotionStatus::kObserved, 20.0, error(0.0)));
 }
 

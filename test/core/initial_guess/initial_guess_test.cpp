@@ -38,7 +38,8 @@ class InitialGuessTest : public ::testing::Test {
     prediction.T_odom_cog = T_odom_cog;
     prediction.covariance = sigma_m * sigma_m * Matrix6d::Identity();
     prediction.motion_status = motion_known ? MotionStatus::kObserved : MotionStatus::kUnknown;
-    const CorrectedSweep sweep = drive_.sweep(stamp_s, static_cast<unsigned>(2.0 + 10.0 * stamp_s));
+    const bool stands = drive_.twist_cog.isZero();  // the beams hit the same spots
+    const CorrectedSweep sweep = drive_.sweep(stamp_s, stands ? 2u : static_cast<unsigned>(2.0 + 10.0 * stamp_s));
     builder_.build(sweep, prediction, drive_.T_cog_lidar, scan_);
     return resolver_.resolve(sweep, scan_, map_, track_, prediction);
   }
@@ -70,6 +71,46 @@ TEST_F(InitialGuessTest, TheSearchFindsTheFirstMotion) {
   EXPECT_GT(guess.searched_sigma_m, 0.0);
   EXPECT_NEAR(guess.covariance(0, 0), 0.04, 1e-9) << "a step of the search, squared";
   EXPECT_FALSE(guess.lost);
+}
+
+TEST_F(InitialGuessTest, ADriveOffIsFollowedWithTheFirstSweep) {
+  drive_.twist_cog.setZero();
+  placeFirst();
+  resolve(0.1, 0.1, Pose::Identity(), false);
+  InitialGuess guess = resolve(0.2, 0.1, Pose::Identity(), true);
+  ASSERT_TRUE(guess.start);
+  EXPECT_EQ(guess.start->distance_m, 0.0);
+  EXPECT_TRUE(guess.T_odom_cog.isApprox(Pose::Identity()));
+
+  drive_.twist_cog = planarTwist(1.5, 0.2);
+  const Pose behind = drive_.pose(1.0) * Eigen::Translation3d(-0.2, 0.0, 0.0);
+  guess = resolve(1.0, 0.1, behind, true);
+  ASSERT_TRUE(guess.start && guess.start->distance_m);
+  EXPECT_NEAR(*guess.start->distance_m, 1.5, 0.1);
+  EXPECT_LT(translationError(guess.T_odom_cog, drive_.pose(1.0)), 0.12) << "along the arc";
+  EXPECT_TRUE(resolver_.mayDriveOff());
+
+  guess = resolve(6.0, 0.1, drive_.pose(6.0), true);
+  EXPECT_FALSE(guess.start) << "9 m away";
+  EXPECT_EQ(guess.T_odom_cog.matrix(), drive_.pose(6.0).matrix());
+}
+
+TEST_F(InitialGuessTest, AResetOfOdomWhileStandingBeginsAnew) {
+  drive_.twist_cog.setZero();
+  placeFirst();
+  resolve(0.1, 0.1, Pose::Identity(), false);
+  EXPECT_TRUE(resolve(0.2, 0.1, Pose::Identity(), true).start);
+  map_.enterOdom(1);
+  EXPECT_FALSE(resolve(5.0, 0.1, Pose::Identity(), true).start) << "this sweep is the first in the new map";
+  map_.insert(scan_.cloud, Pose::Identity(), 5.0, true);
+  EXPECT_FALSE(resolve(5.1, 0.1, Pose::Identity(), true).start);
+  EXPECT_TRUE(resolve(5.2, 0.1, Pose::Identity(), true).start);
+}
+
+TEST_F(InitialGuessTest, AVehicleInMotionIsNotFollowed) {
+  placeFirst();
+  resolve(0.1, 0.1, Pose::Identity(), false);
+  for (const double stamp_s : {0.2, 0.3, 0.4}) EXPECT_FALSE(resolve(stamp_s, 0.1, drive_.pose(stamp_s), true).start);
 }
 
 TEST_F(InitialGuessTest, OnceMotionIsKnownItIsThePrediction) {
