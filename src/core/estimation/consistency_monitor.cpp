@@ -18,6 +18,10 @@ constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from
 // addition 0.043, with a noise of 0.05 m less than this, of 0.12 m 0.06, of 0.2 m 0.07.
 constexpr double kNoisyResidual_m = 0.05;
 
+// On real and simulated roads roll and pitch change by 0.2 to 0.5 deg more than predicted, at most; a speed bump tilts a
+// car by 2 deg. A lidar whose mount has tilted is 2.8 to 4 deg off in each of three sweeps.
+constexpr double kLargestTilt_rad = 2.5 * kDegree;
+
 // A jump of less than this that the map confirms is the vehicle's: what a scene repeats is farther apart.
 constexpr double kShortJump_m = 0.3;
 constexpr double kOffWholeSweeps = 0.1;          // of the distance per sweep
@@ -80,7 +84,8 @@ ConsistencyMonitor::Inflation ConsistencyMonitor::add(const Sweep& sweep) {
       undecided_m_.isFull() ? std::max(0.0, undecided_m_.median() - params_.persistent_disagreement_m) : 0.0;
   const double open_m = unfitting_m(), persistent_m = std::max(persistentInnovation_m(sweep.dt_s), open_m);
   const double found_m = fitted_ && sweep.inlier_ratio && !recent_fit_.isFull() ? sweep.disagreement_m : 0.0;
-  const bool turned = params_.max_yaw_innovation_deg > 0.0 && sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree;
+  const bool turned = params_.max_yaw_innovation_deg > 0.0 &&
+                      (sweep.turn_rad > params_.max_yaw_innovation_deg * kDegree || sweep.tilt_rad > kLargestTilt_rad);
   const bool confirmed = sweep.overruled && fitsAsBefore(sweep, fit);
   Inflation inflation;
   inflation.sweeps_lost = confirmed && isOfLostSweeps(sweep);

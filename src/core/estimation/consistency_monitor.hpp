@@ -10,8 +10,8 @@
 //   vehicle does. A speed estimated from them would diverge, so the velocity is unobservable from the first such sweep
 //   on, unless nothing has fitted yet (a start in a place with few objects). A map of one or two sweeps is too young to
 //   judge by.
-// - The heading jumps. A vehicle does not turn that fast by itself (the sensor was hit, or the pose is wrong), so a
-//   fraction of the jump may be an error.
+// - The rotation jumps. A vehicle does not turn or tilt that fast by itself (the sensor was hit, or the pose is wrong),
+//   so a fraction of the jump may be an error of the heading.
 // - The position jumps: most measurements that agree are outside the gate. Sources that share the map can all settle in
 //   the same wrong place, so the whole jump may be an error, unless the map confirms it and it is short or whole sweeps
 //   ahead: then sweeps are lost which the stamps do not count.
@@ -70,6 +70,7 @@ class ConsistencyMonitor {
     bool overruled = false;       ///< FusionResult::prediction_overruled
     double ahead_m = 0.0;         ///< part of the innovation along the vehicle; positive: farther than predicted
     double per_period_m = 0.0;    ///< distance that the prediction assumes per sweep; 0: not known
+    double tilt_rad = 0.0;        ///< roll and pitch of the innovation, part of turn_rad
   };
 
   struct Inflation {

@@ -270,6 +270,7 @@ ConsistencyMonitor::Inflation PoseFilter::addInflation(const std::vector<FusionI
   }
   sweep.time_sigma_m = interval_sigma_s_ * motion_.motion().velocity_body_mps.norm();
   sweep.turn_rad = innovation.tail<3>().norm();
+  sweep.tilt_rad = innovation.segment<2>(3).norm();
   sweep.overruled = state.fusion.prediction_overruled;
   for (const FusionInput& input : inputs) {
     if (input.name != kIcpPointToPlane || !input.usable()) continue;

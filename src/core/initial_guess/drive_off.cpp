@@ -37,10 +37,10 @@ struct DistanceTried {
 };
 
 struct DistanceSearch {
-  const SweepMatcher& matcher;
+  const FirstSweepMatcher& matcher;
   double turned_rad;
 
-  SweepMatch match(double distance_m, double kernel_m, HiddenPoints hidden) const {
+  FirstSweepMatch match(double distance_m, double kernel_m, HiddenPoints hidden) const {
     Vector6d step = Vector6d::Zero();
     step[0] = distance_m;
     step[5] = turned_rad;
@@ -63,10 +63,10 @@ struct DistanceSearch {
 
 }  // namespace
 
-std::optional<double> findDrivenOff(const SweepMatcher& matcher, const DistanceKernels& kernels, double turned_rad,
+std::optional<double> findDrivenOff(const FirstSweepMatcher& matcher, const DistanceKernels& kernels, double turned_rad,
                                     double standing_ratio) {
   if (matcher.places() == 0.0) return std::nullopt;
-  const SweepMatch here = matcher.match(Pose::Identity(), kernels.fine_m, HiddenPoints::kMeetNothing);
+  const FirstSweepMatch here = matcher.match(Pose::Identity(), kernels.fine_m, HiddenPoints::kMeetNothing);
   if (here.met_ratio >= standing_ratio) return 0.0;
   const DistanceSearch search{matcher, turned_rad};
   std::vector<DistanceTried> all;

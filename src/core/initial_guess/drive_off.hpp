@@ -23,18 +23,18 @@
 #include <functional>
 #include <optional>
 
-#include "core/initial_guess/sweep_match.hpp"
+#include "core/initial_guess/first_sweep_matcher.hpp"
 
 namespace fail_aware {
 
 struct DistanceKernels {
-  double coarse_m = 0.5;  ///< of the search, and of the last step, as in SweepMatcher::match()
+  double coarse_m = 0.5;  ///< of the search, and of the last step, as in FirstSweepMatcher::match()
   double fine_m = 0.15;
 };
 
 /// The distance from the first sweep, -1 to 8 m along the arc of a vehicle that has turned by turned_rad: 0 if at least
 /// standing_ratio of the places meets there. Returns nullopt if none stands out.
-std::optional<double> findDrivenOff(const SweepMatcher& matcher, const DistanceKernels& kernels, double turned_rad,
+std::optional<double> findDrivenOff(const FirstSweepMatcher& matcher, const DistanceKernels& kernels, double turned_rad,
                                     double standing_ratio);
 
 class DriveOff {

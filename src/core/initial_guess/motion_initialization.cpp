@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/initial_guess/drive_off.hpp"
-#include "core/initial_guess/sweep_match.hpp"
+#include "core/initial_guess/first_sweep_matcher.hpp"
 #include "core/moving_median.hpp"
 #include "core/preprocessing/voxel_filter.hpp"
 
@@ -32,7 +32,7 @@ struct Tried {
 /// Scores motions of one sweep against the first one.
 struct Search {
   const MotionInitialization::Params& params;
-  const SweepMatcher& matcher;
+  const FirstSweepMatcher& matcher;
   double dt_s;
 
   Tried score(double speed_mps, double yaw_rate_rps, double kernel_m, HiddenPoints hidden) const {
@@ -44,7 +44,7 @@ struct Search {
     }
     tried.twist[0] = speed_mps;
     tried.twist[5] = yaw_rate_rps;
-    const SweepMatch match = matcher.match(expSe3(tried.twist * dt_s), kernel_m, hidden);
+    const FirstSweepMatch match = matcher.match(expSe3(tried.twist * dt_s), kernel_m, hidden);
     tried.likelihood = match.log_likelihood;
     tried.votes = match.votes;
     return tried;
@@ -145,7 +145,7 @@ std::optional<MotionInitialization::Found> MotionInitialization::find(const Corr
                                                                       const Pose& T_cog_lidar, double dt_s) const {
   if (first_.empty() || !(dt_s > 0.0)) return std::nullopt;
   const AboveGroundPoints above_ground = aboveGround(sweep, T_cog_lidar, 2000);
-  const SweepMatcher matcher(above_ground, first_, hidden_in_first_);
+  const FirstSweepMatcher matcher(above_ground, first_, hidden_in_first_);
   const Search search{params_, matcher, dt_s};
   const std::vector<Tried> tried = search.bySpeed();
   const auto best = std::max_element(tried.begin(), tried.end());
@@ -164,7 +164,7 @@ std::optional<double> MotionInitialization::findDistance(const CorrectedSweep& s
                                                          double turned_rad, double standing_ratio) const {
   if (first_.empty()) return std::nullopt;
   const AboveGroundPoints above_ground = aboveGround(sweep, T_cog_lidar, 1000);
-  const SweepMatcher matcher(above_ground, first_, hidden_in_first_);
+  const FirstSweepMatcher matcher(above_ground, first_, hidden_in_first_);
   return findDrivenOff(matcher, {params_.kernel_m, kFineKernel * params_.kernel_m}, turned_rad, standing_ratio);
 }
 

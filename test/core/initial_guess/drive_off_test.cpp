@@ -47,7 +47,7 @@ std::optional<double> found(const std::vector<Eigen::Vector3f>& first, const std
   map.insert(first, Pose::Identity());
   const AboveGroundPoints above_ground = findAboveGroundPoints(now, {3.0, 0.5, 0.4}, 4000);
   const OcclusionImage nothing_hidden;
-  return findDrivenOff(SweepMatcher(above_ground, map, nothing_hidden), DistanceKernels(), 0.0, standing_ratio);
+  return findDrivenOff(FirstSweepMatcher(above_ground, map, nothing_hidden), DistanceKernels(), 0.0, standing_ratio);
 }
 
 TEST(DriveOff, FindsTheDistance) {

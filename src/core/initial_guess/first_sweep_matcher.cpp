@@ -1,4 +1,4 @@
-#include "core/initial_guess/sweep_match.hpp"
+#include "core/initial_guess/first_sweep_matcher.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -18,12 +18,12 @@ constexpr double kMet = 0.5;  // a place with this vote meets the first sweep
 
 }  // namespace
 
-SweepMatch SweepMatcher::match(const Pose& T_first_now, double kernel_m, HiddenPoints hidden) const {
+FirstSweepMatch FirstSweepMatcher::match(const Pose& T_first_now, double kernel_m, HiddenPoints hidden) const {
   const bool have_a_vote = hidden == HiddenPoints::kHaveAVote;
   const std::vector<double> votes = votesOfPlaces(
       now_, first_, T_first_now, kernel_m,
       [&](const Eigen::Vector3d& point) { return have_a_vote && hidden_in_first_.hides(point) ? kHidden : 0.0; });
-  SweepMatch match;
+  FirstSweepMatch match;
   std::size_t met = 0;
   for (const double vote : votes) {
     match.log_likelihood += std::log(vote + kUnmet);

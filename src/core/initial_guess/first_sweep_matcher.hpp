@@ -13,7 +13,7 @@
 
 namespace fail_aware {
 
-struct SweepMatch {
+struct FirstSweepMatch {
   double log_likelihood = 0.0;  ///< of the votes: comparable at poses of the same sweep
   double votes = 0.0;           ///< of the places: how many meet, by degrees
   double met_ratio = 0.0;       ///< of the places
@@ -23,13 +23,13 @@ struct SweepMatch {
 enum class HiddenPoints { kMeetNothing, kHaveAVote };
 
 /// Refers to its arguments, which must outlive it.
-class SweepMatcher {
+class FirstSweepMatcher {
  public:
-  SweepMatcher(const AboveGroundPoints& now, const VoxelMap& first, const OcclusionImage& hidden_in_first)
+  FirstSweepMatcher(const AboveGroundPoints& now, const VoxelMap& first, const OcclusionImage& hidden_in_first)
       : now_(now), first_(first), hidden_in_first_(hidden_in_first) {}
 
   /// kernel_m: Geman-McClure scale of the distance to the nearest point of the first sweep.
-  SweepMatch match(const Pose& T_first_now, double kernel_m, HiddenPoints hidden) const;
+  FirstSweepMatch match(const Pose& T_first_now, double kernel_m, HiddenPoints hidden) const;
 
   double places() const { return static_cast<double>(now_.places); }
 
