@@ -19,8 +19,8 @@ constexpr double kTimeSigmas = 2.0;  // this much of an innovation can come from
 constexpr double kNoisyResidual_m = 0.05;
 
 // On real and simulated roads roll and pitch change by 0.2 to 0.5 deg more than predicted, at most; a speed bump tilts a
-// car by 2 deg. A lidar whose mount has tilted is 2.8 to 4 deg off in each of three sweeps.
-constexpr double kLargestTilt_rad = 2.5 * kDegree;
+// car by 2 deg. If the lidar's mount tilts by 6 deg, the first sweep is off by 4.1 deg.
+constexpr double kLargestTilt_rad = 3.5 * kDegree;
 
 // A jump of less than this that the map confirms is the vehicle's: what a scene repeats is farther apart.
 constexpr double kShortJump_m = 0.3;

@@ -161,9 +161,9 @@ TEST(ConsistencyMonitor, ATiltThatNoVehicleMakesMayBeWrongByARatio) {
   const auto tilted = [](double tilt_deg) {
     return afterOdd(1, [=](Sweep& sweep) { sweep.turn_rad = sweep.tilt_rad = tilt_deg * kDegree; });
   };
-  expectNone(tilted(2.4), "a speed bump");
-  EXPECT_NEAR(tilted(3.0).doubt.sigma_yaw_rad, 0.3 * kDegree, 1e-12);
-  EXPECT_TRUE(tilted(3.0).unbelievable);
+  expectNone(tilted(3.4), "a speed bump");
+  EXPECT_NEAR(tilted(4.0).doubt.sigma_yaw_rad, 0.4 * kDegree, 1e-12);
+  EXPECT_TRUE(tilted(4.0).unbelievable);
 }
 
 TEST(ConsistencyMonitor, AJumpThatOverrulesThePredictionMayBeWrong) {
