@@ -48,7 +48,7 @@ class DriveOff {
   struct Sweep {
     double since_first_s = 0.0;
     double dt_s = 0.0;         ///< since the last sweep
-    double predicted_m = 0.0;  ///< the distance from the first sweep
+    double predicted_m = 0.0;  ///< the distance from the first sweep, along the arc
   };
 
   /// Finds the distance; its argument: findDrivenOff()'s standing_ratio.
@@ -68,8 +68,6 @@ class DriveOff {
   /// kLost: the distances contradict each other, or none was found for long. No longer searched for, as a standstill amid
   /// vehicles that travel along seems to come back, too.
   enum class State { kIdle, kFollowing, kLost };
-
-  std::optional<double> find(const Search& search);
 
   State state_ = State::kIdle;
   bool stands_ = false;
