@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iterator>
 
 #include "core/geometry/degree.hpp"
 
@@ -82,20 +81,18 @@ bool SweepSeamCheck::contradicts(const SweepSeam& seam) const {
          std::abs(wrapped_deg(seam.start_azimuth_deg - params_.start_azimuth_deg)) > kTolerance_deg;
 }
 
-std::vector<SweepSeam> SweepSeamCheck::contradicting() const {
-  std::vector<SweepSeam> contradicting;
-  std::copy_if(seams_.begin(), seams_.end(), std::back_inserter(contradicting),
-               [this](const SweepSeam& seam) { return contradicts(seam); });
-  return contradicting;
-}
-
 bool SweepSeamCheck::contradicted() const {
-  return seams_.size() >= kSweepsNeeded && 2 * contradicting().size() > seams_.size();
+  const auto count =
+      std::count_if(seams_.begin(), seams_.end(), [this](const SweepSeam& seam) { return contradicts(seam); });
+  return seams_.size() >= kSweepsNeeded && 2 * static_cast<std::size_t>(count) > seams_.size();
 }
 
 std::string SweepSeamCheck::contradiction() const {
   if (!contradicted()) return "";
-  std::vector<SweepSeam> contradicting = this->contradicting();
+  std::vector<SweepSeam> contradicting;
+  for (const SweepSeam& seam : seams_) {
+    if (contradicts(seam)) contradicting.push_back(seam);
+  }
   // the median, relative to the newest azimuth
   const double newest_deg = contradicting.back().start_azimuth_deg;
   const auto middle = contradicting.begin() + static_cast<std::ptrdiff_t>(contradicting.size() / 2);

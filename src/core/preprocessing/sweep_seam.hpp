@@ -46,7 +46,6 @@ class SweepSeamCheck {
 
  private:
   bool contradicts(const SweepSeam& seam) const;
-  std::vector<SweepSeam> contradicting() const;
 
   SweepTimingParams params_;
   std::deque<SweepSeam> seams_;

@@ -136,7 +136,7 @@ TEST(DriveOff, DoubtGrowsWhileNoDistanceIsFound) {
   EXPECT_TRUE(feed.add(0.6, 0.0)->distance_m) << "found again";
 }
 
-/// A vehicle amid others that travel along: registration has stayed with them, the scenery tells the distance.
+/// Registration has stayed with the vehicles that travel along. The scenery shows the true distance.
 TEST(DriveOff, ADistanceFarFromThePredictionIsBelieved) {
   Feed feed;
   feed.stand(5);

@@ -225,7 +225,7 @@ TEST(SweepCorrector, TellsThatTheCloudsContradictTheTiming) {
       Sweep sweep;
       sweep.stamp_s = 3.0 + kPeriod_s * i;
       for (const Eigen::Vector3f& point : scan(sweep.stamp_s, 0.5).sweep.points_lidar) {
-        sweep.points_lidar.insert(sweep.points_lidar.end(), 3, point);  // the order of fewer points tells nothing
+        sweep.points_lidar.insert(sweep.points_lidar.end(), 3, point);  // fewer points do not show the seam
       }
       CorrectedSweep corrected;
       SweepFindings findings;
